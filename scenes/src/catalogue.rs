@@ -1,0 +1,75 @@
+//! The catalogue of procedural scenes.
+
+use crate::error::SceneError;
+use crate::procedural::{Built, room};
+use crate::scene::{ImportNotes, Origin, Scene};
+
+/// Least scale factor of a procedural scene.
+pub const SCALE_MIN: f64 = 0.001;
+/// Greatest scale factor of a procedural scene.
+pub const SCALE_MAX: f64 = 64.0;
+
+/// A procedural scene by name.
+#[derive(Clone, Debug)]
+pub struct CatalogueEntry {
+    /// Stable name, as the command line takes it.
+    pub name: &'static str,
+    /// One sentence on what it holds.
+    pub description: &'static str,
+    /// Number of triangles at scale 1, exact.
+    pub triangles_at_scale_1: u64,
+    /// Whether every ray from any of its cameras hits something.
+    pub closed: bool,
+    /// Makes the scene for a valid scale factor.
+    build: fn(f64) -> Built,
+}
+
+static CATALOGUE: [CatalogueEntry; 1] = [CatalogueEntry {
+    name: "room",
+    description: "a closed furnished room with a mirror floor, thin chair legs, a lamp on a cord and a dense statue",
+    triangles_at_scale_1: room::TRIANGLES_AT_SCALE_1,
+    closed: true,
+    build: room::build,
+}];
+
+/// All procedural scenes, in a fixed order.
+pub fn catalogue() -> &'static [CatalogueEntry] {
+    &CATALOGUE
+}
+
+/// The procedural scene `name` with about `scale` times its triangles at scale 1.
+///
+/// `scale` is in [[`SCALE_MIN`], [`SCALE_MAX`]]; curved parts are tessellated by its square root in either direction,
+/// down to the least that still is a valid scene. The result is the same bit for bit on every machine.
+///
+/// # Errors
+///
+/// [`SceneError::UnknownScene`] and [`SceneError::ScaleOutOfRange`].
+pub fn procedural(name: &str, scale: f64) -> Result<Scene, SceneError> {
+    let entry = CATALOGUE
+        .iter()
+        .find(|entry| entry.name == name)
+        .ok_or_else(|| SceneError::UnknownScene { name: name.to_owned(), known: CATALOGUE.map_names() })?;
+    if !(SCALE_MIN..=SCALE_MAX).contains(&scale) {
+        return Err(SceneError::ScaleOutOfRange { scale, min: SCALE_MIN, max: SCALE_MAX });
+    }
+    let built = (entry.build)(scale);
+    Ok(Scene::assemble(
+        entry.name.to_owned(),
+        Origin::Procedural { scale },
+        built.mesh,
+        built.cameras,
+        ImportNotes::default(),
+    ))
+}
+
+trait Names {
+    fn map_names(&self) -> String;
+}
+
+impl Names for [CatalogueEntry] {
+    fn map_names(&self) -> String {
+        let names: Vec<&str> = self.iter().map(|entry| entry.name).collect();
+        names.join(", ")
+    }
+}

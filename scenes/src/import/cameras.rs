@@ -1,0 +1,73 @@
+//! Perspective cameras of the scene, in the order of its nodes.
+
+use glam::DVec3;
+use gltf::json::Root;
+
+use super::nodes::Placed;
+use crate::scene::Camera;
+
+/// Every camera that can be looked through; a word in `warnings` for every other one.
+pub(super) fn collect(root: &Root, placed: &[Placed], warnings: &mut Vec<String>) -> Vec<Camera> {
+    let mut cameras: Vec<Camera> = Vec::new();
+    for place in placed {
+        let Some(node) = root.nodes.get(place.node) else {
+            continue;
+        };
+        let Some(camera) = node.camera.and_then(|index| root.get(index)) else {
+            continue;
+        };
+        let name = camera
+            .name
+            .clone()
+            .or_else(|| node.name.clone())
+            .filter(|name| !name.trim().is_empty())
+            .unwrap_or_else(|| format!("camera-{}", cameras.len()));
+        let Some(perspective) = &camera.perspective else {
+            warnings.push(format!(
+                "camera '{name}' is skipped: it is orthographic, and only perspective cameras are supported"
+            ));
+            continue;
+        };
+        let name = unique(name, &cameras);
+        match aim(place, perspective.yfov) {
+            Some((eye, target, up)) => {
+                cameras.push(Camera { name, eye, target, up, vertical_fov_radians: perspective.yfov })
+            }
+            None => {
+                warnings.push(format!("camera '{name}' is skipped: its transform or its field of view is degenerate"))
+            }
+        }
+    }
+    cameras
+}
+
+/// Eye, target and up of a camera that looks along its node's -Z; scale and shear are taken out.
+fn aim(place: &Placed, yfov: f32) -> Option<([f32; 3], [f32; 3], [f32; 3])> {
+    if !(yfov > 0.0 && yfov < std::f32::consts::PI) {
+        return None;
+    }
+    let eye = place.world.w_axis.truncate();
+    let forward = -place.world.z_axis.truncate().try_normalize()?;
+    let upward = place.world.y_axis.truncate().try_normalize()?;
+    let up = upward - forward * upward.dot(forward);
+    if up.length() < 1e-6 {
+        return None;
+    }
+    let up = up.try_normalize()?;
+    // Far from the origin one unit ahead would drown in f32 rounding.
+    let ahead = (eye.abs().max_element() / 16.0).max(1.0);
+    let target = eye + forward * ahead;
+    let in_range = |point: DVec3| point.abs().max_element() <= super::MAX_COORDINATE;
+    if !(eye.is_finite() && in_range(eye) && in_range(target)) {
+        return None;
+    }
+    Some((eye.as_vec3().to_array(), target.as_vec3().to_array(), up.as_vec3().to_array()))
+}
+
+fn unique(name: String, cameras: &[Camera]) -> String {
+    let taken = |name: &str| cameras.iter().any(|camera| camera.name == name);
+    if !taken(&name) {
+        return name;
+    }
+    (2u32..).map(|number| format!("{name}-{number}")).find(|candidate| !taken(candidate)).unwrap_or(name)
+}

@@ -1,0 +1,156 @@
+//! Collects the triangles of a procedural scene: flat sheets, and stacks of rings, of which everything round is made.
+
+use glam::DVec3;
+
+use super::math::Frame;
+use crate::scene::{Material, Mesh};
+
+/// A material of the scene under construction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MaterialId(u32);
+
+/// How a stack of rings ends.
+pub(super) enum Ends {
+    /// With a fan around a point before the first ring and one after the last.
+    Closed(DVec3, DVec3),
+    /// With a strip that joins the points of a ring pairwise, the first half running forward, the second back: for
+    /// flat rings, where a fan would fold over itself.
+    Pressed,
+    /// The last ring is joined to the first.
+    Looped,
+}
+
+/// The triangles so far.
+pub(super) struct MeshBuilder {
+    mesh: Mesh,
+    /// Where what follows is placed.
+    pub(super) frame: Frame,
+}
+
+impl MeshBuilder {
+    /// Nothing yet, in world space.
+    pub(super) fn new() -> Self {
+        Self {
+            mesh: Mesh {
+                positions: Vec::new(),
+                triangles: Vec::new(),
+                triangle_materials: Vec::new(),
+                materials: Vec::new(),
+            },
+            frame: Frame::WORLD,
+        }
+    }
+
+    /// What was collected.
+    pub(super) fn finish(self) -> Mesh {
+        self.mesh
+    }
+
+    /// A new material.
+    pub(super) fn material(&mut self, base_color: [f32; 3], metallic: f32, roughness: f32) -> MaterialId {
+        self.mesh.materials.push(Material { base_color, metallic, roughness });
+        MaterialId(self.mesh.materials.len() as u32 - 1)
+    }
+
+    /// A surface over the products of `us` and `vs`, seen from the side to which du x dv points.
+    ///
+    /// Cells (by their position in `us` and `vs`) for which `hole` answers true are left out.
+    pub(super) fn sheet(
+        &mut self,
+        material: MaterialId,
+        us: &[f64],
+        vs: &[f64],
+        point: impl Fn(f64, f64) -> DVec3,
+        hole: impl Fn(usize, usize) -> bool,
+    ) {
+        let first = self.mesh.positions.len() as u32;
+        for &v in vs {
+            for &u in us {
+                self.vertex(point(u, v));
+            }
+        }
+        let width = us.len() as u32;
+        for row in 1..vs.len() {
+            for column in 1..us.len() {
+                if hole(column - 1, row - 1) {
+                    continue;
+                }
+                let d = first + row as u32 * width + column as u32;
+                let (a, b, c) = (d - width - 1, d - width, d - 1);
+                self.triangle(material, [a, b, d]);
+                self.triangle(material, [a, d, c]);
+            }
+        }
+    }
+
+    /// A stack of `count` rings of `around` points each; `point` takes the number of the ring and of the point.
+    ///
+    /// It is seen from outside if the points of a ring run counter-clockwise about the direction of the stack.
+    pub(super) fn rings(
+        &mut self,
+        material: MaterialId,
+        count: usize,
+        around: usize,
+        ends: &Ends,
+        point: impl Fn(usize, usize) -> DVec3,
+    ) {
+        let first = self.mesh.positions.len() as u32;
+        for ring in 0..count {
+            for at in 0..around {
+                self.vertex(point(ring, at));
+            }
+        }
+        let index = |ring: usize, at: usize| first + (ring % count * around + at % around) as u32;
+        let joints = match ends {
+            Ends::Closed(..) | Ends::Pressed => count - 1,
+            Ends::Looped => count,
+        };
+        for ring in 0..joints {
+            for at in 0..around {
+                let (a, b) = (index(ring, at), index(ring, at + 1));
+                let (c, d) = (index(ring + 1, at), index(ring + 1, at + 1));
+                self.triangle(material, [a, b, d]);
+                self.triangle(material, [a, d, c]);
+            }
+        }
+        if let Ends::Pressed = ends {
+            for at in 0..around / 2 {
+                let back = around - at;
+                for (ring, flip) in [(0, true), (count - 1, false)] {
+                    let mut halves = [
+                        [index(ring, at), index(ring, at + 1), index(ring, back - 1)],
+                        [index(ring, at), index(ring, back - 1), index(ring, back)],
+                    ];
+                    if flip {
+                        halves.iter_mut().for_each(|half| half.swap(1, 2));
+                    }
+                    // At either tip the strip ends in one triangle.
+                    if at + 1 != back - 1 {
+                        self.triangle(material, halves[0]);
+                    }
+                    if at != 0 {
+                        self.triangle(material, halves[1]);
+                    }
+                }
+            }
+        }
+        if let Ends::Closed(start, end) = *ends {
+            let (start, end) = (self.vertex(start), self.vertex(end));
+            for at in 0..around {
+                self.triangle(material, [start, index(0, at + 1), index(0, at)]);
+                self.triangle(material, [end, index(count - 1, at), index(count - 1, at + 1)]);
+            }
+        }
+    }
+
+    fn vertex(&mut self, point: DVec3) -> u32 {
+        let placed = self.frame.place(point);
+        self.mesh.positions.push(placed.as_vec3().to_array());
+        self.mesh.positions.len() as u32 - 1
+    }
+
+    fn triangle(&mut self, material: MaterialId, corners: [u32; 3]) {
+        self.mesh.triangles.push(corners);
+        self.mesh.triangle_materials.push(material.0);
+    }
+}

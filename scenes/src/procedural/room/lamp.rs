@@ -1,0 +1,103 @@
+//! The pendant lamp: a thin cord that sags from an outlet to a hook over the table, and the shade below it.
+
+use glam::DVec3;
+
+use super::{MAX, Palette, TABLE};
+use crate::procedural::Detail;
+use crate::procedural::builder::MeshBuilder;
+use crate::procedural::math::{Frame, TURN, cos, mix, sin};
+use crate::procedural::shapes::{ball, revolve, smooth_profile, straight_profile, torus, tube};
+
+/// Radius of the power cord in metres.
+const CORD_RADIUS: f64 = 0.003;
+/// Where the cord comes out of the ceiling.
+const OUTLET: DVec3 = DVec3::new(1.35, MAX.y, 1.0);
+/// Height of the hook that the cord hangs over.
+const HOOK: f64 = 2.9;
+/// Height at which the cord enters the lamp.
+const NECK: f64 = 1.83;
+/// The catenary's parameter in metres: small sags deep.
+const SAG: f64 = 2.1;
+
+pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    let hook = DVec3::new(TABLE.x, HOOK, TABLE.z);
+    cord(builder, palette, detail, hook);
+
+    builder.frame = Frame::at(hook);
+    // The hook is a ring around the cord on a short stem.
+    builder.frame = Frame::at(hook + DVec3::Y * 0.004).roll(TURN / 4.0);
+    torus(builder, palette.metal, [detail.around(10), detail.around(24)], DVec3::ZERO, [0.014, 0.0035]);
+    builder.frame = Frame::at(hook);
+    tube(
+        builder,
+        palette.metal,
+        [detail.around(10), detail.along(6)],
+        |t| DVec3::Y * mix(0.016, MAX.y - HOOK + 0.01, t),
+        |_| 0.004,
+    );
+    builder.frame = Frame::at(OUTLET);
+    let canopy =
+        straight_profile(&[[0.0, -0.03], [0.02, -0.03], [0.05, -0.012], [0.055, 0.01], [0.0, 0.01]], detail.along(2));
+    revolve(builder, palette.metal, detail.around(32), &canopy);
+    shade(builder, palette, detail);
+    builder.frame = Frame::WORLD;
+}
+
+/// From the outlet along a catenary to the hook, then down with the faint wave of a cord that was once coiled.
+fn cord(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, hook: DVec3) {
+    let from = OUTLET - DVec3::Y * 0.025;
+    let across = DVec3::new(hook.x - from.x, 0.0, hook.z - from.z);
+    let span = across.length();
+    // The lowest point lies where the catenary through both ends has it; found by halving, 60 steps are exact to f64.
+    let rise = |low: f64| SAG * (libm::cosh((span - low) / SAG) - libm::cosh(low / SAG));
+    let (mut left, mut right) = (-2.0 * span, 3.0 * span);
+    for _ in 0..60 {
+        let middle = (left + right) / 2.0;
+        // `rise` falls as the lowest point moves towards the hook.
+        if rise(middle) > hook.y - from.y {
+            left = middle;
+        } else {
+            right = middle;
+        }
+    }
+    let low = left;
+    let sagging = |t: f64| {
+        let height = SAG * (libm::cosh((t * span - low) / SAG) - libm::cosh(low / SAG));
+        from + across * t + DVec3::Y * height
+    };
+    tube(builder, palette.black, [detail.around(10), detail.divide(90, 8)], sagging, |_| CORD_RADIUS);
+    let hanging = |t: f64| {
+        let wave = 0.006 * t * (1.0 - t);
+        let angle = 3.0 * TURN * t;
+        DVec3::new(hook.x + wave * sin(angle), mix(hook.y + 0.002, NECK - 0.01, t), hook.z + wave * cos(angle))
+    };
+    tube(builder, palette.black, [detail.around(10), detail.divide(60, 8)], hanging, |_| CORD_RADIUS);
+}
+
+fn shade(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    builder.frame = Frame::at(DVec3::new(TABLE.x, NECK, TABLE.z));
+    let socket = straight_profile(
+        &[[0.0, -0.075], [0.018, -0.075], [0.02, -0.01], [0.008, 0.004], [0.0, 0.004]],
+        detail.along(2),
+    );
+    revolve(builder, palette.metal, detail.around(20), &socket);
+    // A thin bell: down on the inside, up on the outside would be inside out, so it starts at the top inside.
+    let bell = smooth_profile(
+        &[
+            [0.0, -0.03],
+            [0.05, -0.036],
+            [0.11, -0.07],
+            [0.16, -0.14],
+            [0.192, -0.22],
+            [0.195, -0.221],
+            [0.197, -0.218],
+            [0.165, -0.136],
+            [0.114, -0.064],
+            [0.052, -0.031],
+            [0.0, -0.025],
+        ],
+        detail.divide(28, 10),
+    );
+    revolve(builder, palette.shade, detail.around(48), &bell);
+    ball(builder, palette.bulb, DVec3::new(0.0, -0.112, 0.0), 0.042, detail.around(28));
+}

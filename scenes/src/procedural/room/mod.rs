@@ -1,0 +1,122 @@
+//! The scene `room`: a closed, furnished room of 6 x 3 x 5 metres around the origin of its floor.
+//!
+//! Its floor is a mirror, its chairs have thin legs, its lamp hangs on a thin cord, and a dense statue holds two thirds
+//! of its triangles. What stands or hangs is sunk a little into what holds it, so that no two faces coincide.
+
+mod chairs;
+mod corner;
+mod lamp;
+mod shelf;
+mod shell;
+mod statue;
+mod table;
+
+use glam::DVec3;
+
+use super::builder::{MaterialId, MeshBuilder};
+use super::{Built, Detail};
+use crate::scene::Camera;
+
+/// Triangles at scale 1, held by a test.
+pub(crate) const TRIANGLES_AT_SCALE_1: u64 = 155_892;
+
+/// Least corner of the inside of the room.
+const MIN: DVec3 = DVec3::new(-3.0, 0.0, -2.5);
+/// Greatest corner of the inside of the room.
+const MAX: DVec3 = DVec3::new(3.0, 3.0, 2.5);
+/// How deep things are sunk into what they stand on.
+const SUNK: f64 = 0.002;
+/// Middle of the table on the floor.
+const TABLE: DVec3 = DVec3::new(-0.9, 0.0, 0.3);
+/// Middle of the statue on the floor.
+const STATUE: DVec3 = DVec3::new(1.55, 0.0, -1.35);
+
+/// What things are made of.
+struct Palette {
+    floor: MaterialId,
+    wall: MaterialId,
+    accent: MaterialId,
+    ceiling: MaterialId,
+    trim: MaterialId,
+    sky: MaterialId,
+    wood: MaterialId,
+    dark_wood: MaterialId,
+    metal: MaterialId,
+    mirror: MaterialId,
+    black: MaterialId,
+    shade: MaterialId,
+    bulb: MaterialId,
+    marble: MaterialId,
+    stone: MaterialId,
+    clay: MaterialId,
+    glaze: MaterialId,
+    fruit: MaterialId,
+    leaf: MaterialId,
+    cloth: MaterialId,
+    books: [MaterialId; 5],
+}
+
+impl Palette {
+    fn new(builder: &mut MeshBuilder) -> Self {
+        let mut matt = |color| builder.material(color, 0.0, 0.9);
+        Self {
+            wall: matt([0.78, 0.75, 0.68]),
+            accent: matt([0.32, 0.43, 0.47]),
+            ceiling: matt([0.88, 0.88, 0.86]),
+            trim: matt([0.85, 0.84, 0.8]),
+            sky: matt([0.62, 0.78, 0.95]),
+            wood: matt([0.55, 0.36, 0.2]),
+            dark_wood: matt([0.28, 0.17, 0.1]),
+            black: matt([0.03, 0.03, 0.03]),
+            shade: matt([0.72, 0.2, 0.12]),
+            bulb: matt([0.98, 0.95, 0.82]),
+            marble: matt([0.86, 0.84, 0.8]),
+            stone: matt([0.36, 0.36, 0.38]),
+            clay: matt([0.6, 0.3, 0.2]),
+            glaze: matt([0.12, 0.3, 0.5]),
+            fruit: matt([0.9, 0.48, 0.08]),
+            leaf: matt([0.16, 0.38, 0.12]),
+            cloth: matt([0.7, 0.55, 0.3]),
+            books: [
+                matt([0.5, 0.1, 0.1]),
+                matt([0.1, 0.25, 0.2]),
+                matt([0.75, 0.65, 0.45]),
+                matt([0.15, 0.15, 0.35]),
+                matt([0.45, 0.42, 0.4]),
+            ],
+            floor: builder.material([0.82, 0.82, 0.84], 1.0, 0.0),
+            metal: builder.material([0.75, 0.72, 0.68], 1.0, 0.35),
+            mirror: builder.material([0.95, 0.93, 0.88], 1.0, 0.02),
+        }
+    }
+}
+
+/// Builds the room with about `scale` times its triangles at scale 1.
+pub(crate) fn build(scale: f64) -> Built {
+    let detail = Detail::new(scale);
+    let mut builder = MeshBuilder::new();
+    let palette = Palette::new(&mut builder);
+    shell::build(&mut builder, &palette, detail);
+    table::build(&mut builder, &palette, detail);
+    chairs::build(&mut builder, &palette, detail);
+    shelf::build(&mut builder, &palette, detail);
+    lamp::build(&mut builder, &palette, detail);
+    corner::build(&mut builder, &palette, detail);
+    statue::build(&mut builder, &palette, detail);
+    Built { mesh: builder.finish(), cameras: cameras() }
+}
+
+fn cameras() -> Vec<Camera> {
+    // 60 degrees.
+    let vertical_fov_radians = std::f32::consts::FRAC_PI_3;
+    [
+        ("entrance", [-2.6, 1.65, 2.15], [0.55, 0.95, -0.75]),
+        ("corner", [2.65, 2.4, 2.1], [-0.5, 0.75, -0.6]),
+        ("statue", [0.55, 1.7, -0.2], [1.5, 1.38, -1.3]),
+        ("floor", [-2.3, 0.06, 2.0], [0.4, 0.16, -0.7]),
+        ("chair_legs", [-0.35, 0.3, 1.75], [-1.0, 0.28, 0.3]),
+    ]
+    .into_iter()
+    .map(|(name, eye, target)| Camera { name: name.to_owned(), eye, target, up: [0.0, 1.0, 0.0], vertical_fov_radians })
+    .collect()
+}

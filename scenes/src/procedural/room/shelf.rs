@@ -1,0 +1,126 @@
+//! A shelf against the right wall with books, vases, balls and a knot.
+
+use glam::DVec3;
+
+use super::{MAX, Palette, SUNK};
+use crate::procedural::Detail;
+use crate::procedural::builder::MeshBuilder;
+use crate::procedural::math::{Frame, Random, TURN, cos, sin};
+use crate::procedural::shapes::{ball, cuboid, loop_tube, plain_box, revolve, smooth_profile, torus};
+
+/// Width, height and depth in metres.
+const SIZE: DVec3 = DVec3::new(1.5, 1.9, 0.3);
+/// Upper sides of the boards, from the lowest.
+const BOARDS: [f64; 5] = [0.1, 0.55, 0.98, 1.4, 1.885];
+
+pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    // In this frame x runs along the wall, z out of it, and the shelf's back is in the plane z = 0.
+    let here = Frame::at(DVec3::new(MAX.x - 0.016, 0.0, -0.35)).yaw(-TURN / 4.0);
+    builder.frame = here;
+    let half = SIZE.x / 2.0;
+    for x in [-half, half] {
+        cuboid(
+            builder,
+            palette.wood,
+            DVec3::new(x - 0.012, -SUNK, 0.0),
+            DVec3::new(x + 0.012, SIZE.y, SIZE.z),
+            [1, detail.along(6), 1],
+        );
+    }
+    for y in BOARDS {
+        cuboid(
+            builder,
+            palette.wood,
+            DVec3::new(-half, y - 0.02, 0.003),
+            DVec3::new(half, y, SIZE.z - 0.004),
+            [detail.along(6), 1, 1],
+        );
+    }
+    let mut random = Random(20);
+    books(builder, palette, here, &mut random, BOARDS[0], [-0.7, 0.55]);
+    books(builder, palette, here, &mut random, BOARDS[1], [-0.7, 0.05]);
+    books(builder, palette, here, &mut random, BOARDS[2], [-0.1, 0.7]);
+    books(builder, palette, here, &mut random, BOARDS[3], [-0.7, -0.25]);
+    builder.frame = here;
+    ornaments(builder, palette, detail, here);
+    builder.frame = Frame::WORLD;
+}
+
+/// A row of upright books; now and then one leans on the one before it.
+fn books(
+    builder: &mut MeshBuilder,
+    palette: &Palette,
+    here: Frame,
+    random: &mut Random,
+    board: f64,
+    [from, to]: [f64; 2],
+) {
+    let mut x = from;
+    while x < to {
+        let thick = random.between(0.014, 0.045);
+        let tall = random.between(0.2, 0.31);
+        let deep = random.between(0.14, 0.2);
+        let lean = if random.between(0.0, 1.0) < 0.2 { random.between(0.05, 0.16) } else { 0.0 };
+        let cover = palette.books[random.between(0.0, 5.0) as usize % 5];
+        // Leaning to the left needs room for the top on that side, and the lower right edge rises.
+        let room = tall * sin(lean);
+        builder.frame = here.shift(DVec3::new(x + room, board - 0.001, random.between(0.02, 0.05))).roll(lean);
+        plain_box(builder, cover, DVec3::ZERO, DVec3::new(thick, tall, deep));
+        x += room + thick / cos(lean) + random.between(0.001, 0.003);
+    }
+}
+
+fn ornaments(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here: Frame) {
+    let vase = smooth_profile(
+        &[
+            [0.0, -0.001],
+            [0.04, -0.001],
+            [0.05, 0.01],
+            [0.085, 0.09],
+            [0.06, 0.19],
+            [0.026, 0.25],
+            [0.038, 0.29],
+            [0.035, 0.291],
+            [0.021, 0.25],
+            [0.054, 0.19],
+            [0.079, 0.09],
+            [0.04, 0.014],
+            [0.0, 0.01],
+        ],
+        detail.divide(24, 12),
+    );
+    for (x, board, size, material) in [
+        (0.3, 1, 1.0, palette.glaze),
+        (0.52, 1, 0.72, palette.clay),
+        (-0.55, 2, 0.9, palette.marble),
+        (0.55, 3, 1.15, palette.glaze),
+        (-0.45, 4, 1.3, palette.clay),
+    ] {
+        let profile: Vec<_> = vase.iter().map(|&point| point * size).collect();
+        builder.frame = here.shift(DVec3::new(x, BOARDS[board], 0.15));
+        revolve(builder, material, detail.around(24), &profile);
+    }
+    // A trefoil knot.
+    builder.frame = here.shift(DVec3::new(0.05, BOARDS[3] + 0.118, 0.16));
+    let knot = |t: f64| {
+        let angle = TURN * t;
+        let reach = 2.0 + cos(3.0 * angle);
+        DVec3::new(0.034 * reach * cos(2.0 * angle), 0.034 * reach * sin(2.0 * angle), 0.034 * sin(3.0 * angle))
+    };
+    loop_tube(builder, palette.mirror, [detail.around(12), detail.divide(96, 12)], knot, 0.0165);
+    builder.frame = here;
+    for (x, y, radius, material) in [
+        (-0.32, BOARDS[2] + 0.069, 0.07, palette.mirror),
+        (0.3, BOARDS[3] + 0.049, 0.05, palette.fruit),
+        (0.1, BOARDS[4] + 0.089, 0.09, palette.stone),
+    ] {
+        ball(builder, material, DVec3::new(x, y, 0.15), radius, detail.around(24));
+    }
+    torus(
+        builder,
+        palette.metal,
+        [detail.around(12), detail.around(36)],
+        DVec3::new(0.45, BOARDS[4] + 0.024, 0.15),
+        [0.09, 0.025],
+    );
+}

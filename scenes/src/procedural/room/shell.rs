@@ -1,0 +1,158 @@
+//! Floor, ceiling and walls with a window recess, watertight and seen from inside; skirting, door, window bars, picture.
+
+use glam::DVec3;
+
+use super::{MAX, MIN, Palette};
+use crate::procedural::Detail;
+use crate::procedural::builder::{MaterialId, MeshBuilder};
+use crate::procedural::shapes::{cuboid, plain_box, steps};
+
+/// The window in the back wall (least z): its x and y range.
+const WINDOW: ([f64; 2], [f64; 2]) = ([-1.9, -0.1], [0.95, 2.35]);
+/// How far the window lies behind the wall.
+const RECESS: f64 = 0.28;
+
+pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    walls(builder, palette, detail);
+    skirting(builder, palette, detail);
+    window_bars(builder, palette, detail);
+    door(builder, palette);
+    picture(builder, palette);
+}
+
+/// The six sides share their lists of coordinates, and the recess those of its wall: every edge meets its equal.
+fn walls(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    let ([x0, x1], [y0, y1]) = WINDOW;
+    let (xs, hole_x) = divided(&[MIN.x, x0, x1, MAX.x], detail);
+    let (ys, hole_y) = divided(&[MIN.y, y0, y1, MAX.y], detail);
+    let (zs, _) = divided(&[MIN.z, 0.0, 0.0, MAX.z], detail);
+    let solid = |_: usize, _: usize| false;
+    let x_side = |x: f64| move |u: f64, v: f64| DVec3::new(x, u, v);
+    let y_side = |y: f64| move |u: f64, v: f64| DVec3::new(u, y, v);
+    let z_side = |z: f64| move |u: f64, v: f64| DVec3::new(u, v, z);
+    // du x dv points inwards: a side whose own cycle points outwards takes its two coordinates the other way round.
+    builder.sheet(palette.wall, &ys, &zs, x_side(MIN.x), solid);
+    builder.sheet(palette.wall, &zs, &ys, |v, u| x_side(MAX.x)(u, v), solid);
+    builder.sheet(palette.floor, &zs, &xs, |v, u| y_side(MIN.y)(u, v), solid);
+    builder.sheet(palette.ceiling, &xs, &zs, y_side(MAX.y), solid);
+    builder.sheet(palette.wall, &ys, &xs, |v, u| z_side(MAX.z)(u, v), solid);
+    builder.sheet(palette.accent, &xs, &ys, z_side(MIN.z), |column, row| {
+        hole_x.contains(&column) && hole_y.contains(&row)
+    });
+
+    let inner_x = &xs[hole_x.start..=hole_x.end];
+    let inner_y = &ys[hole_y.start..=hole_y.end];
+    let depth = steps(MIN.z - RECESS, MIN.z, detail.along(1));
+    builder.sheet(palette.sky, inner_x, inner_y, z_side(MIN.z - RECESS), solid);
+    builder.sheet(palette.trim, inner_y, &depth, x_side(x0), solid);
+    builder.sheet(palette.trim, &depth, inner_y, |v, u| x_side(x1)(u, v), solid);
+    builder.sheet(palette.trim, &depth, inner_x, |v, u| y_side(y0)(u, v), solid);
+    builder.sheet(palette.trim, inner_x, &depth, y_side(y1), solid);
+}
+
+/// Coordinates from the first to the last of `stops`, with every stop among them, and the range of cells between the
+/// two middle stops.
+fn divided(stops: &[f64; 4], detail: Detail) -> (Vec<f64>, std::ops::Range<usize>) {
+    let mut all = vec![stops[0]];
+    let mut ends = [0; 3];
+    for part in 0..3 {
+        let (from, to) = (stops[part], stops[part + 1]);
+        if to > from {
+            // About 0.4 metres a cell at scale 1.
+            let base = libm::ceil((to - from) / 0.4) as usize;
+            all.extend_from_slice(&steps(from, to, detail.along(base))[1..]);
+        }
+        ends[part] = all.len() - 1;
+    }
+    (all, ends[0]..ends[1])
+}
+
+/// Boards along the walls. They differ in height and depth so that no faces coincide where two meet.
+fn skirting(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    let long = detail.along(8);
+    let into = 0.02;
+    for (side, height) in [(MIN.z, 0.09), (MAX.z, 0.091)] {
+        let (near, far) = if side < 0.0 { (side - into, side + 0.014) } else { (side - 0.014, side + into) };
+        cuboid(
+            builder,
+            palette.trim,
+            DVec3::new(MIN.x - into, -0.010, near),
+            DVec3::new(MAX.x + into, height, far),
+            [long, 1, 1],
+        );
+    }
+    for (side, height) in [(MIN.x, 0.087), (MAX.x, 0.086)] {
+        let (near, far) = if side < 0.0 { (side - 0.03, side + 0.013) } else { (side - 0.013, side + 0.03) };
+        cuboid(
+            builder,
+            palette.trim,
+            DVec3::new(near, -0.012, MIN.z - 0.03),
+            DVec3::new(far, height, MAX.z + 0.03),
+            [1, 1, long],
+        );
+    }
+}
+
+fn window_bars(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    let ([x0, x1], [y0, y1]) = WINDOW;
+    let sunk = 0.01;
+    let back = MIN.z - RECESS + 0.05;
+    let upright = |builder: &mut MeshBuilder, material: MaterialId, x: f64, half: f64, z: f64| {
+        cuboid(
+            builder,
+            material,
+            DVec3::new(x - half, y0 - sunk, back - z),
+            DVec3::new(x + half, y1 + sunk, back + z),
+            [1, detail.along(4), 1],
+        );
+    };
+    upright(builder, palette.trim, (x0 + x1) / 2.0, 0.02, 0.020);
+    upright(builder, palette.trim, x0 + 0.45, 0.009, 0.012);
+    upright(builder, palette.trim, x1 - 0.45, 0.009, 0.012);
+    for y in [1.42, 1.88] {
+        cuboid(
+            builder,
+            palette.trim,
+            DVec3::new(x0 - sunk, y - 0.008, back - 0.010),
+            DVec3::new(x1 + sunk, y + 0.008, back + 0.010),
+            [detail.along(6), 1, 1],
+        );
+    }
+    // The sill stands out into the room.
+    cuboid(
+        builder,
+        palette.wood,
+        DVec3::new(x0 - 0.06, y0 - 0.03, MIN.z - RECESS - 0.02),
+        DVec3::new(x1 + 0.06, y0 + 0.006, MIN.z + 0.07),
+        [detail.along(6), 1, 1],
+    );
+}
+
+/// In the left wall (least x), near the front.
+fn door(builder: &mut MeshBuilder, palette: &Palette) {
+    let wall = MIN.x;
+    let part = |builder: &mut MeshBuilder, material, [z0, z1]: [f64; 2], [y0, y1]: [f64; 2], out| {
+        plain_box(builder, material, DVec3::new(wall - 0.05, y0, z0), DVec3::new(wall + out, y1, z1));
+    };
+    part(builder, palette.wood, [0.35, 1.25], [-0.02, 2.06], 0.03);
+    part(builder, palette.trim, [0.27, 0.36], [-0.03, 2.05], 0.042);
+    part(builder, palette.trim, [1.24, 1.33], [-0.03, 2.055], 0.042);
+    part(builder, palette.trim, [0.26, 1.34], [2.04, 2.14], 0.045);
+    for [y0, y1] in [[0.2, 0.95], [1.1, 1.9]] {
+        part(builder, palette.dark_wood, [0.47, 0.74], [y0, y1], 0.036);
+        part(builder, palette.dark_wood, [0.86, 1.13], [y0, y1], 0.036);
+    }
+}
+
+/// On the right wall (greatest x), in front of the shelf.
+fn picture(builder: &mut MeshBuilder, palette: &Palette) {
+    let wall = MAX.x;
+    let mut part = |material, [z0, z1]: [f64; 2], [y0, y1]: [f64; 2], out: f64| {
+        plain_box(builder, material, DVec3::new(wall - out, y0, z0), DVec3::new(wall + 0.04, y1, z1));
+    };
+    part(palette.dark_wood, [0.9, 2.1], [1.2, 2.1], 0.035);
+    part(palette.sky, [0.96, 2.04], [1.26, 2.04], 0.038);
+    part(palette.books[2], [0.96, 2.045], [1.255, 1.5], 0.040);
+    part(palette.books[1], [1.1, 1.45], [1.45, 1.72], 0.042);
+    part(palette.books[0], [1.55, 1.8], [1.44, 1.86], 0.043);
+}

@@ -1,0 +1,139 @@
+// Perspective-correct DDA over a depth buffer: McGuire and Mara, "Efficient GPU Screen-Space Ray Tracing", JCGT 3(4),
+// 2014, listing 1 and section 3. Along a ray's projection the position in pixels, 1/z and t/z are linear.
+
+#import tracebench::types::{Ray, Hit, miss, NO_PRIMITIVE, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, STATUS_THICKNESS_REJECTED}
+#import tracebench::view::{View, to_eye_space, direction_to_eye_space, pixel_position}
+#import tracebench::dispatch::linear_invocation
+
+struct Settings {
+    ray_count: u32,
+    max_steps: u32,
+    // 0: t at the sampled eye depth, held within the step; 1: t at the step's own position (listing 1).
+    hit_point: u32,
+    // Pixels along the major axis.
+    stride: f32,
+    // Eye depth in scene units.
+    thickness: f32,
+    // Pixels along the major axis.
+    start_bias: f32,
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<uniform> settings: Settings;
+@group(0) @binding(2) var eye_depths: texture_2d<f32>;
+@group(0) @binding(3) var<storage, read> rays: array<Ray>;
+@group(0) @binding(4) var<storage, read_write> hits: array<Hit>;
+#ifdef COUNTERS
+@group(0) @binding(5) var<storage, read_write> depth_samples: array<u32>;
+#endif
+
+const WORKGROUP_SIZE: u32 = 64u;
+
+// The part of a ray for which origin + t * slope >= 0.
+fn clip(span: vec2<f32>, origin: f32, slope: f32) -> vec2<f32> {
+    if (slope == 0.0) {
+        return select(vec2<f32>(1.0, 0.0), span, (origin >= 0.0));
+    }
+    let crossing = -origin / slope;
+    if (slope > 0.0) {
+        return vec2<f32>(max(span.x, crossing), span.y);
+    }
+    return vec2<f32>(span.x, min(span.y, crossing));
+}
+
+fn clip_to_view(span: vec2<f32>, origin: vec3<f32>, direction: vec3<f32>) -> vec2<f32> {
+    var clipped = clip(span, origin.z - view.near, direction.z);
+    clipped = clip(clipped, view.far - origin.z, -direction.z);
+    let tangent = vec2<f32>(view.tan_half_width, view.tan_half_height);
+    let low_origin = origin.z * tangent + origin.xy;
+    let low_slope = direction.z * tangent + direction.xy;
+    let high_origin = origin.z * tangent - origin.xy;
+    let high_slope = direction.z * tangent - direction.xy;
+    clipped = clip(clipped, low_origin.x, low_slope.x);
+    clipped = clip(clipped, low_origin.y, low_slope.y);
+    clipped = clip(clipped, high_origin.x, high_slope.x);
+    return clip(clipped, high_origin.y, high_slope.y);
+}
+
+struct Answer {
+    hit: Hit,
+    samples: u32,
+}
+
+fn march(ray: Ray) -> Answer {
+    let origin = to_eye_space(view, ray.origin);
+    let direction = direction_to_eye_space(view, ray.direction);
+    let span = clip_to_view(vec2<f32>(ray.t_min, ray.t_max), origin, direction);
+    if (!(span.x < span.y)) {
+        return Answer(miss(STATUS_LEFT_VIEWS), 0u);
+    }
+    let begin = origin + span.x * direction;
+    let end = origin + span.y * direction;
+    // Rounding may leave the clipped ends a little before the near plane.
+    let k = vec2<f32>(1.0 / max(begin.z, view.near), 1.0 / max(end.z, view.near));
+    let t_over_z = span * k;
+    let pixel_begin = pixel_position(view, begin);
+    let pixel_end = pixel_position(view, end);
+    let along = abs(pixel_end - pixel_begin);
+    let major = max(along.x, along.y);
+    // A ray that stays within a stride (every primary ray does) is one step.
+    let step = min(settings.stride / max(major, 1e-6), 1.0);
+    // The bias keeps rays that start on a surface from finding it; a ray that enters the view from outside needs none.
+    let starts_inside = span.x <= ray.t_min;
+    let first = select(0.0, min(settings.start_bias / max(major, 1e-6), 1.0), starts_inside);
+
+    let last_pixel = vec2<i32>(view.size) - vec2<i32>(1);
+    var samples = 0u;
+    var behind_a_surface = false;
+    var low = first;
+    var s = first;
+    while (low < 1.0) {
+        if (samples >= settings.max_steps) {
+            return Answer(miss(STATUS_STEP_CAP), samples);
+        }
+        // The part of the ray up to half a step ahead; the last step takes what is left.
+        let high = select(s + 0.5 * step, 1.0, (s + step > 1.0 || step == 1.0));
+        let pixel = clamp(vec2<i32>(floor(mix(pixel_begin, pixel_end, s))), vec2<i32>(0), last_pixel);
+        let stored = textureLoad(eye_depths, pixel, 0).x;
+        samples += 1u;
+        let k_low = mix(k.x, k.y, low);
+        let k_high = mix(k.x, k.y, high);
+        let nearest = min(1.0 / k_low, 1.0 / k_high);
+        let farthest = max(1.0 / k_low, 1.0 / k_high);
+        if (farthest >= stored && nearest <= stored + settings.thickness) {
+            let t_low = mix(t_over_z.x, t_over_z.y, low) / k_low;
+            let t_high = mix(t_over_z.x, t_over_z.y, high) / k_high;
+            var t = mix(t_over_z.x, t_over_z.y, s) / mix(k.x, k.y, s);
+            if (settings.hit_point == 0u && direction.z != 0.0) {
+                t = (stored - origin.z) / direction.z;
+            }
+            t = clamp(clamp(t, t_low, t_high), ray.t_min, ray.t_max);
+            return Answer(Hit(t, NO_PRIMITIVE, 0.0, 0.0, STATUS_HIT), samples);
+        }
+        behind_a_surface = behind_a_surface || (nearest > stored + settings.thickness);
+        low = high;
+        s = min(first + f32(samples) * step, 1.0);
+    }
+    if (behind_a_surface) {
+        return Answer(miss(STATUS_THICKNESS_REJECTED), samples);
+    }
+    let seen_whole = starts_inside && span.y >= ray.t_max;
+    return Answer(miss(select(STATUS_LEFT_VIEWS, STATUS_MISS, seen_whole)), samples);
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    if (index >= settings.ray_count) {
+        return;
+    }
+    let answer = march(rays[index]);
+    hits[index] = answer.hit;
+#ifdef COUNTERS
+    depth_samples[index] = answer.samples;
+#endif
+}

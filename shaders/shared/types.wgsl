@@ -1,0 +1,31 @@
+#define_import_path tracebench::types
+
+// The layouts of tracebench-api's Ray and Hit; a test holds the offsets against the Rust structs.
+
+struct Ray {
+    origin: vec3<f32>,
+    t_min: f32,
+    direction: vec3<f32>,
+    t_max: f32,
+}
+
+struct Hit {
+    t: f32,
+    primitive: u32,
+    u: f32,
+    v: f32,
+    status: u32,
+}
+
+const NO_PRIMITIVE: u32 = 0xffffffffu;
+
+// The codes of tracebench-api's Status.
+const STATUS_HIT: u32 = 1u;
+const STATUS_MISS: u32 = 2u;
+const STATUS_LEFT_VIEWS: u32 = 3u;
+const STATUS_STEP_CAP: u32 = 4u;
+const STATUS_THICKNESS_REJECTED: u32 = 5u;
+
+fn miss(status: u32) -> Hit {
+    return Hit(0.0, NO_PRIMITIVE, 0.0, 0.0, status);
+}

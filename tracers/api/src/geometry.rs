@@ -1,0 +1,101 @@
+//! The triangles that a tracer builds from.
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+use wgpu::BufferUsages;
+
+use crate::{Gpu, TracerError};
+
+/// Triangles in host memory and, where a device is used, on the device. Opaque and two-sided for everyone.
+#[derive(Clone, Debug)]
+pub struct Geometry {
+    /// Vertex positions, scene units.
+    pub positions: Arc<Vec<[f32; 3]>>,
+    /// Vertex indices of each triangle; the triangle's index is its identity.
+    pub triangles: Arc<Vec<[u32; 3]>>,
+    /// Least corner of the bounds; known before any build, for all.
+    pub bounds_min: Vec3,
+    /// Greatest corner of the bounds.
+    pub bounds_max: Vec3,
+    /// The same data on the device.
+    pub device: Option<DeviceGeometry>,
+}
+
+/// Device buffers of a [`Geometry`], usable as vertex, index and storage buffers.
+#[derive(Clone, Debug)]
+pub struct DeviceGeometry {
+    /// Three f32 per vertex, tightly packed.
+    pub positions: wgpu::Buffer,
+    /// Three u32 per triangle.
+    pub indices: wgpu::Buffer,
+}
+
+impl Geometry {
+    /// Takes the triangles, which must not be empty, and uploads them if there is a device.
+    ///
+    /// # Errors
+    /// [`TracerError::TooLarge`] if a buffer exceeds what the device can hold, [`TracerError::Failed`] for an empty
+    /// scene or a device error.
+    pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>, gpu: Option<&Gpu>) -> Result<Self, TracerError> {
+        if triangles.is_empty() || positions.is_empty() {
+            return Err(TracerError::Failed("the scene has no triangles".to_owned()));
+        }
+        let (mut bounds_min, mut bounds_max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for position in &positions {
+            bounds_min = bounds_min.min(Vec3::from(*position));
+            bounds_max = bounds_max.max(Vec3::from(*position));
+        }
+        let device = gpu.map(|gpu| DeviceGeometry::upload(gpu, &positions, &triangles)).transpose()?;
+        Ok(Self { positions: Arc::new(positions), triangles: Arc::new(triangles), bounds_min, bounds_max, device })
+    }
+
+    /// The device copy.
+    ///
+    /// # Errors
+    /// [`TracerError::Unavailable`] if the scene was loaded without a device.
+    pub fn on_device(&self) -> Result<&DeviceGeometry, TracerError> {
+        self.device.as_ref().ok_or_else(|| TracerError::Unavailable("the scene is not on a device".to_owned()))
+    }
+
+    /// The corners of one triangle.
+    pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.triangles[triangle as usize].map(|vertex| Vec3::from(self.positions[vertex as usize]))
+    }
+
+    /// Length of the bounds' diagonal, scene units.
+    pub fn diagonal(&self) -> f64 {
+        (self.bounds_max.as_dvec3() - self.bounds_min.as_dvec3()).length()
+    }
+
+    /// The farthest that any corner of the bounds lies from a point, scene units.
+    pub fn farthest_corner(&self, point: Vec3) -> f64 {
+        let low = (point.as_dvec3() - self.bounds_min.as_dvec3()).abs();
+        let high = (self.bounds_max.as_dvec3() - point.as_dvec3()).abs();
+        DVec3::max(low, high).length()
+    }
+
+    /// Bytes of positions and indices.
+    pub fn bytes(&self) -> u64 {
+        size_of_val(self.positions.as_slice()) as u64 + size_of_val(self.triangles.as_slice()) as u64
+    }
+}
+
+impl DeviceGeometry {
+    fn upload(gpu: &Gpu, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, TracerError> {
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+        let positions = gpu.buffer_with(
+            "vertex positions",
+            bytemuck::cast_slice(positions),
+            usage | BufferUsages::VERTEX,
+            "the scene's triangle count",
+        )?;
+        let indices = gpu.buffer_with(
+            "vertex indices",
+            bytemuck::cast_slice(triangles),
+            usage | BufferUsages::INDEX,
+            "the scene's triangle count",
+        )?;
+        Ok(Self { positions, indices })
+    }
+}

@@ -1,0 +1,34 @@
+//! The contract of tracebench: what a ray tracer is given, what it must answer, and how it is timed and weighed.
+//!
+//! A contender implements [`Tracer`] (pipelines, parameters) and [`Structure`] (what it built for one scene and one
+//! [`Viewpoint`]). It gets triangles as [`Geometry`], rays as a [`RayBuffer`], and writes a [`HitBuffer`]. Times are
+//! taken by a [`PhaseClock`] that the harness hands in; memory is told by a [`MemoryReport`].
+//!
+//! Space: right-handed, y up by custom; `t` and all lengths in scene units; eye depth is linear and positive in front
+//! of the eye.
+
+mod clock;
+mod error;
+mod geometry;
+mod gpu;
+mod memory;
+mod parameters;
+mod ray;
+mod tracer;
+mod transfer;
+mod viewpoint;
+
+pub use clock::{ClockKind, PhaseClock, PhaseSample, Timing};
+pub use error::TracerError;
+pub use geometry::{DeviceGeometry, Geometry};
+pub use gpu::{AdapterChoice, AdapterListing, Gpu, list_adapters};
+pub use memory::{Ledger, MemoryEntry, MemoryReport};
+pub use parameters::{Domain, ParameterDescription, ParameterError, ParameterScope, Parameters, Preset, Value};
+pub use ray::{EndPoint, Hit, NO_PRIMITIVE, Query, Ray, Status};
+pub use tracer::{Counter, Description, Invalidation, Residency, Structure, TraceJob, Tracer};
+pub use transfer::{HitBuffer, RayBuffer};
+pub use viewpoint::{Projected, View, ViewSet, Viewpoint};
+
+// Re-exported so that every tracer and the harness speak of the same version.
+pub use glam;
+pub use wgpu;

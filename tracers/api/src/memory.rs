@@ -1,0 +1,94 @@
+//! The memory ledger: every buffer and texture by the name its paper gives it.
+
+use serde::{Deserialize, Serialize};
+
+/// One buffer, texture or host allocation.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MemoryEntry {
+    /// Name, as the method's paper calls it.
+    pub name: String,
+    /// Bytes allocated.
+    pub allocated_bytes: u64,
+    /// Bytes in use, <= allocated.
+    pub used_bytes: u64,
+}
+
+/// What a structure holds and needs.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MemoryReport {
+    /// The structure's own parts.
+    pub structure: Vec<MemoryEntry>,
+    /// Bytes of scene geometry (positions, indices) that must stay resident to trace.
+    pub geometry_bytes: u64,
+    /// The most that the build held at once: the structure and what it needed only while building; without the
+    /// scene's geometry.
+    pub build_peak_bytes: u64,
+}
+
+impl MemoryReport {
+    /// Allocated bytes of all parts.
+    pub fn structure_bytes(&self) -> u64 {
+        self.structure.iter().map(|entry| entry.allocated_bytes).sum()
+    }
+}
+
+/// Keeps account while a structure is built.
+#[derive(Clone, Debug, Default)]
+pub struct Ledger {
+    entries: Vec<MemoryEntry>,
+    transient_bytes: u64,
+    peak_bytes: u64,
+}
+
+impl Ledger {
+    /// An empty ledger.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Enters a part that stays.
+    pub fn keep(&mut self, name: &str, allocated_bytes: u64, used_bytes: u64) {
+        self.entries.push(MemoryEntry { name: name.to_owned(), allocated_bytes, used_bytes });
+        self.note_peak();
+    }
+
+    /// Enters bytes that are needed only while building.
+    pub fn borrow_transient(&mut self, bytes: u64) {
+        self.transient_bytes += bytes;
+        self.note_peak();
+    }
+
+    /// Takes bytes entered by [`Ledger::borrow_transient`] back.
+    pub fn return_transient(&mut self, bytes: u64) {
+        self.transient_bytes = self.transient_bytes.saturating_sub(bytes);
+    }
+
+    /// Closes the ledger. `geometry_bytes` is what of the scene must stay resident to trace.
+    pub fn report(self, geometry_bytes: u64) -> MemoryReport {
+        MemoryReport { structure: self.entries, geometry_bytes, build_peak_bytes: self.peak_bytes }
+    }
+
+    fn note_peak(&mut self) {
+        let kept: u64 = self.entries.iter().map(|entry| entry.allocated_bytes).sum();
+        self.peak_bytes = self.peak_bytes.max(kept + self.transient_bytes);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The peak remembers transient bytes that were given back; the sum counts what stays.
+    #[test]
+    fn peak_counts_transients_and_sum_does_not() {
+        let mut ledger = Ledger::new();
+        ledger.keep("depth buffer", 100, 80);
+        ledger.borrow_transient(50);
+        ledger.return_transient(50);
+        ledger.keep("lists", 20, 20);
+        let report = ledger.report(7);
+        assert_eq!(report.structure_bytes(), 120);
+        assert_eq!(report.build_peak_bytes, 150);
+        assert_eq!(report.geometry_bytes, 7);
+    }
+}

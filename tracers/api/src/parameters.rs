@@ -1,0 +1,245 @@
+//! Parameters as data: what a tracer can be told, within which range, and to what effect.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// A parameter's value.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Value {
+    /// Whole number.
+    Integer(i64),
+    /// Real number.
+    Real(f64),
+    /// One of a parameter's named choices.
+    Choice(String),
+}
+
+impl std::fmt::Display for Value {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Integer(value) => write!(f, "{value}"),
+            Self::Real(value) => write!(f, "{value}"),
+            Self::Choice(value) => write!(f, "{value}"),
+        }
+    }
+}
+
+/// What values a parameter takes. Bounds are inclusive.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Domain {
+    /// Whole numbers.
+    Integer {
+        /// Least.
+        least: i64,
+        /// Greatest.
+        greatest: i64,
+    },
+    /// Real numbers.
+    Real {
+        /// Least.
+        least: f64,
+        /// Greatest.
+        greatest: f64,
+    },
+    /// Names.
+    Choice(&'static [&'static str]),
+}
+
+/// Whether a parameter shapes the structure or only the search in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ParameterScope {
+    /// A change needs a new build.
+    Build,
+    /// One build serves every value.
+    Trace,
+}
+
+/// A parameter of a tracer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ParameterDescription {
+    /// Name, as used in `--set tracer.name=value` and in results.
+    pub name: &'static str,
+    /// Unit; empty for names and pure numbers.
+    pub unit: &'static str,
+    /// Build or trace.
+    pub scope: ParameterScope,
+    /// What values it takes.
+    pub domain: Domain,
+    /// The value in the `published` preset.
+    pub published: Value,
+    /// The value in the `improved` preset.
+    pub improved: Value,
+    /// What it does, in one line.
+    pub effect: &'static str,
+    /// Values worth sweeping.
+    pub sweep: Vec<Value>,
+}
+
+/// Named sets of values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Preset {
+    /// As the paper says; what a tracer's plain name means, always.
+    Published,
+    /// The best that this suite knows.
+    Improved,
+}
+
+impl Preset {
+    /// Every preset.
+    pub const ALL: [Preset; 2] = [Self::Published, Self::Improved];
+
+    /// The name used on the command line and in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Published => "published",
+            Self::Improved => "improved",
+        }
+    }
+}
+
+/// What is wrong with a parameter's name or value.
+#[derive(Clone, Debug, thiserror::Error, PartialEq, Eq)]
+pub enum ParameterError {
+    /// No such parameter.
+    #[error("there is no parameter '{name}'; there are: {known}")]
+    Unknown {
+        /// The name given.
+        name: String,
+        /// The names that exist.
+        known: String,
+    },
+    /// A value that does not parse or lies out of range.
+    #[error("{name} = '{given}' is not allowed: {expected}")]
+    Value {
+        /// The parameter.
+        name: String,
+        /// The value given.
+        given: String,
+        /// What is allowed.
+        expected: String,
+    },
+}
+
+/// A tracer's parameters with their values; always complete and in range.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct Parameters {
+    values: BTreeMap<String, Value>,
+}
+
+impl Parameters {
+    /// The values of a preset.
+    pub fn preset(descriptions: &[ParameterDescription], preset: Preset) -> Self {
+        let pick = |description: &ParameterDescription| match preset {
+            Preset::Published => description.published.clone(),
+            Preset::Improved => description.improved.clone(),
+        };
+        Self { values: descriptions.iter().map(|each| (each.name.to_owned(), pick(each))).collect() }
+    }
+
+    /// Sets one value from text.
+    ///
+    /// # Errors
+    /// If the name is unknown, or the value does not parse or is out of range.
+    pub fn set(&mut self, descriptions: &[ParameterDescription], name: &str, text: &str) -> Result<(), ParameterError> {
+        let description = descriptions.iter().find(|each| each.name == name).ok_or_else(|| {
+            let known: Vec<_> = descriptions.iter().map(|each| each.name).collect();
+            ParameterError::Unknown { name: name.to_owned(), known: known.join(", ") }
+        })?;
+        let value = description.parse(text)?;
+        self.values.insert(name.to_owned(), value);
+        Ok(())
+    }
+
+    /// Every parameter with its value, by name.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &Value)> {
+        self.values.iter().map(|(name, value)| (name.as_str(), value))
+    }
+
+    /// A whole number; 0 if the tracer asks for a parameter that it did not describe.
+    pub fn integer(&self, name: &str) -> i64 {
+        match self.values.get(name) {
+            Some(Value::Integer(value)) => *value,
+            _ => 0,
+        }
+    }
+
+    /// A real number; NaN if the tracer asks for a parameter that it did not describe.
+    pub fn real(&self, name: &str) -> f64 {
+        match self.values.get(name) {
+            Some(Value::Real(value)) => *value,
+            _ => f64::NAN,
+        }
+    }
+
+    /// A choice; empty if the tracer asks for a parameter that it did not describe.
+    pub fn choice(&self, name: &str) -> &str {
+        match self.values.get(name) {
+            Some(Value::Choice(value)) => value,
+            _ => "",
+        }
+    }
+}
+
+impl ParameterDescription {
+    /// Reads a value and checks its range.
+    ///
+    /// # Errors
+    /// [`ParameterError::Value`] with what is allowed.
+    pub fn parse(&self, text: &str) -> Result<Value, ParameterError> {
+        let fail =
+            |expected: String| ParameterError::Value { name: self.name.to_owned(), given: text.to_owned(), expected };
+        match self.domain {
+            Domain::Integer { least, greatest } => match text.parse::<i64>() {
+                Ok(value) if (least..=greatest).contains(&value) => Ok(Value::Integer(value)),
+                _ => Err(fail(format!("a whole number from {least} to {greatest}"))),
+            },
+            Domain::Real { least, greatest } => match text.parse::<f64>() {
+                Ok(value) if (least..=greatest).contains(&value) => Ok(Value::Real(value)),
+                _ => Err(fail(format!("a number from {least} to {greatest}"))),
+            },
+            Domain::Choice(names) => match names.iter().find(|name| **name == text) {
+                Some(name) => Ok(Value::Choice((*name).to_owned())),
+                None => Err(fail(format!("one of {}", names.join(", ")))),
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn descriptions() -> Vec<ParameterDescription> {
+        vec![ParameterDescription {
+            name: "stride",
+            unit: "pixels",
+            scope: ParameterScope::Trace,
+            domain: Domain::Integer { least: 1, greatest: 64 },
+            published: Value::Integer(1),
+            improved: Value::Integer(2),
+            effect: "",
+            sweep: Vec::new(),
+        }]
+    }
+
+    /// Presets differ, values in range are taken, everything else is refused with the range.
+    #[test]
+    fn values_are_checked() {
+        let descriptions = descriptions();
+        let mut parameters = Parameters::preset(&descriptions, Preset::Published);
+        assert_eq!(parameters.integer("stride"), 1);
+        assert_eq!(Parameters::preset(&descriptions, Preset::Improved).integer("stride"), 2);
+        parameters.set(&descriptions, "stride", "8").unwrap();
+        assert_eq!(parameters.integer("stride"), 8);
+        for bad in ["0", "65", "x", "1.5", "NaN", ""] {
+            assert!(parameters.set(&descriptions, "stride", bad).unwrap_err().to_string().contains("1 to 64"));
+        }
+        assert!(parameters.set(&descriptions, "strife", "1").is_err());
+    }
+}

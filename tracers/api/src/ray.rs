@@ -1,0 +1,130 @@
+//! Rays, hits and their statuses, in the layout that host and device share.
+
+use bytemuck::{Pod, Zeroable};
+
+/// A ray: `origin + t * direction` for `t_min <= t <= t_max`. 32 bytes, the same layout on the device.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Ray {
+    /// Where the ray starts, scene units.
+    pub origin: [f32; 3],
+    /// Smallest `t` that counts, scene units, >= 0.
+    pub t_min: f32,
+    /// Unit direction (to f32 rounding).
+    pub direction: [f32; 3],
+    /// Largest `t` that counts, scene units; [`Ray::UNBOUNDED`] where the ray has no end.
+    pub t_max: f32,
+}
+
+impl Ray {
+    /// `t_max` of a ray without an end: large, yet its products with unit vectors and scene coordinates (at most 1e15)
+    /// stay finite in f32; WGSL does not promise infinities.
+    pub const UNBOUNDED: f32 = 1e30;
+}
+
+/// The primitive of a hit that names none, and of every miss.
+pub const NO_PRIMITIVE: u32 = u32::MAX;
+
+/// A tracer's answer for one ray. 20 bytes, the same layout on the device. All zeros is "not written" (poison).
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Hit {
+    /// Ray parameter of the hit, scene units; 0 for a miss.
+    pub t: f32,
+    /// Index of the triangle in the scene, or [`NO_PRIMITIVE`] where the method does not know it.
+    pub primitive: u32,
+    /// Barycentric weight of the triangle's second vertex, or 0 where the method does not know it.
+    pub u: f32,
+    /// Barycentric weight of the triangle's third vertex, or 0 where the method does not know it.
+    pub v: f32,
+    /// A [`Status`] code.
+    pub status: u32,
+}
+
+impl Hit {
+    /// A miss with the given status.
+    pub const fn miss(status: Status) -> Self {
+        Self { t: 0.0, primitive: NO_PRIMITIVE, u: 0.0, v: 0.0, status: status as u32 }
+    }
+
+    /// Whether the tracer says that the ray hit something.
+    pub fn is_hit(&self) -> bool {
+        self.status == Status::Hit as u32
+    }
+}
+
+/// What a method saw when it ended a ray. The *cause* of a wrong answer is not told here: the judge finds it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+#[repr(u32)]
+pub enum Status {
+    /// The poison: no answer was written.
+    Unwritten = 0,
+    /// A hit.
+    Hit = 1,
+    /// The whole ray was searched and nothing found.
+    Miss = 2,
+    /// Nothing found before the ray left (or without its ever entering) the views that the method holds.
+    LeftViews = 3,
+    /// The step limit was reached.
+    StepCap = 4,
+    /// Nothing found; the ray passed behind at least one stored surface by more than the thickness.
+    ThicknessRejected = 5,
+}
+
+impl Status {
+    /// Every status, by code.
+    pub const ALL: [Status; 6] =
+        [Self::Unwritten, Self::Hit, Self::Miss, Self::LeftViews, Self::StepCap, Self::ThicknessRejected];
+
+    /// The status of a code, `None` for a code that does not exist.
+    pub fn from_code(code: u32) -> Option<Self> {
+        Self::ALL.get(code as usize).copied()
+    }
+
+    /// The name used in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unwritten => "unwritten",
+            Self::Hit => "hit",
+            Self::Miss => "miss",
+            Self::LeftViews => "left_views",
+            Self::StepCap => "step_cap",
+            Self::ThicknessRejected => "thickness_rejected",
+        }
+    }
+}
+
+/// What is asked of a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Query {
+    /// The nearest hit.
+    Closest,
+    /// Whether there is any hit.
+    Any,
+}
+
+/// How far a trace goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum EndPoint {
+    /// `t`, identity and status are resident.
+    Hit,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The codes in `Status` are the positions in `ALL`; shaders rely on the numbers.
+    #[test]
+    fn status_codes_round_trip() {
+        for (code, status) in Status::ALL.iter().enumerate() {
+            assert_eq!(*status as u32, code as u32);
+            assert_eq!(Status::from_code(code as u32), Some(*status));
+        }
+        assert_eq!(Status::from_code(99), None);
+    }
+}

@@ -1,0 +1,132 @@
+//! What a contender implements.
+
+use serde::Serialize;
+
+use crate::{
+    EndPoint, Geometry, HitBuffer, MemoryReport, ParameterDescription, Parameters, PhaseClock, RayBuffer, TracerError,
+    View, Viewpoint,
+};
+
+/// Where a tracer's triangles, rays and hits live.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Residency {
+    /// Host memory; runs without an adapter.
+    Host,
+    /// Device memory.
+    Device,
+}
+
+/// A change after which a structure must be built anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Invalidation {
+    /// The triangles moved or changed.
+    Geometry,
+    /// The eye moved or turned.
+    Viewpoint,
+    /// The frame's or the faces' resolution changed.
+    Resolution,
+}
+
+/// A tracer as data.
+#[derive(Clone, Debug, Serialize)]
+pub struct Description {
+    /// Stable name.
+    pub name: &'static str,
+    /// The work that describes the method.
+    pub citation: &'static str,
+    /// What it is, in one line.
+    pub summary: &'static str,
+    /// Where it runs.
+    pub residency: Residency,
+    /// What invalidates a structure.
+    pub invalidated_by: &'static [Invalidation],
+    /// Whether its hits name the triangle.
+    pub names_primitives: bool,
+    /// Its parameters.
+    pub parameters: Vec<ParameterDescription>,
+}
+
+/// One trace of one ray set.
+#[derive(Clone, Copy)]
+pub struct TraceJob<'a> {
+    /// The rays, with the query.
+    pub rays: &'a RayBuffer,
+    /// How far to go.
+    pub end: EndPoint,
+    /// The tracer's parameters; those of the build scope are the ones that the structure was built with.
+    pub parameters: &'a Parameters,
+}
+
+/// A count over a ray set.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Counter {
+    /// What was counted, in plural ("nodes_visited").
+    pub name: &'static str,
+    /// Over all rays.
+    pub total: u64,
+    /// The largest of any one ray.
+    pub greatest_per_ray: u64,
+}
+
+impl Counter {
+    /// Sums up counts of single rays.
+    pub fn of(name: &'static str, per_ray: impl IntoIterator<Item = u64>) -> Self {
+        let (total, greatest_per_ray) =
+            per_ray.into_iter().fold((0, 0), |(total, most), count| (total + count, u64::max(most, count)));
+        Self { name, total, greatest_per_ray }
+    }
+}
+
+/// A method with its pipelines created. Several structures may be built from one tracer and live side by side.
+pub trait Tracer {
+    /// Builds the structure, from triangles resident (in host or device memory, as the description says) to
+    /// traceable. Pipelines exist before; the work in scope is marked on the clock and is complete only when the clock
+    /// has been finished.
+    ///
+    /// # Errors
+    /// [`TracerError`] as its variants say; nothing is dropped in silence.
+    fn build(
+        &self,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Box<dyn Structure>, TracerError>;
+}
+
+/// What a tracer built for one scene and one viewpoint.
+pub trait Structure {
+    /// Answers every ray of the job into `hits`; complete only when the clock has been finished.
+    ///
+    /// # Errors
+    /// [`TracerError::Unsupported`] for a query or end that the method does not serve, others as they say.
+    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError>;
+
+    /// The same as [`Structure::trace`], by a variant that counts; never timed. Gives the same hits.
+    ///
+    /// # Errors
+    /// As [`Structure::trace`].
+    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError>;
+
+    /// What the structure holds.
+    fn memory(&self) -> MemoryReport;
+
+    /// Bytes of a trace's own buffers, beside rays and hits.
+    fn scratch_bytes(&self, ray_count: usize) -> u64 {
+        let _ = ray_count;
+        0
+    }
+
+    /// The views that the structure sees the scene through; empty for one that does not depend on a view.
+    fn views(&self) -> Vec<View> {
+        Vec::new()
+    }
+
+    /// Reads the structure back and checks it; gives printable statistics.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] with what is inconsistent.
+    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError>;
+}

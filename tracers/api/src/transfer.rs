@@ -1,0 +1,127 @@
+//! Rays and hits where the tracer wants them: in host memory, or on the device.
+
+use std::sync::Arc;
+
+use wgpu::BufferUsages;
+
+use crate::{Gpu, Hit, Query, Ray, Residency, TracerError};
+
+/// One ray set; made once, uploaded once, the same for every tracer.
+#[derive(Clone, Debug)]
+pub struct RayBuffer {
+    /// The rays.
+    pub host: Arc<Vec<Ray>>,
+    /// The rays in a storage buffer, if there is a device.
+    pub device: Option<wgpu::Buffer>,
+    /// What is asked of them.
+    pub query: Query,
+}
+
+const TURN_DOWN: &str = "--size";
+
+impl RayBuffer {
+    /// Takes the rays and uploads them if there is a device.
+    ///
+    /// # Errors
+    /// [`TracerError::TooLarge`] if the device cannot hold or bind them.
+    pub fn new(rays: Arc<Vec<Ray>>, query: Query, gpu: Option<&Gpu>) -> Result<Self, TracerError> {
+        let upload = |gpu: &Gpu| {
+            let contents: &[u8] = bytemuck::cast_slice(&rays);
+            gpu.check_storage_binding("rays", contents.len() as u64, TURN_DOWN)?;
+            gpu.buffer_with("rays", contents, BufferUsages::STORAGE, TURN_DOWN)
+        };
+        let device = gpu.map(upload).transpose()?;
+        Ok(Self { host: rays, device, query })
+    }
+
+    /// The device copy.
+    ///
+    /// # Errors
+    /// [`TracerError::Unavailable`] without one.
+    pub fn on_device(&self) -> Result<&wgpu::Buffer, TracerError> {
+        self.device.as_ref().ok_or_else(|| TracerError::Unavailable("the rays are not on a device".to_owned()))
+    }
+}
+
+/// Where a tracer writes its answers, one per ray.
+#[derive(Debug)]
+pub enum HitBuffer {
+    /// In host memory.
+    Host(Vec<Hit>),
+    /// In a storage buffer, with the count.
+    Device(wgpu::Buffer, usize),
+}
+
+impl HitBuffer {
+    /// Room for `count` poisoned hits.
+    ///
+    /// # Errors
+    /// [`TracerError::TooLarge`] if the device cannot hold or bind them, [`TracerError::Unavailable`] without one.
+    pub fn new(count: usize, residency: Residency, gpu: Option<&Gpu>) -> Result<Self, TracerError> {
+        match (residency, gpu) {
+            (Residency::Host, _) => Ok(Self::Host(vec![bytemuck::Zeroable::zeroed(); count])),
+            (Residency::Device, None) => Err(TracerError::Unavailable("no device".to_owned())),
+            (Residency::Device, Some(gpu)) => {
+                let bytes = (count * size_of::<Hit>()) as u64;
+                gpu.check_storage_binding("hits", bytes, TURN_DOWN)?;
+                let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+                Ok(Self::Device(gpu.buffer("hits", bytes, usage, TURN_DOWN)?, count))
+            }
+        }
+    }
+
+    /// Overwrites every hit with the poison (all zeros, status "unwritten").
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the device fails.
+    pub fn poison(&mut self, gpu: Option<&Gpu>) -> Result<(), TracerError> {
+        match (self, gpu) {
+            (Self::Host(hits), _) => hits.fill(bytemuck::Zeroable::zeroed()),
+            (Self::Device(..), None) => return Err(TracerError::Unavailable("no device".to_owned())),
+            (Self::Device(buffer, _), Some(gpu)) => {
+                let mut encoder = gpu.device.create_command_encoder(&Default::default());
+                encoder.clear_buffer(buffer, 0, None);
+                gpu.queue.submit([encoder.finish()]);
+                gpu.wait()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The answers, in ray order.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the device fails.
+    pub fn read(&self, gpu: Option<&Gpu>) -> Result<Vec<Hit>, TracerError> {
+        match (self, gpu) {
+            (Self::Host(hits), _) => Ok(hits.clone()),
+            (Self::Device(..), None) => Err(TracerError::Unavailable("no device".to_owned())),
+            (Self::Device(buffer, count), Some(gpu)) => {
+                let bytes = gpu.read(buffer, (count * size_of::<Hit>()) as u64)?;
+                Ok(bytemuck::pod_collect_to_vec(&bytes))
+            }
+        }
+    }
+
+    /// The host's slice.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the hits are on the device.
+    pub fn host_mut(&mut self) -> Result<&mut [Hit], TracerError> {
+        match self {
+            Self::Host(hits) => Ok(hits),
+            Self::Device(..) => Err(TracerError::Failed("a host tracer was given device hits".to_owned())),
+        }
+    }
+
+    /// The device's buffer.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the hits are in host memory.
+    pub fn on_device(&self) -> Result<&wgpu::Buffer, TracerError> {
+        match self {
+            Self::Device(buffer, _) => Ok(buffer),
+            Self::Host(_) => Err(TracerError::Failed("a device tracer was given host hits".to_owned())),
+        }
+    }
+}

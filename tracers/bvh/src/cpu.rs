@@ -1,0 +1,253 @@
+//! `bvh-cpu`: CWBVH on the host.
+
+use std::sync::Arc;
+
+use glam::{UVec2, Vec3A};
+use obvhs::BvhBuildParams;
+use obvhs::cwbvh::CwBvh;
+use obvhs::cwbvh::builder::build_cwbvh_from_tris;
+use obvhs::cwbvh::node::CwBvhNode;
+use obvhs::ray::Ray as ObvhsRay;
+use obvhs::rt_triangle::RtTriangle;
+use obvhs::triangle::Triangle;
+use rayon::prelude::*;
+use tracebench_api::{
+    Counter, Description, Domain, Geometry, Hit, HitBuffer, Invalidation, Ledger, MemoryReport, ParameterDescription,
+    ParameterScope, Parameters, PhaseClock, Query, Ray, Residency, Status, Structure, TraceJob, Tracer, TracerError,
+    Value, Viewpoint,
+};
+
+const BUILDS: &[&str] = &["fastest", "very_fast", "fast", "medium", "slow", "very_slow"];
+
+/// Rays handed to a core at a time: large against the cost of handing over, small against the ray sets.
+const RAYS_PER_TASK: usize = 512;
+
+/// Depth of obvhs's traversal stack, which overwrites its top in silence when full; a node pushes once at most.
+const DEEPEST: usize = 31;
+
+/// What `bvh-cpu` is and takes.
+pub fn description() -> Description {
+    let choice = |name: &str| Value::Choice(name.to_owned());
+    Description {
+        name: "bvh-cpu",
+        citation: "Ylitie, Karras, Laine: Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs, \
+                   HPG 2017; as in the obvhs crate",
+        summary: "compressed eight-wide BVH, built and traversed on all cores of the host",
+        residency: Residency::Host,
+        invalidated_by: &[Invalidation::Geometry],
+        names_primitives: true,
+        parameters: vec![ParameterDescription {
+            name: "build",
+            unit: "",
+            scope: ParameterScope::Build,
+            domain: Domain::Choice(BUILDS),
+            published: choice("medium"),
+            improved: choice("slow"),
+            effect: "obvhs's build preset: slower builds trace faster; slow and very_slow split large triangles",
+            sweep: BUILDS.iter().map(|name| choice(name)).collect(),
+        }],
+    }
+}
+
+fn build_parameters(name: &str) -> BvhBuildParams {
+    match name {
+        "fastest" => BvhBuildParams::fastest_build(),
+        "very_fast" => BvhBuildParams::very_fast_build(),
+        "fast" => BvhBuildParams::fast_build(),
+        "slow" => BvhBuildParams::slow_build(),
+        "very_slow" => BvhBuildParams::very_slow_build(),
+        _ => BvhBuildParams::medium_build(),
+    }
+}
+
+/// The tracer.
+#[derive(Debug, Default)]
+pub struct BvhCpu;
+
+/// A built hierarchy.
+struct BvhCpuStructure {
+    bvh: CwBvh,
+    /// In the order of the leaves, so that a leaf's triangles are neighbours.
+    triangles: Vec<RtTriangle>,
+    triangle_count: usize,
+    memory: MemoryReport,
+}
+
+impl Tracer for BvhCpu {
+    fn build(
+        &self,
+        geometry: &Geometry,
+        _viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Box<dyn Structure>, TracerError> {
+        let config = build_parameters(parameters.choice("build"));
+        let positions = Arc::clone(&geometry.positions);
+        let triangles: Vec<Triangle> = clock.host_phase("gather triangles", || {
+            let corner = |vertex: u32| Vec3A::from(positions[vertex as usize]);
+            let gather = |&[a, b, c]: &[u32; 3]| Triangle { v0: corner(a), v1: corner(b), v2: corner(c) };
+            geometry.triangles.par_iter().map(gather).collect()
+        });
+        let bvh = clock.host_phase("build hierarchy", || {
+            build_cwbvh_from_tris(&triangles, config, &mut std::time::Duration::default())
+        });
+        let ordered: Vec<RtTriangle> = clock.host_phase("order triangles", || {
+            bvh.primitive_indices.par_iter().map(|index| RtTriangle::from(&triangles[*index as usize])).collect()
+        });
+
+        let mut ledger = Ledger::new();
+        // The builder's own boxes and binary nodes are not seen from here.
+        ledger.borrow_transient(size_of_val(triangles.as_slice()) as u64);
+        let mut keep = |name: &str, element: usize, capacity: usize, used: usize| {
+            ledger.keep(name, (capacity * element) as u64, (used * element) as u64);
+        };
+        keep("CWBVH nodes", size_of::<CwBvhNode>(), bvh.nodes.capacity(), bvh.nodes.len());
+        keep("primitive indices", 4, bvh.primitive_indices.capacity(), bvh.primitive_indices.len());
+        keep("triangles in leaf order", size_of::<RtTriangle>(), ordered.capacity(), ordered.len());
+        let structure =
+            BvhCpuStructure { bvh, triangles: ordered, triangle_count: triangles.len(), memory: ledger.report(0) };
+        let depth = structure.depth()?;
+        if depth > DEEPEST {
+            return Err(TracerError::Failed(format!(
+                "the hierarchy is {depth} levels deep, traversal can keep {DEEPEST}: choose another bvh-cpu.build"
+            )));
+        }
+        Ok(Box::new(structure))
+    }
+}
+
+/// Counts of one ray.
+#[derive(Clone, Copy, Default)]
+struct Work {
+    nodes: u64,
+    tests: u64,
+}
+
+impl BvhCpuStructure {
+    /// Closest hit or, with `any`, the first found. Equal t goes to the lower primitive. `COUNTED` is a constant so that
+    /// the timed variant has no counting in it.
+    fn search<const COUNTED: bool>(&self, ray: &Ray, any: bool) -> (Hit, Work) {
+        let mut work = Work::default();
+        let mut obvhs_ray = ObvhsRay::new(Vec3A::from(ray.origin), Vec3A::from(ray.direction), ray.t_min, ray.t_max);
+        let mut found: Option<(usize, u32)> = None;
+        let mut state = self.bvh.new_traversal(obvhs_ray.direction);
+        let mut node;
+        'search: {
+            obvhs::traverse!(
+                self.bvh,
+                node,
+                state,
+                {
+                    if COUNTED {
+                        work.nodes += 1;
+                    }
+                    node.intersect_ray(&obvhs_ray, state.oct_inv4)
+                },
+                {
+                    let slot = state.primitive_id as usize;
+                    if COUNTED {
+                        work.tests += 1;
+                    }
+                    let t = self.triangles[slot].intersect(&obvhs_ray);
+                    // The test gives infinity for a miss and else a t of at most tmax.
+                    if t <= obvhs_ray.tmax {
+                        let primitive = self.bvh.primitive_indices[slot];
+                        if t < obvhs_ray.tmax || found.is_none_or(|(_, best)| primitive < best) {
+                            obvhs_ray.tmax = t;
+                            found = Some((slot, primitive));
+                        }
+                        if any {
+                            break 'search;
+                        }
+                    }
+                }
+            );
+        }
+        let hit = match found {
+            None => Hit::miss(Status::Miss),
+            Some((slot, primitive)) => {
+                let weights = self.triangles[slot].compute_barycentric(&obvhs_ray);
+                Hit { t: obvhs_ray.tmax, primitive, u: weights.x, v: weights.y, status: Status::Hit as u32 }
+            }
+        };
+        (hit, work)
+    }
+
+    /// Levels of nodes from the root down.
+    fn depth(&self) -> Result<usize, TracerError> {
+        let mut deepest = 0;
+        let mut open = vec![(0_usize, 1_usize)];
+        let mut visited = 0;
+        while let Some((index, level)) = open.pop() {
+            let Some(node) = self.bvh.nodes.get(index) else {
+                return Err(TracerError::Failed(format!("node {index} does not exist")));
+            };
+            visited += 1;
+            if visited > self.bvh.nodes.len() {
+                return Err(TracerError::Failed("a node is reached twice".to_owned()));
+            }
+            deepest = deepest.max(level);
+            for child in 0..node.imask.count_ones() {
+                open.push(((node.child_base_idx + child) as usize, level + 1));
+            }
+        }
+        Ok(deepest)
+    }
+}
+
+impl Structure for BvhCpuStructure {
+    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        let any = job.rays.query == Query::Any;
+        let hits = hits.host_mut()?;
+        clock.host_phase("traverse", || {
+            hits.par_chunks_mut(RAYS_PER_TASK).zip(job.rays.host.par_chunks(RAYS_PER_TASK)).for_each(|(hits, rays)| {
+                for (hit, ray) in hits.iter_mut().zip(rays) {
+                    *hit = self.search::<false>(ray, any).0;
+                }
+            });
+        });
+        Ok(())
+    }
+
+    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        let any = job.rays.query == Query::Any;
+        let found: Vec<(Hit, Work)> = job.rays.host.par_iter().map(|ray| self.search::<true>(ray, any)).collect();
+        for (slot, (hit, _)) in hits.host_mut()?.iter_mut().zip(&found) {
+            *slot = *hit;
+        }
+        Ok(vec![
+            Counter::of("nodes_visited", found.iter().map(|(_, work)| work.nodes)),
+            Counter::of("triangle_tests", found.iter().map(|(_, work)| work.tests)),
+        ])
+    }
+
+    fn memory(&self) -> MemoryReport {
+        self.memory.clone()
+    }
+
+    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        let depth = self.depth()?;
+        let mut seen = vec![0_u32; self.triangle_count];
+        for index in &self.bvh.primitive_indices {
+            match seen.get_mut(*index as usize) {
+                Some(count) => *count += 1,
+                None => {
+                    return Err(TracerError::Failed(format!("a leaf names triangle {index}, which does not exist")));
+                }
+            }
+        }
+        let (missing, doubled) =
+            (seen.iter().filter(|count| **count == 0).count(), seen.iter().filter(|count| **count > 1).count());
+        if missing > 0 {
+            return Err(TracerError::Failed(format!("{missing} triangles are in no leaf")));
+        }
+        if doubled > 0 && !self.bvh.uses_spatial_splits {
+            return Err(TracerError::Failed(format!("{doubled} triangles are in several leaves without splits")));
+        }
+        Ok(vec![
+            ("nodes", self.bvh.nodes.len() as f64),
+            ("depth", depth as f64),
+            ("references", self.bvh.primitive_indices.len() as f64),
+        ])
+    }
+}

@@ -1,0 +1,86 @@
+//! Pipelines and dispatches with the least ceremony.
+
+use tracebench_api::wgpu::{self, BindGroupEntry, BindingResource};
+use tracebench_api::{Gpu, TracerError};
+use tracebench_shaders::Shader;
+
+/// Most workgroups along one dimension of a dispatch (WebGPU's limit).
+const MOST_WORKGROUPS: u32 = 65_535;
+
+/// Compiles a shader.
+///
+/// # Errors
+/// [`TracerError::Failed`] if the device refuses it.
+pub fn shader_module(gpu: &Gpu, shader: Shader) -> Result<wgpu::ShaderModule, TracerError> {
+    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(shader.name),
+        source: wgpu::ShaderSource::Wgsl(shader.source.into()),
+    });
+    gpu.check()?;
+    Ok(module)
+}
+
+/// Creates a compute pipeline with a layout derived from the shader.
+///
+/// # Errors
+/// [`TracerError::Failed`] if the device refuses it.
+pub fn compute_pipeline(gpu: &Gpu, shader: Shader, entry_point: &str) -> Result<wgpu::ComputePipeline, TracerError> {
+    let module = shader_module(gpu, shader)?;
+    let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(shader.name),
+        layout: None,
+        module: &module,
+        entry_point: Some(entry_point),
+        compilation_options: Default::default(),
+        cache: None,
+    });
+    gpu.check()?;
+    Ok(pipeline)
+}
+
+/// Binds resources to bindings 0, 1, 2, ... of group 0.
+pub fn bind_group(gpu: &Gpu, layout: &wgpu::BindGroupLayout, resources: &[BindingResource<'_>]) -> wgpu::BindGroup {
+    let entries: Vec<_> = resources
+        .iter()
+        .enumerate()
+        .map(|(binding, resource)| BindGroupEntry { binding: binding as u32, resource: resource.clone() })
+        .collect();
+    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+}
+
+/// Records a dispatch of at least `invocations`, folded into two dimensions where one does not hold it
+/// (`linear_invocation` of shaders/shared/dispatch.wgsl unfolds it).
+pub fn dispatch_linear(
+    encoder: &mut wgpu::CommandEncoder,
+    pipeline: &wgpu::ComputePipeline,
+    bindings: &wgpu::BindGroup,
+    invocations: u32,
+    workgroup_size: u32,
+) {
+    let [across, down] = fold(invocations.div_ceil(workgroup_size));
+    let mut pass = encoder.begin_compute_pass(&Default::default());
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, bindings, &[]);
+    pass.dispatch_workgroups(across, down, 1);
+}
+
+fn fold(workgroups: u32) -> [u32; 2] {
+    let down = workgroups.div_ceil(MOST_WORKGROUPS).max(1);
+    [workgroups.div_ceil(down), down]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every count is covered, within the limit, with less than one row to spare.
+    #[test]
+    fn folds_cover_and_stay_within_limits() {
+        for workgroups in [0, 1, 65_534, 65_535, 65_536, 131_071, 1_000_003, u32::MAX / 64] {
+            let [across, down] = fold(workgroups);
+            let covered = u64::from(across) * u64::from(down);
+            assert!(across <= MOST_WORKGROUPS && down <= MOST_WORKGROUPS);
+            assert!(covered >= u64::from(workgroups) && covered - u64::from(workgroups) < u64::from(down));
+        }
+    }
+}

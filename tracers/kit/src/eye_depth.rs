@@ -1,0 +1,196 @@
+//! Linear eye depth of one view, by the hardware rasterizer.
+
+use tracebench_api::wgpu::{self, TextureFormat, TextureUsages};
+use tracebench_api::{DeviceGeometry, Gpu, TracerError, View};
+use tracebench_shaders::EYE_DEPTH_RASTER;
+
+use crate::{ViewUniform, bind_group, shader_module};
+
+/// The eye depth stored where no surface covers a pixel's centre: beyond every surface.
+pub const NO_SURFACE: f32 = 1e30;
+
+const DEPTH_FORMAT: TextureFormat = TextureFormat::R32Float;
+const TEST_FORMAT: TextureFormat = TextureFormat::Depth32Float;
+
+/// The pipeline that rasterizes eye depth.
+#[derive(Debug)]
+pub struct EyeDepthRaster {
+    pipeline: wgpu::RenderPipeline,
+}
+
+/// The textures of one view.
+#[derive(Debug)]
+pub struct EyeDepthTarget {
+    /// One f32 a pixel: linear eye depth at the pixel's centre, or [`NO_SURFACE`].
+    pub eye_depth: wgpu::TextureView,
+    /// The depth test's own buffer; needed only while rasterizing.
+    test: wgpu::TextureView,
+    /// Pixels.
+    pixels: u64,
+}
+
+impl EyeDepthTarget {
+    /// Creates the textures.
+    ///
+    /// # Errors
+    /// [`TracerError::TooLarge`] if an edge exceeds the device's limit.
+    pub fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, TracerError> {
+        let limit = gpu.limits.max_texture_dimension_2d;
+        if let Some(edge) = size.into_iter().find(|edge| *edge > limit) {
+            return Err(TracerError::TooLarge {
+                name: "an edge of the eye depth buffer".to_owned(),
+                bytes: u64::from(edge),
+                limit: u64::from(limit),
+                turn_down: "--frame".to_owned(),
+            });
+        }
+        let texture = |label, format, usage| {
+            let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage,
+                view_formats: &[],
+            });
+            texture.create_view(&Default::default())
+        };
+        let target = Self {
+            eye_depth: texture(
+                "eye depth",
+                DEPTH_FORMAT,
+                TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
+            ),
+            test: texture("depth test", TEST_FORMAT, TextureUsages::RENDER_ATTACHMENT),
+            pixels: u64::from(size[0]) * u64::from(size[1]),
+        };
+        gpu.check()?;
+        Ok(target)
+    }
+
+    /// Bytes of the eye depth buffer.
+    pub fn eye_depth_bytes(&self) -> u64 {
+        self.pixels * 4
+    }
+
+    /// Bytes of the depth test's buffer, which is kept so that the next build need not create it.
+    pub fn test_bytes(&self) -> u64 {
+        self.pixels * 4
+    }
+
+    /// Reads the eye depths back, row by row from the top.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the device fails.
+    pub fn read(&self, gpu: &Gpu) -> Result<Vec<f32>, TracerError> {
+        let texture = self.eye_depth.texture();
+        let (width, height) = (texture.width(), texture.height());
+        let row_bytes = (width * 4).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let bytes = u64::from(row_bytes) * u64::from(height);
+        let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+        let staging = gpu.buffer("eye depth read back", bytes, usage, "--frame")?;
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        encoder.copy_texture_to_buffer(
+            texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &staging,
+                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes), rows_per_image: None },
+            },
+            texture.size(),
+        );
+        gpu.queue.submit([encoder.finish()]);
+        let padded = gpu.read(&staging, bytes)?;
+        let rows = padded.chunks_exact(row_bytes as usize);
+        Ok(rows.flat_map(|row| bytemuck::pod_collect_to_vec::<u8, f32>(&row[..width as usize * 4])).collect())
+    }
+}
+
+impl EyeDepthRaster {
+    /// Creates the pipeline.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the device refuses it.
+    pub fn new(gpu: &Gpu) -> Result<Self, TracerError> {
+        let module = shader_module(gpu, EYE_DEPTH_RASTER)?;
+        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(EYE_DEPTH_RASTER.name),
+            layout: None,
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("vertex"),
+                compilation_options: Default::default(),
+                buffers: &[Some(wgpu::VertexBufferLayout {
+                    array_stride: 12,
+                    step_mode: wgpu::VertexStepMode::Vertex,
+                    attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+                })],
+            },
+            // Two-sided: nothing is culled.
+            primitive: Default::default(),
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: TEST_FORMAT,
+                depth_write_enabled: Some(true),
+                // Reversed depth: near is 1, far is 0.
+                depth_compare: Some(wgpu::CompareFunction::Greater),
+                stencil: Default::default(),
+                bias: Default::default(),
+            }),
+            multisample: Default::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("fragment"),
+                compilation_options: Default::default(),
+                targets: &[Some(DEPTH_FORMAT.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        gpu.check()?;
+        Ok(Self { pipeline })
+    }
+
+    /// Prepares one view: its uniform buffer, bound.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the device fails.
+    pub fn bind(&self, gpu: &Gpu, view: &View) -> Result<wgpu::BindGroup, TracerError> {
+        let uniform = ViewUniform::from(view);
+        let buffer =
+            gpu.buffer_with("view", bytemuck::bytes_of(&uniform), wgpu::BufferUsages::UNIFORM, "the number of views")?;
+        Ok(bind_group(gpu, &self.pipeline.get_bind_group_layout(0), &[buffer.as_entire_binding()]))
+    }
+
+    /// Records the pass that draws all triangles.
+    pub fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        bindings: &wgpu::BindGroup,
+        geometry: &DeviceGeometry,
+        triangle_count: u32,
+        target: &EyeDepthTarget,
+    ) {
+        let clear = wgpu::Color { r: f64::from(NO_SURFACE), g: 0.0, b: 0.0, a: 0.0 };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("eye depth"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &target.eye_depth,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &target.test,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, bindings, &[]);
+        pass.set_vertex_buffer(0, geometry.positions.slice(..));
+        pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(0..triangle_count * 3, 0, 0..1);
+    }
+}

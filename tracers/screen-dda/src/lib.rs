@@ -1,0 +1,20 @@
+//! `screen-dda`: screen-space ray tracing by perspective-correct DDA over a rasterized depth buffer of one view.
+//!
+//! McGuire and Mara, *Efficient GPU Screen-Space Ray Tracing*, Journal of Computer Graphics Techniques 3(4), 2014. A ray
+//! is clipped to the view and its projection walked pixel by pixel along its major axis; it hits where its depth
+//! interval in a pixel meets the stored surface, which is taken to be `thickness` thick. It sees what the view shows and
+//! nothing else.
+//!
+//! Deviations from the paper, each chosen so that the suite can compare methods:
+//! - Rays are clipped to the whole frustum, not only to the near plane, and depth intervals are held within the ray, so
+//!   that rays that fall on one pixel (every primary ray does) are answered too.
+//! - A hit's `t` is the ray's parameter at the stored eye depth, held within the ray's span in the step. With
+//!   `hit_point = step` it is that of the step's own position, as in listing 1.
+//! - The paper leaves thickness, step limit and jitter to the user. The defaults here are written in the parameters'
+//!   descriptions; thickness is told in scene diagonals, so that it means the same in every scene.
+
+mod description;
+mod structure;
+
+pub use description::description;
+pub use structure::ScreenDda;

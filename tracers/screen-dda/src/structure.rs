@@ -1,0 +1,182 @@
+//! Building and tracing on the device.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use tracebench_api::wgpu::{BindingResource, BufferUsages, ComputePipeline};
+use tracebench_api::{
+    Counter, EndPoint, Geometry, Gpu, HitBuffer, Ledger, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
+    Tracer, TracerError, View, Viewpoint,
+};
+use tracebench_kit::{
+    EyeDepthRaster, EyeDepthTarget, NO_SURFACE, ViewUniform, bind_group, compute_pipeline, dispatch_linear,
+};
+use tracebench_shaders::{SCREEN_DDA_TRACE, SCREEN_DDA_TRACE_COUNTED};
+
+use crate::description::HIT_POINTS;
+
+/// As `WORKGROUP_SIZE` in shaders/screen-dda/trace.wgsl.
+const WORKGROUP_SIZE: u32 = 64;
+
+/// `Settings` of shaders/screen-dda/trace.wgsl.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct Settings {
+    ray_count: u32,
+    max_steps: u32,
+    hit_point: u32,
+    stride: f32,
+    thickness: f32,
+    start_bias: f32,
+}
+
+/// The pipelines.
+struct Pipelines {
+    gpu: Arc<Gpu>,
+    raster: EyeDepthRaster,
+    trace: ComputePipeline,
+    trace_counted: ComputePipeline,
+}
+
+/// The tracer.
+pub struct ScreenDda {
+    pipelines: Arc<Pipelines>,
+}
+
+impl ScreenDda {
+    /// Creates the pipelines.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the device refuses one.
+    pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        let pipelines = Pipelines {
+            raster: EyeDepthRaster::new(&gpu)?,
+            trace: compute_pipeline(&gpu, SCREEN_DDA_TRACE, "trace")?,
+            trace_counted: compute_pipeline(&gpu, SCREEN_DDA_TRACE_COUNTED, "trace")?,
+            gpu,
+        };
+        Ok(Self { pipelines: Arc::new(pipelines) })
+    }
+}
+
+/// The depth buffer of one view.
+struct ScreenDdaStructure {
+    pipelines: Arc<Pipelines>,
+    view: View,
+    target: EyeDepthTarget,
+    diagonal: f64,
+}
+
+impl Tracer for ScreenDda {
+    fn build(
+        &self,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        _parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Box<dyn Structure>, TracerError> {
+        let Pipelines { gpu, raster, .. } = &*self.pipelines;
+        let on_device = geometry.on_device()?;
+        let view = viewpoint.frame_view();
+        let target = EyeDepthTarget::new(gpu, view.size)?;
+        let bindings = raster.bind(gpu, &view)?;
+        let triangle_count = geometry.triangles.len() as u32;
+        clock.device_phase("rasterize depth buffer", |encoder| {
+            raster.record(encoder, &bindings, on_device, triangle_count, &target);
+        })?;
+        let pipelines = Arc::clone(&self.pipelines);
+        Ok(Box::new(ScreenDdaStructure { pipelines, view, target, diagonal: geometry.diagonal() }))
+    }
+}
+
+impl ScreenDdaStructure {
+    fn settings(&self, job: &TraceJob<'_>) -> Settings {
+        let TraceJob { parameters, rays, .. } = job;
+        let hit_point = HIT_POINTS.iter().position(|name| *name == parameters.choice("hit_point")).unwrap_or(0);
+        Settings {
+            ray_count: rays.host.len() as u32,
+            max_steps: parameters.integer("max_steps") as u32,
+            hit_point: hit_point as u32,
+            stride: parameters.integer("stride") as f32,
+            thickness: (parameters.real("thickness") * self.diagonal) as f32,
+            start_bias: parameters.real("start_bias") as f32,
+        }
+    }
+
+    /// Records the trace; `extra` are the bindings of the counting variant.
+    fn record(
+        &self,
+        pipeline: &ComputePipeline,
+        job: &TraceJob<'_>,
+        hits: &HitBuffer,
+        extra: &[BindingResource<'_>],
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        if job.end != EndPoint::Hit {
+            return Err(TracerError::Unsupported("screen-dda stores depths, not surfaces".to_owned()));
+        }
+        let gpu = &self.pipelines.gpu;
+        let uniform = |name, contents: &[u8]| gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing");
+        let view = uniform("view", bytemuck::bytes_of(&ViewUniform::from(&self.view)))?;
+        let settings = self.settings(job);
+        let settings_buffer = uniform("settings", bytemuck::bytes_of(&settings))?;
+        let mut resources = vec![
+            view.as_entire_binding(),
+            settings_buffer.as_entire_binding(),
+            BindingResource::TextureView(&self.target.eye_depth),
+            job.rays.on_device()?.as_entire_binding(),
+            hits.on_device()?.as_entire_binding(),
+        ];
+        resources.extend_from_slice(extra);
+        let bindings = bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources);
+        clock.device_phase("march", |encoder| {
+            dispatch_linear(encoder, pipeline, &bindings, settings.ray_count, WORKGROUP_SIZE);
+        })
+    }
+}
+
+impl Structure for ScreenDdaStructure {
+    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        // Any hit is the same walk: its first hit is its nearest.
+        self.record(&self.pipelines.trace, &job, hits, &[], clock)
+    }
+
+    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        let gpu = &self.pipelines.gpu;
+        let bytes = job.rays.host.len() as u64 * 4;
+        gpu.check_storage_binding("depth sample counts", bytes, "--size")?;
+        let counts =
+            gpu.buffer("depth sample counts", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?;
+        let mut clock = PhaseClock::new(Some(gpu));
+        self.record(&self.pipelines.trace_counted, &job, hits, &[counts.as_entire_binding()], &mut clock)?;
+        clock.finish()?;
+        let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&counts, bytes)?);
+        Ok(vec![Counter::of("depth_samples", counts.into_iter().map(u64::from))])
+    }
+
+    fn memory(&self) -> MemoryReport {
+        let mut ledger = Ledger::new();
+        for (name, bytes) in
+            [("eye depth buffer", self.target.eye_depth_bytes()), ("depth test buffer", self.target.test_bytes())]
+        {
+            ledger.keep(name, bytes, bytes);
+        }
+        ledger.report(0)
+    }
+
+    fn views(&self) -> Vec<View> {
+        vec![self.view]
+    }
+
+    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        let depths = self.target.read(&self.pipelines.gpu)?;
+        // Depth is interpolated in f32, so a surface at near or far may be stored a little beyond it.
+        let (near, far) = (self.view.near * (1.0 - 1e-4), self.view.far * (1.0 + 1e-4));
+        let outside = |depth: &&f32| **depth != NO_SURFACE && !(near..=far).contains(&f64::from(**depth));
+        if let Some(depth) = depths.iter().find(outside) {
+            return Err(TracerError::Failed(format!("an eye depth of {depth} lies outside of {near} to {far}")));
+        }
+        let covered = depths.iter().filter(|depth| **depth != NO_SURFACE).count();
+        Ok(vec![("pixels", depths.len() as f64), ("covered_pixels", covered as f64)])
+    }
+}
