@@ -1,0 +1,146 @@
+//! The arguments of `run` and `picture`, and the plan that they make.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{CliError, names};
+use crate::picture::What;
+use crate::plan::{Plan, RUN_PRESETS, RunPreset, ViewRequest};
+use crate::viewpoint::Pose;
+
+/// Largest edge of a frame or image, pixels.
+const LARGEST_EDGE: u32 = 16_384;
+/// Largest edge of a cube face, pixels.
+const LARGEST_FACE: u32 = 8_192;
+/// Most rays that start from one image: some 200 bytes of memory each.
+const MOST_RAYS: u64 = 1 << 24;
+
+#[derive(Args)]
+pub(super) struct RunArguments {
+    /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas.
+    #[arg(long, default_value = "room")]
+    pub scene: String,
+    /// Tracers: NAME[:PRESET] with commas, all, or all:improved. A plain name means the published preset.
+    #[arg(long, default_value = "all")]
+    pub tracer: String,
+    /// Ray sets: names from `list rays` with commas, or all.
+    #[arg(long, default_value = "all")]
+    pub rays: String,
+    /// Image from whose pixels rays start.
+    #[arg(long, value_name = "WxH", value_parser = ray_image)]
+    pub size: Option<[u32; 2]>,
+    /// Resolution of the viewpoint's frame, from which structures take theirs.
+    #[arg(long, value_name = "WxH", value_parser = frame)]
+    pub frame: Option<[u32; 2]>,
+    /// Edge of the viewpoint's cube faces, pixels.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(LARGEST_FACE)))]
+    pub face: Option<u32>,
+    #[command(flatten)]
+    pub common: CommonArguments,
+    /// Sets rays, resolutions, samples and scene scale: smoke, quick (default without a GPU) or paper (default on one).
+    #[arg(long, value_parser = RUN_PRESETS.map(|preset| preset.name))]
+    pub preset: Option<String>,
+    /// Counted samples of every time.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub samples: Option<u32>,
+    /// Seed of the ray sets.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Folder for the results; a new one below tracebench-out/ if not given.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// What `run` and `picture` share.
+#[derive(Args)]
+pub(super) struct CommonArguments {
+    /// Viewpoint: a name from `list scenes`, or eye and target as ex,ey,ez:tx,ty,tz.
+    #[arg(long, value_name = "NAME|POSE", allow_hyphen_values = true)]
+    pub view: Option<String>,
+    /// Animation time; scenes that do not move are the same at every time.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = seconds, allow_hyphen_values = true)]
+    pub time: f64,
+    /// A parameter on top of the preset: tracer.parameter=value, as in `list tracers`. May be repeated.
+    #[arg(long = "set", value_name = "T.P=V", allow_hyphen_values = true)]
+    pub settings: Vec<String>,
+    /// Adapter: part of its name, or its number in `adapters`.
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+}
+
+#[derive(Args)]
+pub(super) struct PictureArguments {
+    /// Scene: a name from `list scenes`, or a path to a .gltf or .glb file.
+    #[arg(long)]
+    pub scene: String,
+    /// Tracer, NAME[:PRESET].
+    #[arg(long)]
+    pub tracer: String,
+    /// What is drawn.
+    #[arg(long, value_enum, default_value_t = What::Shaded)]
+    pub what: What,
+    /// Width and height of the picture, pixels; also the viewpoint's frame.
+    #[arg(long, value_name = "WxH", value_parser = ray_image, default_value = "960x540")]
+    pub size: [u32; 2],
+    #[command(flatten)]
+    pub common: CommonArguments,
+    /// PNG file to write.
+    #[arg(long, value_name = "F.png")]
+    pub out: PathBuf,
+}
+
+fn frame(text: &str) -> Result<[u32; 2], String> {
+    let edge = |part: &str| part.parse::<u32>().ok().filter(|edge| (1..=LARGEST_EDGE).contains(edge));
+    let edges = text.split_once(['x', 'X']).and_then(|(width, height)| edge(width).zip(edge(height)));
+    let (width, height) = edges.ok_or_else(|| format!("WxH with both from 1 to {LARGEST_EDGE}, like 256x128"))?;
+    Ok([width, height])
+}
+
+fn ray_image(text: &str) -> Result<[u32; 2], String> {
+    let [width, height] = frame(text)?;
+    let rays = u64::from(width) * u64::from(height);
+    if rays > MOST_RAYS {
+        return Err(format!("{rays} rays, {MOST_RAYS} are the most"));
+    }
+    Ok([width, height])
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|time: &f64| time.is_finite()).ok_or_else(|| "a number of seconds".to_owned())
+}
+
+impl CommonArguments {
+    pub(super) fn view(&self) -> Result<ViewRequest, CliError> {
+        match &self.view {
+            None => Ok(ViewRequest::Default),
+            Some(text) if text.contains([':', ',']) => {
+                let pose = Pose::parse(text).map_err(|error| CliError::Argument(format!("--view: {error}")))?;
+                Ok(ViewRequest::Given(pose))
+            }
+            Some(name) => Ok(ViewRequest::Named(name.clone())),
+        }
+    }
+}
+
+impl RunArguments {
+    /// The plan, but for the preset, which waits for the adapter if it is not given.
+    pub(super) fn plan(&self, hardware: impl FnOnce() -> bool) -> Result<Plan, CliError> {
+        let tracers = names::tracers(&self.tracer, &self.common.settings)?;
+        let scenes = names::scenes(&self.scene)?;
+        let ray_sets = names::ray_sets(&self.rays)?;
+        let view = self.common.view()?;
+        let preset = match &self.preset {
+            Some(name) => RunPreset::named(name).ok_or_else(|| CliError::Argument(format!("no preset '{name}'")))?,
+            None => RunPreset::for_adapter(hardware()),
+        };
+        let preset = RunPreset {
+            ray_image: self.size.unwrap_or(preset.ray_image),
+            frame: self.frame.unwrap_or(preset.frame),
+            face: self.face.unwrap_or(preset.face),
+            samples: self.samples.map_or(preset.samples, |samples| samples as usize),
+            ..preset
+        };
+        Ok(Plan { scenes, tracers, ray_sets, preset, view, time_s: self.common.time, seed: self.seed })
+    }
+}

@@ -1,0 +1,119 @@
+//! The command line: `tracebench adapters | list | run | report | picture`.
+//!
+//! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
+
+mod arguments;
+mod list;
+mod names;
+mod run;
+
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use clap::{Parser, Subcommand};
+use tracebench_api::{AdapterChoice, Gpu, TracerError};
+
+use crate::picture::PictureError;
+use crate::progress::Progress;
+use crate::report::ReportError;
+use crate::runner::RunError;
+
+/// Comparative benchmark of image-space ray tracers: speed and accuracy of the same rays, side by side.
+#[derive(Parser)]
+#[command(name = "tracebench", version, about, max_term_width = 100)]
+struct CommandLine {
+    /// Show no progress.
+    #[arg(long, global = true)]
+    quiet: bool,
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    /// List the graphics adapters of this machine.
+    Adapters(list::AdapterArguments),
+    /// List tracers (with their parameters), scenes or ray sets.
+    List(list::ListArguments),
+    /// Trace rays, judge them against the truth, and write run.json, tables and charts.
+    Run(arguments::RunArguments),
+    /// Make every file that derives from a run.json again.
+    Report(run::ReportArguments),
+    /// Draw what a tracer sees, or gets wrong, as a PNG.
+    Picture(arguments::PictureArguments),
+}
+
+/// What ends the program early.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum CliError {
+    /// An argument is wrong.
+    #[error("{0}")]
+    Argument(String),
+    /// A run failed.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// A file could not be read or written.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    /// A picture could not be made.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// A device could not be had.
+    #[error(transparent)]
+    Device(#[from] TracerError),
+    /// Something that is not worth a type.
+    #[error("{0}")]
+    Other(String),
+}
+
+impl CliError {
+    fn exit_code(&self) -> ExitCode {
+        let argument = match self {
+            Self::Argument(_) => true,
+            Self::Run(error) => error.is_argument(),
+            Self::Picture(PictureError::Run(error)) => error.is_argument(),
+            _ => false,
+        };
+        ExitCode::from(if argument { 2 } else { 1 })
+    }
+}
+
+/// Runs the program.
+pub fn main() -> ExitCode {
+    let command_line = match CommandLine::try_parse() {
+        Ok(command_line) => command_line,
+        Err(error) => {
+            // Help and version come this way too; clap knows which stream and status each needs.
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+        }
+    };
+    let progress = Progress::new(command_line.quiet);
+    let outcome = match &command_line.verb {
+        Verb::Adapters(arguments) => list::adapters(arguments),
+        Verb::List(arguments) => list::list(arguments),
+        Verb::Run(arguments) => run::run(arguments, &progress),
+        Verb::Report(arguments) => run::report(arguments, &progress),
+        Verb::Picture(arguments) => run::picture(arguments, &progress),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            error.exit_code()
+        }
+    }
+}
+
+/// Opens the device if any tracer can use it. With `wanted` or a tracer that must have it, not getting one is an error.
+fn open_device(wanted: Option<&str>, useful: bool, required: bool) -> Result<Option<Arc<Gpu>>, CliError> {
+    if !useful && wanted.is_none() {
+        return Ok(None);
+    }
+    let choice = AdapterChoice { wanted: wanted.map(str::to_owned) };
+    match Gpu::open(&choice) {
+        Ok(gpu) => Ok(Some(Arc::new(gpu))),
+        Err(error) if wanted.is_some() || required => Err(error.into()),
+        Err(_) => Ok(None),
+    }
+}

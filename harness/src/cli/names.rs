@@ -1,0 +1,166 @@
+//! Names on the command line: lists, presets, suggestions for what is not known.
+
+use std::path::Path;
+
+use tracebench_api::{ParameterError, Parameters, Preset};
+
+use super::CliError;
+use crate::plan::{SceneSource, TracerRequest};
+use crate::rays::{RAY_SETS, RaySet};
+use crate::registry::{self, TRACERS};
+
+/// Says that a name is not known, with the nearest that is.
+fn unknown(kind: &str, name: &str, known: &[&str]) -> CliError {
+    let nearest = known.iter().max_by(|a, b| strsim::jaro_winkler(name, a).total_cmp(&strsim::jaro_winkler(name, b)));
+    let hint = nearest.map_or_else(String::new, |nearest| format!("; did you mean '{nearest}'?"));
+    CliError::Argument(format!("there is no {kind} '{name}'{hint} There are: {}", known.join(", ")))
+}
+
+/// The parts of a comma-separated list, each once, in order.
+fn parts<'a>(list: &'a str, option: &str) -> Result<Vec<&'a str>, CliError> {
+    let mut parts: Vec<&str> = Vec::new();
+    for part in list.split(',').map(str::trim) {
+        if part.is_empty() {
+            return Err(CliError::Argument(format!("{option} '{list}' has an empty name")));
+        }
+        if !parts.contains(&part) {
+            parts.push(part);
+        }
+    }
+    Ok(parts)
+}
+
+/// Scenes: catalogue names, or paths to .gltf and .glb files.
+pub(super) fn scenes(list: &str) -> Result<Vec<SceneSource>, CliError> {
+    parts(list, "--scene")?.into_iter().map(scene).collect()
+}
+
+pub(super) fn scene(name: &str) -> Result<SceneSource, CliError> {
+    let known: Vec<&str> = tracebench_scenes::catalogue().iter().map(|entry| entry.name).collect();
+    if known.contains(&name) {
+        return Ok(SceneSource::Catalogue(name.to_owned()));
+    }
+    let path = Path::new(name);
+    let is_model =
+        path.extension().is_some_and(|end| end.eq_ignore_ascii_case("glb") || end.eq_ignore_ascii_case("gltf"));
+    if is_model || name.contains(std::path::MAIN_SEPARATOR) || path.exists() {
+        return Ok(SceneSource::File(path.to_owned()));
+    }
+    Err(unknown("scene (nor a path to a .gltf or .glb file)", name, &known))
+}
+
+/// Ray sets: names, or all.
+pub(super) fn ray_sets(list: &str) -> Result<Vec<RaySet>, CliError> {
+    if list == "all" {
+        return Ok(RAY_SETS.to_vec());
+    }
+    let known: Vec<&str> = RAY_SETS.iter().map(|set| set.name).collect();
+    let find = |name| RAY_SETS.iter().find(|set| set.name == name).copied();
+    parts(list, "--rays")?.into_iter().map(|name| find(name).ok_or_else(|| unknown("ray set", name, &known))).collect()
+}
+
+fn preset(name: &str) -> Result<Preset, CliError> {
+    let known: Vec<&str> = Preset::ALL.iter().map(|preset| preset.name()).collect();
+    Preset::ALL.into_iter().find(|preset| preset.name() == name).ok_or_else(|| unknown("preset", name, &known))
+}
+
+/// Tracers: NAME[:PRESET],... or all[:PRESET], with `--set` values on top.
+pub(super) fn tracers(list: &str, settings: &[String]) -> Result<Vec<TracerRequest>, CliError> {
+    let mut requests: Vec<TracerRequest> = Vec::new();
+    for part in parts(list, "--tracer")? {
+        let (name, preset) = match part.split_once(':') {
+            None => (part, Preset::Published),
+            Some((name, text)) => (name, preset(text)?),
+        };
+        let required = name != "all";
+        let chosen: Vec<_> = if required { vec![named(name)?] } else { TRACERS.iter().collect() };
+        for registration in chosen {
+            let description = (registration.describe)();
+            let already = requests
+                .iter_mut()
+                .find(|request| (request.registration.describe)().name == description.name && request.preset == preset);
+            match already {
+                Some(request) => request.required |= required,
+                None => requests.push(TracerRequest {
+                    registration: *registration,
+                    preset,
+                    parameters: Parameters::preset(&description.parameters, preset),
+                    changed: Vec::new(),
+                    required,
+                }),
+            }
+        }
+    }
+    for setting in settings {
+        apply(setting, &mut requests)?;
+    }
+    Ok(requests)
+}
+
+fn named(name: &str) -> Result<&'static registry::Registration, CliError> {
+    let mut known: Vec<&str> = TRACERS.iter().map(|registration| (registration.describe)().name).collect();
+    known.push("all");
+    registry::find(name).ok_or_else(|| unknown("tracer", name, &known))
+}
+
+/// Applies one `tracer.parameter=value`.
+fn apply(setting: &str, requests: &mut [TracerRequest]) -> Result<(), CliError> {
+    let syntax = || CliError::Argument(format!("--set '{setting}' must read tracer.parameter=value"));
+    let (path, value) = setting.split_once('=').ok_or_else(syntax)?;
+    let (tracer, parameter) = path.split_once('.').ok_or_else(syntax)?;
+    let registration = named(tracer)?;
+    let description = (registration.describe)();
+    let mut applied = false;
+    for request in requests.iter_mut().filter(|request| (request.registration.describe)().name == tracer) {
+        applied = true;
+        request.parameters.set(&description.parameters, parameter, value).map_err(|error| match error {
+            ParameterError::Unknown { .. } => {
+                let known: Vec<&str> = description.parameters.iter().map(|each| each.name).collect();
+                unknown(&format!("parameter of {tracer}"), parameter, &known)
+            }
+            ParameterError::Value { .. } => CliError::Argument(format!("--set {tracer}: {error}")),
+        })?;
+        if !request.changed.iter().any(|name| name == parameter) {
+            request.changed.push(parameter.to_owned());
+        }
+    }
+    if applied { Ok(()) } else { Err(CliError::Argument(format!("--set {setting}: {tracer} is not in --tracer"))) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message<T>(result: Result<T, CliError>) -> String {
+        match result {
+            Ok(_) => String::new(),
+            Err(error) => error.to_string(),
+        }
+    }
+
+    /// What is not known is refused with the nearest known name.
+    #[test]
+    fn unknown_names_get_suggestions() {
+        assert!(message(scenes("rooom")).contains("'room'"));
+        assert!(message(ray_sets("primry")).contains("'primary'"));
+        assert!(message(tracers("bvh-cpo", &[])).contains("'bvh-cpu'"));
+        assert!(message(tracers("bvh-cpu:improvd", &[])).contains("'improved'"));
+        let set = |text: &str| tracers("screen-dda", &[text.to_owned()]);
+        assert!(message(set("screen-dda.strid=1")).contains("'stride'"));
+        assert!(message(set("screen-dda.stride=0")).contains("1 to 256"));
+        assert!(message(set("stride=1")).contains("tracer.parameter=value"));
+        assert!(message(set("bvh-cpu.build=fast")).contains("not in --tracer"));
+        assert!(message(ray_sets("primary,,ao")).contains("empty name"));
+    }
+
+    /// Paths are paths, `all` is every tracer without being required, names are required, settings come on top.
+    #[test]
+    fn lists_mean_what_they_say() {
+        assert_eq!(scenes("room,a/b.glb").unwrap().len(), 2);
+        let all = tracers("all:improved", &[]).unwrap();
+        assert!(all.len() == TRACERS.len() && all.iter().all(|each| !each.required && each.preset == Preset::Improved));
+        let set = tracers("bvh-cpu,bvh-cpu:improved", &["bvh-cpu.build=fastest".to_owned()]).unwrap();
+        assert!(set.iter().all(|each| each.required && each.parameters.choice("build") == "fastest"));
+        assert_eq!(tracers("all,bvh-cpu", &[]).unwrap().len(), TRACERS.len());
+    }
+}

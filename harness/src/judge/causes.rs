@@ -1,0 +1,149 @@
+//! Why an answer is wrong. The judge finds out by itself: it projects the true and the answered hit into the tracer's
+//! views and asks the f64 truth what those views show. Of the tracer it takes only the status.
+
+use glam::DVec3;
+use tracebench_api::{Hit, Status, View};
+
+use super::{Class, Judge, Rule};
+use crate::truth::{Ray64, TrueHit, tight_tolerance};
+
+/// Pixels of a view within which two points count as the same sample of it.
+const VIEW_PIXELS: f64 = 2.0;
+
+/// Pixels of a view by which a rasterizer may move an edge: twice the 1/256 that Vulkan asks for at least, four times
+/// over for the two vertices of an edge.
+const RASTER_SNAP_PIXELS: f64 = 1.0 / 64.0;
+
+/// Reference pixels within which a wrong hit counts as one with the surface that the ray starts on.
+const SELF_HIT_PIXELS: f64 = 4.0;
+
+/// The right surface, off by less than a reference pixel: wrong under `tight` only.
+pub const WITHIN_FOOTPRINT: &str = "within_footprint";
+/// The true hit lies in none of the tracer's views (aside, before near or behind the eye).
+pub const OFF_VIEW: &str = "off_view";
+/// The true hit lies behind another surface in every view that contains it.
+pub const HIDDEN_LAYER: &str = "hidden_layer";
+/// A view shows the true hit, but the centre of its pixel (to a rasterizer's precision) shows something else; or the
+/// answer is off by no more than two pixels of the view; or a surface that the pixel's centre shows was hit beside it.
+pub const BETWEEN_SAMPLES: &str = "between_samples";
+/// A view shows the true hit within two of its pixels from the ray's start, where sampled methods do not look so as not
+/// to find the surface that the ray starts on.
+pub const NEAR_START: &str = "near_start";
+/// The surface that the ray starts on was hit.
+pub const SELF_HIT: &str = "self_hit";
+/// The answered hit lies behind what the view shows there: a surface was taken to be thick.
+pub const ASSUMED_THICKNESS: &str = "assumed_thickness";
+/// The tracer's step limit.
+pub const STEP_CAP: &str = "step_cap";
+/// The tracer passed behind a surface by more than its thickness.
+pub const THICKNESS_REJECTED: &str = "thickness_rejected";
+/// None of these.
+pub const UNEXPLAINED: &str = "unexplained";
+
+impl Judge<'_> {
+    /// The cause of a wrong answer.
+    pub(super) fn cause(&self, index: usize, hit: &Hit, class: Class) -> &'static str {
+        let ray = Ray64::from(&self.rays[index]);
+        if matches!(class, Class::Early | Class::Late) && self.class(Rule::Footprint, index, hit) == Class::TrueHit {
+            return WITHIN_FOOTPRINT;
+        }
+        match (class, self.answers[index].hit) {
+            (Class::FalseMiss | Class::Late, Some(truth)) => self.cause_of_loss(&ray, truth, hit),
+            _ => self.cause_of_invention(&ray, hit),
+        }
+    }
+
+    /// Why the true hit was not found.
+    fn cause_of_loss(&self, ray: &Ray64, truth: TrueHit, hit: &Hit) -> &'static str {
+        let capped = hit.status == Status::StepCap as u32;
+        if self.views.is_empty() {
+            return if capped { STEP_CAP } else { UNEXPLAINED };
+        }
+        let point = ray.at(truth.t);
+        let containing: Vec<&View> = self.views.iter().filter(|view| view.project_inside(point).is_some()).collect();
+        if containing.is_empty() {
+            return OFF_VIEW;
+        }
+        let showing: Vec<&View> = containing.into_iter().filter(|view| self.shows(view, point)).collect();
+        if showing.is_empty() {
+            return HIDDEN_LAYER;
+        }
+        if capped {
+            return STEP_CAP;
+        }
+        let within_pixels = |view: &&View, from: DVec3, to: DVec3| {
+            let (from, to) = (view.project(from), view.project(to));
+            from.zip(to).is_some_and(|(from, to)| (from.x - to.x).abs().max((from.y - to.y).abs()) <= VIEW_PIXELS)
+        };
+        if !showing.iter().any(|view| self.samples(view, point, truth.primitive))
+            || hit.is_hit() && showing.iter().any(|view| within_pixels(view, ray.at(f64::from(hit.t)), point))
+        {
+            return BETWEEN_SAMPLES;
+        }
+        if showing.iter().all(|view| within_pixels(view, ray.origin, point)) {
+            return NEAR_START;
+        }
+        if hit.status == Status::ThicknessRejected as u32 { THICKNESS_REJECTED } else { UNEXPLAINED }
+    }
+
+    /// Why something was hit that is not there.
+    fn cause_of_invention(&self, ray: &Ray64, hit: &Hit) -> &'static str {
+        let t = f64::from(hit.t);
+        let point = ray.at(t);
+        let starts_on_surface = SELF_HIT_PIXELS * self.footprint(ray.origin);
+        if t * ray.direction.length() <= starts_on_surface.max(tight_tolerance(0.0, self.truth.diagonal())) {
+            return SELF_HIT;
+        }
+        let containing = self.views.iter().filter_map(|view| view.project_inside(point).map(|at| (view, at.depth)));
+        for (view, depth) in containing {
+            let Some(stored) = self.centre_depth(view, point) else { continue };
+            return if depth > stored + self.footprint(point) { ASSUMED_THICKNESS } else { BETWEEN_SAMPLES };
+        }
+        UNEXPLAINED
+    }
+
+    /// Whether nothing lies between a view's eye and a point.
+    fn shows(&self, view: &View, point: DVec3) -> bool {
+        let offset = point - view.eye;
+        let distance = offset.length();
+        // Near is an eye depth; along this line of sight it lies farther.
+        let near = (view.near * distance / offset.dot(view.forward)).min(distance);
+        let sight = Ray64 {
+            origin: view.eye,
+            direction: offset / distance,
+            t_min: near,
+            t_max: (distance - self.footprint(point)).max(near),
+        };
+        self.truth.closest(&sight).is_none()
+    }
+
+    /// Whether the centre of the pixel that a point falls on, moved by a rasterizer's rounding in any direction, shows
+    /// the same triangle or one within a footprint in depth.
+    fn samples(&self, view: &View, point: DVec3, primitive: u32) -> bool {
+        let Some(at) = view.project_inside(point) else { return false };
+        let moves = [(0.0, 0.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+        moves.into_iter().all(|(across, down)| {
+            let (x, y) =
+                (pixel_centre(at.x) + across * RASTER_SNAP_PIXELS, pixel_centre(at.y) + down * RASTER_SNAP_PIXELS);
+            self.shown(view, x, y).is_some_and(|found| {
+                found.primitive == primitive || (found.t - at.depth).abs() <= self.footprint(point)
+            })
+        })
+    }
+
+    /// The eye depth at the centre of the pixel that a point falls on.
+    fn centre_depth(&self, view: &View, point: DVec3) -> Option<f64> {
+        let at = view.project_inside(point)?;
+        self.shown(view, pixel_centre(at.x), pixel_centre(at.y)).map(|found| found.t)
+    }
+
+    /// What a view shows at a position in pixels; t is the eye depth.
+    fn shown(&self, view: &View, x: f64, y: f64) -> Option<TrueHit> {
+        let direction = view.direction_through(x, y);
+        self.truth.closest(&Ray64 { origin: view.eye, direction, t_min: view.near, t_max: view.far })
+    }
+}
+
+fn pixel_centre(position: f64) -> f64 {
+    position.floor() + 0.5
+}

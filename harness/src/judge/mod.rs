@@ -1,0 +1,240 @@
+//! The judge: every ray one class, by the tracer's own t against the f64 truth.
+
+mod causes;
+mod scores;
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use tracebench_api::{Hit, NO_PRIMITIVE, Query, Ray, Status, View};
+
+pub use scores::CURVE_TOLERANCES;
+
+use crate::results::{Judgement, WrongRay};
+use crate::truth::{Answer, Ray64, Truth, tight_tolerance};
+
+/// Pixels of the common reference camera along its 90 degrees.
+pub const REFERENCE_PIXELS: f64 = 1024.0;
+
+/// Share of ties above which a set says so.
+pub const MANY_TIES: f64 = 1e-3;
+
+/// Wrong rays kept of each set, evenly spaced among all of them.
+pub const MOST_WRONG_RAYS: usize = 256;
+
+/// One ray set with its truth, and what a tracer's answers are judged by.
+#[derive(Clone, Copy)]
+pub struct Judge<'a> {
+    /// The scene.
+    pub truth: &'a Truth,
+    /// The viewpoint's eye: footprints are those of a camera there.
+    pub eye: DVec3,
+    /// The rays.
+    pub rays: &'a [Ray],
+    /// Their truth.
+    pub answers: &'a [Answer],
+    /// What was asked.
+    pub query: Query,
+    /// The views that the tracer sees the scene through; empty if it does not depend on any.
+    pub views: &'a [View],
+    /// Whether the tracer names the triangle that it hits.
+    pub names_primitives: bool,
+}
+
+/// The class of an answer. For any-hit queries `Early` and `Late` do not occur.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Class {
+    /// Both hit, t within tolerance.
+    TrueHit,
+    /// Both miss.
+    TrueMiss,
+    /// Truth misses.
+    FalseHit,
+    /// Truth hits.
+    FalseMiss,
+    /// Both hit, t too small.
+    Early,
+    /// Both hit, t too large.
+    Late,
+}
+
+impl Class {
+    /// Whether the answer is right.
+    pub fn is_right(self) -> bool {
+        matches!(self, Self::TrueHit | Self::TrueMiss)
+    }
+
+    /// The name in results; for any-hit queries the words of the 2x2 table.
+    pub fn name(self, query: Query) -> &'static str {
+        match (self, query) {
+            (Self::TrueHit, Query::Closest) => "true_hit",
+            (Self::TrueMiss, Query::Closest) => "true_miss",
+            (Self::FalseHit, Query::Closest) => "false_hit",
+            (Self::FalseMiss, Query::Closest) => "false_miss",
+            (Self::Early, _) => "early",
+            (Self::Late, _) => "late",
+            (Self::TrueHit, Query::Any) => "true_occluded",
+            (Self::TrueMiss, Query::Any) => "true_free",
+            (Self::FalseHit, Query::Any) => "false_occluded",
+            (Self::FalseMiss, Query::Any) => "false_free",
+        }
+    }
+}
+
+/// A rule by which t is judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rule {
+    /// Only hit or miss.
+    HitMiss,
+    /// |t - t*| <= 1e-4 t* + 1e-6 diagonal.
+    Tight,
+    /// Hit point within one pixel of the common reference camera.
+    Footprint,
+}
+
+/// Answers that no judge can take.
+#[derive(Debug, thiserror::Error)]
+pub enum JudgeError {
+    /// Another number of answers than rays.
+    #[error("{hits} answers for {rays} rays")]
+    Count {
+        /// Answers.
+        hits: usize,
+        /// Rays.
+        rays: usize,
+    },
+    /// A hit that was never written, has an unknown status, or a t that is no number.
+    #[error(
+        "{count} answers are not answers (unwritten, unknown status or t not finite); the first is ray {first}: {hit:?}"
+    )]
+    Malformed {
+        /// How many.
+        count: usize,
+        /// The first.
+        first: usize,
+        /// Its content.
+        hit: Hit,
+    },
+}
+
+impl Judge<'_> {
+    /// Judges one answer for each ray.
+    ///
+    /// # Errors
+    /// [`JudgeError`] if the answers are not answers.
+    pub fn judge(&self, hits: &[Hit]) -> Result<Judgement, JudgeError> {
+        self.check(hits)?;
+        Ok(match self.query {
+            Query::Closest => Judgement::Closest(self.judge_closest(hits)),
+            Query::Any => Judgement::Any(self.judge_any(hits)),
+        })
+    }
+
+    fn check(&self, hits: &[Hit]) -> Result<(), JudgeError> {
+        if hits.len() != self.rays.len() || self.answers.len() != self.rays.len() {
+            return Err(JudgeError::Count { hits: hits.len(), rays: self.rays.len() });
+        }
+        let malformed = |hit: &Hit| match Status::from_code(hit.status) {
+            None | Some(Status::Unwritten) => true,
+            Some(Status::Hit) => !hit.t.is_finite(),
+            Some(_) => false,
+        };
+        match hits.iter().position(malformed) {
+            None => Ok(()),
+            Some(first) => Err(JudgeError::Malformed {
+                count: hits.iter().filter(|hit| malformed(hit)).count(),
+                first,
+                hit: hits[first],
+            }),
+        }
+    }
+
+    /// The class of one answer under a rule.
+    pub fn class(&self, rule: Rule, index: usize, hit: &Hit) -> Class {
+        match (self.answers[index].hit, hit.is_hit()) {
+            (None, false) => Class::TrueMiss,
+            (None, true) => Class::FalseHit,
+            (Some(_), false) => Class::FalseMiss,
+            (Some(truth), true) => {
+                let error = f64::from(hit.t) - truth.t;
+                if error.abs() <= self.tolerance(rule, index, truth.t) {
+                    Class::TrueHit
+                } else if error < 0.0 {
+                    Class::Early
+                } else {
+                    Class::Late
+                }
+            }
+        }
+    }
+
+    fn tolerance(&self, rule: Rule, index: usize, true_t: f64) -> f64 {
+        match rule {
+            Rule::HitMiss => f64::INFINITY,
+            Rule::Tight => tight_tolerance(true_t, self.truth.diagonal()),
+            Rule::Footprint => {
+                let ray = Ray64::from(&self.rays[index]);
+                // Distance along the ray is t times the direction's length, which is 1 to f32 rounding.
+                self.footprint(ray.at(true_t)) / ray.direction.length()
+            }
+        }
+    }
+
+    /// Edge of a reference pixel at a point, scene units: 90 degrees span twice the distance.
+    pub fn footprint(&self, point: DVec3) -> f64 {
+        2.0 * point.distance(self.eye) / REFERENCE_PIXELS
+    }
+
+    /// Rays that are no tie.
+    fn judged(&self) -> impl ParallelIterator<Item = usize> + '_ {
+        (0..self.rays.len()).into_par_iter().filter(|index| !self.answers[*index].tie)
+    }
+
+    fn ties(&self) -> (u64, bool) {
+        let ties = self.answers.iter().filter(|answer| answer.tie).count();
+        (ties as u64, ties as f64 > MANY_TIES * self.rays.len() as f64)
+    }
+
+    /// The causes of what is wrong under a rule: by ray, in ray order.
+    fn wrong(&self, rule: Rule, hits: &[Hit]) -> Vec<(usize, Class, &'static str)> {
+        self.judged()
+            .filter_map(|index| {
+                let class = self.class(rule, index, &hits[index]);
+                (!class.is_right()).then(|| (index, class, self.cause(index, &hits[index], class)))
+            })
+            .collect()
+    }
+
+    fn wrong_rays(&self, wrong: &[(usize, Class, &'static str)], hits: &[Hit]) -> Vec<WrongRay> {
+        let kept = wrong.len().min(MOST_WRONG_RAYS);
+        let record = |position: usize| {
+            let (index, class, cause) = wrong[position * wrong.len() / kept];
+            let (ray, hit, truth) = (&self.rays[index], &hits[index], self.answers[index].hit);
+            let named = |primitive: u32| (primitive != NO_PRIMITIVE).then_some(primitive);
+            WrongRay {
+                index: index as u64,
+                origin: ray.origin,
+                direction: ray.direction,
+                t_min: ray.t_min,
+                t_max: ray.t_max,
+                true_t: truth.map(|hit| hit.t),
+                true_primitive: truth.map(|hit| hit.primitive),
+                answered_t: hit.is_hit().then_some(hit.t),
+                answered_primitive: if hit.is_hit() { named(hit.primitive) } else { None },
+                status: Status::from_code(hit.status).unwrap_or(Status::Unwritten).name().to_owned(),
+                class: class.name(self.query).to_owned(),
+                cause: cause.to_owned(),
+            }
+        };
+        (0..kept).map(record).collect()
+    }
+}
+
+fn count_causes(wrong: &[(usize, Class, &'static str)]) -> BTreeMap<String, u64> {
+    let mut counts = BTreeMap::new();
+    for (_, _, cause) in wrong {
+        *counts.entry((*cause).to_owned()).or_insert(0) += 1;
+    }
+    counts
+}

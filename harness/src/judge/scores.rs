@@ -1,0 +1,149 @@
+//! From classes to shares, curves and percentiles.
+
+use rayon::prelude::*;
+use tracebench_api::Hit;
+
+use super::{Class, Judge, Rule, count_causes};
+use crate::results::{AnyJudgement, ByRule, Classes, ClosestJudgement, Headline, Occlusion, Percentiles};
+use crate::statistics::{percentile, wilson};
+
+/// Tolerances of the curve, in scene diagonals: two a decade from 1e-8 to 1.
+pub const CURVE_TOLERANCES: [f64; 17] =
+    [1e-8, 3e-8, 1e-7, 3e-7, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0];
+
+impl Judge<'_> {
+    pub(super) fn judge_closest(&self, hits: &[Hit]) -> ClosestJudgement {
+        let (ties, many_ties) = self.ties();
+        let classes = |rule| self.count(rule, hits);
+        let (hit_miss, tight, footprint) = (classes(Rule::HitMiss), classes(Rule::Tight), classes(Rule::Footprint));
+        let wrong_tight = self.wrong(Rule::Tight, hits);
+        let causes = [
+            ("tight".to_owned(), count_causes(&wrong_tight)),
+            ("footprint".to_owned(), count_causes(&self.wrong(Rule::Footprint, hits))),
+        ];
+        let errors = self.position_errors(hits);
+        ClosestJudgement {
+            agreement: Headline {
+                hit_miss: agreement(&hit_miss),
+                tight: agreement(&tight),
+                footprint: agreement(&footprint),
+            },
+            interval: Headline {
+                hit_miss: interval(&hit_miss),
+                tight: interval(&tight),
+                footprint: interval(&footprint),
+            },
+            curve: self.curve(&hit_miss, &errors),
+            position_error: Percentiles {
+                p50: percentile(&errors, 50.0),
+                p95: percentile(&errors, 95.0),
+                p99: percentile(&errors, 99.0),
+            },
+            identity: self.identity(hits),
+            causes: causes.into_iter().collect(),
+            wrong_rays: self.wrong_rays(&wrong_tight, hits),
+            classes: ByRule { tight, footprint },
+            ties,
+            many_ties,
+        }
+    }
+
+    pub(super) fn judge_any(&self, hits: &[Hit]) -> AnyJudgement {
+        let (ties, many_ties) = self.ties();
+        let classes = self.count(Rule::HitMiss, hits);
+        let wrong = self.wrong(Rule::HitMiss, hits);
+        AnyJudgement {
+            occlusion: occlusion(&classes),
+            ties,
+            many_ties,
+            causes: [("occlusion".to_owned(), count_causes(&wrong))].into_iter().collect(),
+            wrong_rays: self.wrong_rays(&wrong, hits),
+        }
+    }
+
+    fn count(&self, rule: Rule, hits: &[Hit]) -> Classes {
+        let tally = |mut classes: Classes, class: Class| {
+            let slot = match class {
+                Class::TrueHit => &mut classes.true_hit,
+                Class::TrueMiss => &mut classes.true_miss,
+                Class::FalseHit => &mut classes.false_hit,
+                Class::FalseMiss => &mut classes.false_miss,
+                Class::Early => &mut classes.early,
+                Class::Late => &mut classes.late,
+            };
+            *slot += 1;
+            classes
+        };
+        let found: Vec<Class> = self.judged().map(|index| self.class(rule, index, &hits[index])).collect();
+        found.into_iter().fold(Classes::default(), tally)
+    }
+
+    /// |t - t*| of every ray that truth and tracer both say hits, scene units.
+    fn position_errors(&self, hits: &[Hit]) -> Vec<f64> {
+        self.judged()
+            .filter_map(|index| match self.answers[index].hit {
+                Some(truth) if hits[index].is_hit() => Some((f64::from(hits[index].t) - truth.t).abs()),
+                _ => None,
+            })
+            .collect()
+    }
+
+    fn curve(&self, hit_miss: &Classes, errors: &[f64]) -> Vec<[f64; 2]> {
+        let total = total(hit_miss);
+        if total == 0 {
+            return Vec::new();
+        }
+        let at = |tolerance: f64| {
+            let limit = tolerance * self.truth.diagonal();
+            let right = hit_miss.true_miss + errors.iter().filter(|error| **error <= limit).count() as u64;
+            [tolerance, right as f64 / total as f64]
+        };
+        CURVE_TOLERANCES.iter().copied().map(at).collect()
+    }
+
+    fn identity(&self, hits: &[Hit]) -> Option<f64> {
+        if !self.names_primitives {
+            return None;
+        }
+        let named: Vec<bool> = self
+            .judged()
+            .filter(|index| self.class(Rule::Tight, *index, &hits[*index]) == Class::TrueHit)
+            .filter_map(|index| self.answers[index].hit.map(|truth| truth.primitive == hits[index].primitive))
+            .collect();
+        let right = named.iter().filter(|right| **right).count();
+        (!named.is_empty()).then(|| right as f64 / named.len() as f64)
+    }
+}
+
+fn total(classes: &Classes) -> u64 {
+    let Classes { true_hit, true_miss, false_hit, false_miss, early, late } = classes;
+    true_hit + true_miss + false_hit + false_miss + early + late
+}
+
+fn agreement(classes: &Classes) -> Option<f64> {
+    let total = total(classes);
+    (total > 0).then(|| (classes.true_hit + classes.true_miss) as f64 / total as f64)
+}
+
+fn interval(classes: &Classes) -> Option<[f64; 2]> {
+    wilson(classes.true_hit + classes.true_miss, total(classes))
+}
+
+fn occlusion(classes: &Classes) -> Occlusion {
+    let (occluded, free) = (classes.true_hit + classes.false_miss, classes.true_miss + classes.false_hit);
+    let share = |right: u64, of: u64| (of > 0).then(|| right as f64 / of as f64);
+    let mean = |first: Option<f64>, second: Option<f64>| match (first, second) {
+        (Some(first), Some(second)) => Some(f64::midpoint(first, second)),
+        (one, other) => one.or(other),
+    };
+    let (occluded_interval, free_interval) = (wilson(classes.true_hit, occluded), wilson(classes.true_miss, free));
+    let end = |index: usize| mean(occluded_interval.map(|pair| pair[index]), free_interval.map(|pair| pair[index]));
+    Occlusion {
+        true_occluded: classes.true_hit,
+        true_free: classes.true_miss,
+        false_occluded: classes.false_hit,
+        false_free: classes.false_miss,
+        balanced_accuracy: mean(share(classes.true_hit, occluded), share(classes.true_miss, free)),
+        balanced_accuracy_interval: end(0).zip(end(1)).map(|(low, high)| [low, high]),
+    }
+}

@@ -1,0 +1,19 @@
+//! The harness of tracebench: rays, ground truth, judge, controls, runner, results, reports.
+
+pub mod cli;
+pub mod controls;
+pub mod hash;
+pub mod judge;
+pub mod machine;
+pub mod picture;
+pub mod plan;
+pub mod progress;
+pub mod rays;
+pub mod registry;
+pub mod report;
+pub mod results;
+pub mod runner;
+pub mod session;
+pub mod statistics;
+pub mod truth;
+pub mod viewpoint;

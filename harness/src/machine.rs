@@ -1,0 +1,52 @@
+//! What machine this is, and which program.
+
+use tracebench_api::AdapterListing;
+
+use crate::results::Machine;
+
+/// Commit that the program was built from, or "unknown".
+pub const COMMIT: &str = env!("TRACEBENCH_COMMIT");
+
+/// Whether the tree had changes when the program was built.
+pub fn dirty() -> Option<bool> {
+    env!("TRACEBENCH_DIRTY").parse().ok()
+}
+
+/// Looks at this machine.
+pub fn this_machine(adapter: Option<AdapterListing>) -> Machine {
+    Machine {
+        cpu: cpu_name().unwrap_or_else(|| format!("unknown {} processor", std::env::consts::ARCH)),
+        threads: std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
+        memory_bytes: memory_bytes(),
+        os: os_name(),
+        rustc: env!("TRACEBENCH_RUSTC").to_owned(),
+        adapter,
+    }
+}
+
+/// The value of the first line of a `key : value` file whose key matches.
+fn field(path: &str, key: &str) -> Option<String> {
+    let text = std::fs::read_to_string(path).ok()?;
+    let value = text.lines().find_map(|line| line.split_once(':').filter(|(name, _)| name.trim() == key))?.1;
+    Some(value.trim().to_owned()).filter(|value| !value.is_empty())
+}
+
+fn cpu_name() -> Option<String> {
+    field("/proc/cpuinfo", "model name")
+}
+
+fn memory_bytes() -> Option<u64> {
+    let kibibytes = field("/proc/meminfo", "MemTotal")?;
+    kibibytes.split_whitespace().next()?.parse::<u64>().ok().map(|kibibytes| kibibytes * 1024)
+}
+
+fn os_name() -> String {
+    let release = std::fs::read_to_string("/etc/os-release").unwrap_or_default();
+    let pretty = release.lines().find_map(|line| line.strip_prefix("PRETTY_NAME="));
+    pretty.map_or_else(|| std::env::consts::OS.to_owned(), |name| name.trim_matches('"').to_owned())
+}
+
+/// Now, UTC, as ISO 8601 to the second.
+pub fn utc_now() -> String {
+    humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string()
+}

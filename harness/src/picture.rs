@@ -1,0 +1,222 @@
+//! Pictures of what a tracer answers to primary rays.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use clap::ValueEnum;
+use glam::DVec3;
+use tracebench_api::{Gpu, Hit, NO_PRIMITIVE, Query};
+use tracebench_scenes::Mesh;
+
+use crate::judge::{Class, Judge, Rule};
+use crate::plan::Plan;
+use crate::progress::Progress;
+use crate::runner::{self, LoadedScene, RunError};
+use crate::session::{Contender, PreparedRays};
+use crate::truth::{Cache, Ray64};
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum What {
+    /// Base colours lit from the eye, from the tracer's own hits.
+    Shaded,
+    /// Linear eye depth, near is bright.
+    Depth,
+    /// Each ray's class under the footprint rule, in false colours.
+    Error,
+}
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+pub enum PictureError {
+    /// Scene, tracer or device failed.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// The file could not be written.
+    #[error("cannot write {path}: {reason}")]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+}
+
+type Rgb = [u8; 3];
+
+/// Colours of the classes, and of ties.
+const CLASS_COLOURS: [(Class, Rgb); 6] = [
+    (Class::TrueHit, [210, 210, 210]),
+    (Class::TrueMiss, [245, 245, 245]),
+    (Class::FalseHit, [230, 60, 180]),
+    (Class::FalseMiss, [215, 40, 40]),
+    (Class::Early, [240, 150, 30]),
+    (Class::Late, [40, 100, 220]),
+];
+const TIE_COLOUR: Rgb = [120, 90, 40];
+const BACKGROUND: Rgb = [32, 36, 48];
+
+/// Draws a picture of the plan's one scene by its one tracer, and gives its legend, a line an entry.
+///
+/// # Errors
+/// [`PictureError`] as its variants say; nothing is written then.
+pub fn draw(
+    plan: &Plan,
+    what: What,
+    gpu: Option<&Arc<Gpu>>,
+    path: &Path,
+    progress: &Progress,
+) -> Result<Vec<String>, PictureError> {
+    let (source, request) = (&plan.scenes[0], &plan.tracers[0]);
+    let scene = runner::load_scene(source, plan.preset.scene_scale).map_err(RunError::from)?;
+    let mesh = scene.mesh.clone();
+    let loaded = runner::prepare_loaded(plan, scene, gpu, &Cache::of_user(), progress)?;
+    let session = &loaded.session;
+    let description = (request.registration.describe)();
+    let name = description.name.to_owned();
+    let failed = |error| RunError::Tracer { tracer: name.clone(), error };
+    let mut contender = Contender::create(description, request.parameters.clone(), || request.registration.create(gpu))
+        .map_err(failed)?;
+    session.sample_build(&mut contender).map_err(failed)?;
+    let [width, height] = plan.preset.ray_image;
+    let Some(rays) = session.rays.first() else {
+        return Err(RunError::Nothing("there are no primary rays".to_owned()).into());
+    };
+    let mut buffer = session.hit_buffer(&contender, rays).map_err(failed)?;
+    session.sample_trace(&contender, rays, &mut buffer).map_err(failed)?;
+    let hits = buffer.read(session.gpu()).map_err(failed)?;
+    // The judge refuses answers that are none; pictures must not show them either.
+    session.judge(&contender, rays, &hits).map_err(RunError::from)?;
+    let (pixels, legend) = match what {
+        What::Shaded => (shaded(&loaded, &mesh, rays, &hits, width as usize), Vec::new()),
+        What::Depth => depth(&loaded, rays, &hits),
+        What::Error => errors(&loaded, rays, &hits),
+    };
+    write_png(path, width, height, &pixels)?;
+    Ok(legend)
+}
+
+fn points(rays: &PreparedRays, hits: &[Hit]) -> Vec<Option<DVec3>> {
+    let point = |(ray, hit): (&tracebench_api::Ray, &Hit)| hit.is_hit().then(|| Ray64::from(ray).at(f64::from(hit.t)));
+    rays.buffer.host.iter().zip(hits).map(point).collect()
+}
+
+/// Lambert's cosine with a light at the eye. Where the tracer names no triangle the normal comes from neighbouring hits.
+fn shaded(loaded: &LoadedScene, mesh: &Mesh, rays: &PreparedRays, hits: &[Hit], width: usize) -> Vec<Rgb> {
+    let points = points(rays, hits);
+    let truth = loaded.session.truth();
+    let shade = |index: usize| {
+        let Some(point) = points[index] else { return BACKGROUND };
+        let hit = &hits[index];
+        let named = hit.primitive != NO_PRIMITIVE;
+        let normal = if named { truth.normal(hit.primitive) } else { normal_from_neighbours(&points, index, width) };
+        let material = mesh
+            .triangle_materials
+            .get(hit.primitive as usize)
+            .and_then(|material| mesh.materials.get(*material as usize));
+        let colour = material.map_or([0.75; 3], |material| material.base_color);
+        let direction = DVec3::from(rays.buffer.host[index].direction.map(f64::from));
+        let cosine = normal.dot(direction).abs();
+        // A little of the distance, so that parallel surfaces one behind the other can be told apart.
+        let nearness = 1.0 / (1.0 + 0.5 * point.distance(loaded.session.viewpoint().eye.as_dvec3()) / truth.diagonal());
+        colour.map(|channel| to_srgb(f64::from(channel) * (0.15 + 0.85 * cosine) * nearness))
+    };
+    (0..hits.len()).map(shade).collect()
+}
+
+fn normal_from_neighbours(points: &[Option<DVec3>], index: usize, width: usize) -> DVec3 {
+    let here = points[index];
+    let step = |neighbour: Option<usize>| Some(points.get(neighbour?).copied().flatten()? - here?);
+    // Of the two neighbours on an axis the one that is closer, so that edges stay sharp.
+    let closer = |before: Option<DVec3>, after: Option<DVec3>| match (before, after) {
+        (Some(before), Some(after)) if before.length() < after.length() => -before,
+        (_, Some(after)) => after,
+        (before, None) => -before.unwrap_or(DVec3::ZERO),
+    };
+    let column = index % width;
+    let left = (column > 0).then(|| index - 1);
+    let right = (column + 1 < width).then_some(index + 1);
+    let across = closer(step(left), step(right));
+    let down = closer(step(index.checked_sub(width)), step(Some(index + width)));
+    across.cross(down).normalize_or_zero()
+}
+
+fn to_srgb(linear: f64) -> u8 {
+    let linear = linear.clamp(0.0, 1.0);
+    let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+    (encoded * 255.0).round() as u8
+}
+
+fn depth(loaded: &LoadedScene, rays: &PreparedRays, hits: &[Hit]) -> (Vec<Rgb>, Vec<String>) {
+    let viewpoint = loaded.session.viewpoint();
+    let (eye, forward) = (viewpoint.eye.as_dvec3(), viewpoint.forward.as_dvec3());
+    let depths: Vec<Option<f64>> =
+        points(rays, hits).into_iter().map(|point| point.map(|point| (point - eye).dot(forward))).collect();
+    let nearest = depths.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+    let farthest = depths.iter().flatten().copied().fold(0.0, f64::max);
+    let range = (farthest - nearest).max(f64::MIN_POSITIVE);
+    let shade = |depth: &Option<f64>| match depth {
+        None => BACKGROUND,
+        Some(depth) => [(255.0 - 215.0 * (depth - nearest) / range).round() as u8; 3],
+    };
+    let legend = if nearest <= farthest {
+        vec![format!("eye depth, scene units: white {nearest:.4}, darkest grey {farthest:.4}; no hit: dark blue")]
+    } else {
+        vec!["no ray hits anything: all dark blue".to_owned()]
+    };
+    (depths.iter().map(shade).collect(), legend)
+}
+
+fn errors(loaded: &LoadedScene, rays: &PreparedRays, hits: &[Hit]) -> (Vec<Rgb>, Vec<String>) {
+    let session = &loaded.session;
+    let judge = Judge {
+        truth: session.truth(),
+        eye: session.viewpoint().eye.as_dvec3(),
+        rays: &rays.buffer.host,
+        answers: &rays.answers,
+        query: Query::Closest,
+        views: &[],
+        names_primitives: false,
+    };
+    let classes: Vec<Option<Class>> = (0..hits.len())
+        .map(|index| (!rays.answers[index].tie).then(|| judge.class(Rule::Footprint, index, &hits[index])))
+        .collect();
+    let colour_of = |class: Option<Class>| match class {
+        None => TIE_COLOUR,
+        Some(class) => {
+            CLASS_COLOURS.iter().find(|(known, _)| *known == class).map_or(TIE_COLOUR, |(_, colour)| *colour)
+        }
+    };
+    let line = |name: &str, class: Option<Class>| {
+        let [red, green, blue] = colour_of(class);
+        let count = classes.iter().filter(|each| **each == class).count();
+        format!("#{red:02x}{green:02x}{blue:02x} {name}: {count} rays")
+    };
+    let mut legend: Vec<String> =
+        CLASS_COLOURS.iter().map(|(class, _)| line(class.name(Query::Closest), Some(*class))).collect();
+    legend.push(line("tie", None));
+    (classes.iter().map(|class| colour_of(*class)).collect(), legend)
+}
+
+/// Writes beside and renames, so that a failure leaves nothing half-written.
+fn write_png(path: &Path, width: u32, height: u32, pixels: &[Rgb]) -> Result<(), PictureError> {
+    let fail = |reason: String| PictureError::Write { path: path.to_owned(), reason };
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let encoded = encoder.write_header().and_then(|mut writer| {
+        writer.write_image_data(pixels.as_flattened())?;
+        writer.finish()
+    });
+    encoded.map_err(|error| fail(error.to_string()))?;
+    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let write = || -> std::io::Result<()> {
+        let mut file = tempfile::NamedTempFile::new_in(folder)?;
+        file.write_all(&bytes)?;
+        file.persist(path)?;
+        Ok(())
+    };
+    write().map_err(|error| fail(error.to_string()))
+}

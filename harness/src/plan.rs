@@ -1,0 +1,99 @@
+//! What is to be run: presets, scenes, tracers, rays, resolutions.
+
+use std::path::PathBuf;
+
+use tracebench_api::{Parameters, Preset};
+
+use crate::rays::RaySet;
+use crate::registry::Registration;
+use crate::viewpoint::Pose;
+
+/// A run preset sets rays, resolutions, samples and the scale of procedural scenes, nothing else.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunPreset {
+    /// Name.
+    pub name: &'static str,
+    /// Width and height of the image from whose pixels rays start.
+    pub ray_image: [u32; 2],
+    /// Width and height of the frame.
+    pub frame: [u32; 2],
+    /// Edge of a cube face.
+    pub face: u32,
+    /// Counted samples of every time.
+    pub samples: usize,
+    /// Scale factor of procedural scenes.
+    pub scene_scale: f64,
+}
+
+/// Every run preset. `paper` is the set-up of DIRT (HPG 2016, section 5): 1024x512, faces of 512.
+pub const RUN_PRESETS: [RunPreset; 3] = [
+    RunPreset { name: "smoke", ray_image: [64, 32], frame: [128, 64], face: 64, samples: 3, scene_scale: 0.05 },
+    RunPreset { name: "quick", ray_image: [256, 128], frame: [512, 256], face: 256, samples: 10, scene_scale: 1.0 },
+    RunPreset { name: "paper", ray_image: [1024, 512], frame: [1024, 512], face: 512, samples: 10, scene_scale: 1.0 },
+];
+
+impl RunPreset {
+    /// Finds a preset.
+    pub fn named(name: &str) -> Option<Self> {
+        RUN_PRESETS.into_iter().find(|preset| preset.name == name)
+    }
+
+    /// The default: quick on software adapters and without one, paper on hardware.
+    pub fn for_adapter(hardware: bool) -> Self {
+        if hardware { RUN_PRESETS[2] } else { RUN_PRESETS[1] }
+    }
+}
+
+/// Where a scene comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SceneSource {
+    /// A scene of the catalogue.
+    Catalogue(String),
+    /// A .gltf or .glb file.
+    File(PathBuf),
+}
+
+/// A viewpoint asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ViewRequest {
+    /// The scene's first camera, else the one that the rule finds.
+    Default,
+    /// A camera of the scene by name.
+    Named(String),
+    /// A given pose.
+    Given(Pose),
+}
+
+/// A tracer asked for.
+#[derive(Clone)]
+pub struct TracerRequest {
+    /// Which.
+    pub registration: Registration,
+    /// From which preset.
+    pub preset: Preset,
+    /// With which values.
+    pub parameters: Parameters,
+    /// Parameters that `--set` changed.
+    pub changed: Vec<String>,
+    /// Asked for by name: not being able to run it is an error.
+    pub required: bool,
+}
+
+/// A whole run.
+#[derive(Clone)]
+pub struct Plan {
+    /// The scenes.
+    pub scenes: Vec<SceneSource>,
+    /// The tracers.
+    pub tracers: Vec<TracerRequest>,
+    /// The ray sets.
+    pub ray_sets: Vec<RaySet>,
+    /// Preset with every override applied.
+    pub preset: RunPreset,
+    /// The viewpoint.
+    pub view: ViewRequest,
+    /// Animation time, seconds.
+    pub time_s: f64,
+    /// Seed of the ray sets.
+    pub seed: u64,
+}

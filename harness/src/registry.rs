@@ -1,0 +1,71 @@
+//! Every tracer, a line each.
+
+use std::sync::Arc;
+
+use tracebench_api::{Description, Gpu, Residency, Tracer, TracerError};
+
+type Create = fn(Option<Arc<Gpu>>) -> Result<Box<dyn Tracer>, TracerError>;
+
+/// A tracer in the registry.
+#[derive(Clone, Copy)]
+pub struct Registration {
+    /// What it is and takes.
+    pub describe: fn() -> Description,
+    /// Creates it; the device is there for tracers that live on one.
+    create: Create,
+}
+
+/// Every tracer, in the order of tables.
+pub const TRACERS: &[Registration] = &[
+    Registration { describe: tracebench_bvh::description, create: |_| Ok(Box::new(tracebench_bvh::BvhCpu)) },
+    Registration {
+        describe: tracebench_screen_dda::description,
+        create: |gpu| Ok(Box::new(tracebench_screen_dda::ScreenDda::new(need(gpu)?)?)),
+    },
+];
+
+fn need(gpu: Option<Arc<Gpu>>) -> Result<Arc<Gpu>, TracerError> {
+    gpu.ok_or_else(|| TracerError::Unavailable("it runs on a graphics adapter and none was found".to_owned()))
+}
+
+impl Registration {
+    /// Creates the tracer with its pipelines.
+    ///
+    /// # Errors
+    /// [`TracerError::Unavailable`] if this machine cannot run it.
+    pub fn create(&self, gpu: Option<&Arc<Gpu>>) -> Result<Box<dyn Tracer>, TracerError> {
+        (self.create)(gpu.cloned())
+    }
+
+    /// Whether it needs a device.
+    pub fn needs_device(&self) -> bool {
+        (self.describe)().residency == Residency::Device
+    }
+}
+
+/// Finds a tracer by name.
+pub fn find(name: &str) -> Option<&'static Registration> {
+    TRACERS.iter().find(|registration| (registration.describe)().name == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Names are unique, and every preset value lies within its own range.
+    #[test]
+    fn descriptions_are_consistent() {
+        let mut names: Vec<_> = TRACERS.iter().map(|registration| (registration.describe)().name).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), TRACERS.len());
+        for registration in TRACERS {
+            for parameter in (registration.describe)().parameters {
+                let values = [&parameter.published, &parameter.improved].into_iter().chain(&parameter.sweep);
+                for value in values {
+                    assert_eq!(parameter.parse(&value.to_string()).as_ref(), Ok(value), "{}", parameter.name);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,251 @@
+//! What the charts share: panels in a grid, title above, legend and caption below, gutters for labels beside.
+
+use plotters::prelude::DrawingBackend;
+
+use super::canvas::{Align, Canvas, Drawn, shorten, text_width, wrap};
+use super::palette::{CONTROL, GREY, GRID, INK, Style};
+
+/// Room on the left of a panel, for the axis's name and tick labels.
+const LEFT: f64 = 70.0;
+/// Room on the right, for the names of controls.
+const RIGHT: f64 = 82.0;
+/// Height of the data's rectangle.
+const PLOT_HEIGHT: f64 = 300.0;
+/// Least width of the data's rectangle.
+const PLOT_WIDTH: f64 = 270.0;
+/// Least width of a figure: titles and captions need it even beside a single panel.
+const LEAST_WIDTH: f64 = 720.0;
+const PANEL_TITLE: f64 = 30.0;
+const PANEL_FOOT: f64 = 52.0;
+const MARGIN: f64 = 14.0;
+const TITLE_SIZE: f64 = 17.0;
+const SUBTITLE_SIZE: f64 = 11.5;
+const LEGEND_SIZE: f64 = 11.5;
+const LEGEND_LINE: f64 = 19.0;
+const LEGEND_SAMPLE: f64 = 34.0;
+const CAPTION_SIZE: f64 = 10.5;
+const CAPTION_LINE: f64 = 15.0;
+
+/// Size of tick labels.
+pub(super) const TICK_SIZE: f64 = 10.5;
+/// Size of axes' names.
+pub(super) const AXIS_SIZE: f64 = 11.5;
+
+/// What stands before a legend's text.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Sample {
+    /// A filled marker.
+    Filled(Style),
+    /// A hollow marker.
+    Hollow(Style),
+    /// A filled marker on a line.
+    Line(Style),
+    /// The dashes of controls.
+    Dashes,
+    /// Bars of intervals.
+    Bars,
+}
+
+/// A line of the legend.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Entry {
+    /// The sample.
+    pub sample: Sample,
+    /// The text.
+    pub label: String,
+}
+
+/// The frame of a figure.
+#[derive(Debug)]
+pub(super) struct Frame {
+    title: String,
+    subtitle: String,
+    caption: Vec<String>,
+    /// Entries in rows, with the distance between columns; how to read first, then who is who.
+    legends: Vec<(Vec<Vec<Entry>>, f64)>,
+    columns: usize,
+    panels: usize,
+    width: f64,
+}
+
+/// The rectangle of a panel's data.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Rect {
+    /// Left edge.
+    pub left: f64,
+    /// Top edge.
+    pub top: f64,
+    /// Right edge.
+    pub right: f64,
+    /// Bottom edge.
+    pub bottom: f64,
+}
+
+impl Frame {
+    /// Lays a figure out.
+    pub(super) fn new(
+        panels: usize,
+        [title, subtitle]: [String; 2],
+        caption: &str,
+        key: Vec<Entry>,
+        legend: Vec<Entry>,
+    ) -> Self {
+        let panels = panels.max(1);
+        let columns = panels.min(3);
+        let width = (columns as f64 * (LEFT + PLOT_WIDTH + RIGHT)).max(LEAST_WIDTH);
+        let inner = width - 2.0 * MARGIN;
+        Self {
+            title: shorten(&title, TITLE_SIZE, inner),
+            subtitle: shorten(&subtitle, SUBTITLE_SIZE, inner),
+            caption: wrap(caption, CAPTION_SIZE, inner, 4),
+            legends: [legend, key].into_iter().map(|entries| in_columns(entries, inner)).collect(),
+            columns,
+            panels,
+            width,
+        }
+    }
+
+    /// The figure's size.
+    pub(super) fn size(&self) -> (f64, f64) {
+        let caption = self.caption.len() as f64 * CAPTION_LINE + 8.0;
+        (self.width, (self.legend_top() + self.legend_height() + caption + MARGIN).ceil())
+    }
+
+    /// The rectangle of a panel's data.
+    pub(super) fn panel(&self, index: usize) -> Rect {
+        let cell = self.width / self.columns as f64;
+        let left = (index % self.columns) as f64 * cell + LEFT;
+        let top = Self::head() + (index / self.columns) as f64 * Self::row_height() + PANEL_TITLE;
+        Rect { left, top, right: left - LEFT + cell - RIGHT, bottom: top + PLOT_HEIGHT }
+    }
+
+    /// Draws everything around the panels.
+    pub(super) fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
+        canvas.text(&self.title, (MARGIN, 20.0), Align::Start, TITLE_SIZE, INK)?;
+        canvas.text(&self.subtitle, (MARGIN, 41.0), Align::Start, SUBTITLE_SIZE, GREY)?;
+        let mut y = self.legend_top();
+        for (rows, column) in &self.legends {
+            for row in rows {
+                for (index, entry) in row.iter().enumerate() {
+                    let x = MARGIN + index as f64 * column;
+                    draw_sample(canvas, entry.sample, (x + LEGEND_SAMPLE / 2.0 - 3.0, y))?;
+                    canvas.text(&entry.label, (x + LEGEND_SAMPLE, y), Align::Start, LEGEND_SIZE, INK)?;
+                }
+                y += LEGEND_LINE;
+            }
+            y += if rows.is_empty() { 0.0 } else { 5.0 };
+        }
+        y += 6.0;
+        for line in &self.caption {
+            canvas.text(line, (MARGIN, y), Align::Start, CAPTION_SIZE, GREY)?;
+            y += CAPTION_LINE;
+        }
+        Ok(())
+    }
+
+    fn head() -> f64 {
+        54.0
+    }
+
+    fn row_height() -> f64 {
+        PANEL_TITLE + PLOT_HEIGHT + PANEL_FOOT
+    }
+
+    fn legend_top(&self) -> f64 {
+        Self::head() + self.panels.div_ceil(self.columns) as f64 * Self::row_height() + 12.0
+    }
+
+    fn legend_height(&self) -> f64 {
+        let rows = |(rows, _): &(Vec<Vec<Entry>>, f64)| {
+            if rows.is_empty() { 0.0 } else { rows.len() as f64 * LEGEND_LINE + 5.0 }
+        };
+        self.legends.iter().map(rows).sum()
+    }
+}
+
+/// Entries in as many columns as the widest leaves room for.
+fn in_columns(mut entries: Vec<Entry>, width: f64) -> (Vec<Vec<Entry>>, f64) {
+    for entry in &mut entries {
+        entry.label = shorten(&entry.label, LEGEND_SIZE, width - LEGEND_SAMPLE);
+    }
+    let widest = entries.iter().map(|entry| text_width(&entry.label, LEGEND_SIZE)).fold(0.0, f64::max);
+    let column = LEGEND_SAMPLE + widest + 16.0;
+    let count = ((width / column).floor() as usize).max(1);
+    (entries.chunks(count).map(<[Entry]>::to_vec).collect(), column)
+}
+
+fn draw_sample<DB: DrawingBackend>(canvas: &Canvas<DB>, sample: Sample, (x, y): (f64, f64)) -> Drawn {
+    match sample {
+        Sample::Filled(style) => canvas.filled_marker((x, y), 4.5, style),
+        Sample::Hollow(style) => canvas.hollow_marker((x, y), 6.5, style),
+        Sample::Line(style) => {
+            canvas.path(&[(x - 13.0, y), (x + 13.0, y)], style.colour, 2.0)?;
+            canvas.filled_marker((x, y), 4.0, style)
+        }
+        Sample::Dashes => canvas.dashed((x - 13.0, y), (x + 13.0, y), CONTROL, 1.0),
+        Sample::Bars => {
+            canvas.path(&[(x - 9.0, y), (x + 9.0, y)], GREY, 1.0)?;
+            canvas.path(&[(x, y - 7.0), (x, y + 7.0)], GREY, 1.0)
+        }
+    }
+}
+
+impl Rect {
+    /// The title above a panel, with the space beside it.
+    pub(super) fn title<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, title: &str) -> Drawn {
+        let text = shorten(title, 13.0, self.right - self.left + RIGHT - 6.0);
+        canvas.text(&text, (self.left, self.top - 14.0), Align::Start, 13.0, INK)
+    }
+
+    /// The names of the axes.
+    pub(super) fn axis_names<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, x: &str, y: &str) -> Drawn {
+        let middle = (self.left + self.right) / 2.0;
+        canvas.text(x, (middle, self.bottom + 35.0), Align::Middle, AXIS_SIZE, INK)?;
+        canvas.text_upwards(y, (self.left - 57.0, (self.top + self.bottom) / 2.0), AXIS_SIZE, INK)
+    }
+
+    /// A tick of the lower axis with its grid line.
+    pub(super) fn tick_below<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, x: f64, label: Option<&str>) -> Drawn {
+        if let Some(label) = label {
+            canvas.path(&[(x, self.top), (x, self.bottom)], GRID, 1.0)?;
+            canvas.path(&[(x, self.bottom), (x, self.bottom + 5.0)], GREY, 1.0)?;
+            canvas.text(label, (x, self.bottom + 15.0), Align::Middle, TICK_SIZE, GREY)
+        } else {
+            canvas.path(&[(x, self.bottom), (x, self.bottom + 3.0)], GREY, 0.5)
+        }
+    }
+
+    /// A tick of the left axis with its grid line.
+    pub(super) fn tick_left<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, y: f64, label: Option<&str>) -> Drawn {
+        if let Some(label) = label {
+            canvas.path(&[(self.left, y), (self.right, y)], GRID, 1.0)?;
+            canvas.path(&[(self.left - 5.0, y), (self.left, y)], GREY, 1.0)?;
+            canvas.text(label, (self.left - 8.0, y), Align::End, TICK_SIZE, GREY)
+        } else {
+            canvas.path(&[(self.left - 3.0, y), (self.left, y)], GREY, 0.5)
+        }
+    }
+
+    /// The edge of a panel, drawn last over the grid.
+    pub(super) fn edge<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
+        canvas.outline((self.left, self.top), (self.right, self.bottom), GREY, 1.0)
+    }
+
+    /// Names in the gutter on the right, moved apart, each led to its height.
+    pub(super) fn names_right<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, names: &[(String, f64)]) -> Drawn {
+        let wanted: Vec<f64> = names.iter().map(|(_, y)| *y).collect();
+        let places = super::axis::spread(&wanted, 12.5, self.top + 4.0, self.bottom - 4.0);
+        for ((name, y), place) in names.iter().zip(places) {
+            canvas.path(&[(self.right, *y), (self.right + 5.0, *y), (self.right + 11.0, place)], CONTROL, 0.5)?;
+            let name = shorten(name, TICK_SIZE, RIGHT - 14.0);
+            canvas.text(&name, (self.right + 13.0, place), Align::Start, TICK_SIZE, GREY)?;
+        }
+        Ok(())
+    }
+
+    /// A word in the middle of a panel that has nothing to show.
+    pub(super) fn note<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, note: &str) -> Drawn {
+        let middle = ((self.left + self.right) / 2.0, (self.top + self.bottom) / 2.0);
+        canvas.text(&shorten(note, AXIS_SIZE, self.right - self.left - 8.0), middle, Align::Middle, AXIS_SIZE, GREY)
+    }
+}

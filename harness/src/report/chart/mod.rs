@@ -1,0 +1,102 @@
+//! The charts, each as SVG and PNG from one drawing.
+
+mod axis;
+mod canvas;
+mod frame;
+mod palette;
+mod speed;
+mod tolerance;
+
+use tracebench_api::Query;
+
+use super::ReportError;
+use super::format;
+use super::group::Group;
+use crate::results::{Run, TracerRun};
+use canvas::{DrawError, Figure};
+
+/// A chart's file.
+#[derive(Debug)]
+pub(super) struct ChartFile {
+    /// Its name.
+    pub name: String,
+    /// Its contents.
+    pub contents: Vec<u8>,
+}
+
+/// Every chart of a run.
+pub(super) fn charts(run: &Run, groups: &[Group<'_>]) -> Result<Vec<ChartFile>, ReportError> {
+    let mut files = Vec::new();
+    let styles = palette::Styles::of(run);
+    for group in groups.iter().filter(|group| !group.ray_sets.is_empty()) {
+        let figure = speed::SpeedFigure::new(run, group, &styles);
+        draw(&format!("error_vs_speed_{}", group.stem), &figure, &mut files)?;
+        if group.ray_sets.iter().any(|set| set.query == Query::Closest) {
+            let figure = tolerance::ToleranceFigure::new(run, group, &styles);
+            draw(&format!("agreement_over_tolerance_{}", group.stem), &figure, &mut files)?;
+        }
+    }
+    Ok(files)
+}
+
+fn draw(stem: &str, figure: &impl Figure, files: &mut Vec<ChartFile>) -> Result<(), ReportError> {
+    let fail = |name: &str, error: DrawError| ReportError::Made { what: name.to_owned(), reason: error.to_string() };
+    let name = format!("{stem}.svg");
+    let contents = canvas::to_svg(figure).map_err(|error| fail(&name, error))?.into_bytes();
+    files.push(ChartFile { name, contents });
+    let name = format!("{stem}.png");
+    let contents = canvas::to_png(figure).map_err(|error| fail(&name, error))?;
+    files.push(ChartFile { name, contents });
+    Ok(())
+}
+
+/// The title of a group's chart, and the line under it.
+fn titles(what: &str, group: &Group<'_>) -> [String; 2] {
+    let [width, height] = group.viewpoint.ray_image;
+    let triangles = format::thousands(group.scene.triangles);
+    [
+        format!("{what}: {} ({triangles} triangles)", group.scene.name),
+        format!("viewpoint {}; rays from the pixels of a {width} × {height} image", group.viewpoint.name),
+    ]
+}
+
+/// Where, from what and how often a group was measured.
+fn caption(run: &Run, group: &Group<'_>) -> String {
+    let samples = group.contenders.iter().flat_map(|one| &one.traces).map(|trace| trace.samples_ms.len());
+    let (fewest, most) = samples.fold((usize::MAX, 0), |(low, high), count| (low.min(count), high.max(count)));
+    let samples = match (fewest, most) {
+        (_, 0) => "nothing timed".to_owned(),
+        (1, 1) => "1 sample".to_owned(),
+        (fewest, most) if fewest == most => format!("{most} samples"),
+        (fewest, most) => format!("{fewest} to {most} samples"),
+    };
+    let smoke = if run.preset == "smoke" { " (figures only show that things work)" } else { "" };
+    let clocks = clocks(group);
+    let clocks = match clocks.as_slice() {
+        [] => String::new(),
+        [clock] => format!("; clock: {clock}"),
+        _ => "; clocks differ, see the legend: times of different clocks do not compare".to_owned(),
+    };
+    let commit = format::commit(&run.commit, run.dirty);
+    format!("{}. Commit {commit}; preset {}{smoke}; {samples}{clocks}.", run.machine.label(), run.preset)
+}
+
+/// The clocks that timed a group's contenders.
+fn clocks(group: &Group<'_>) -> Vec<&'static str> {
+    let mut clocks = Vec::new();
+    for trace in group.contenders.iter().flat_map(|run| &run.traces) {
+        let name = format::clock(trace.clock);
+        if !clocks.contains(&name) {
+            clocks.push(name);
+        }
+    }
+    clocks
+}
+
+/// A contender's name in a legend, with its clock where clocks differ.
+fn legend_label(run: &TracerRun, clocks: &[&str]) -> String {
+    match run.traces.first() {
+        Some(trace) if clocks.len() > 1 => format!("{} ({} clock)", run.tracer.label(), format::clock(trace.clock)),
+        _ => run.tracer.label(),
+    }
+}

@@ -1,0 +1,112 @@
+//! A colour and a shape for every tracer, the same in every chart of a run.
+
+use plotters::style::RGBColor;
+
+use crate::results::Run;
+
+/// Text.
+pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
+/// Captions, tick labels, controls.
+pub(super) const GREY: RGBColor = RGBColor(0x66, 0x66, 0x66);
+/// Lines of controls.
+pub(super) const CONTROL: RGBColor = RGBColor(0x8C, 0x8C, 0x8C);
+/// The grid.
+pub(super) const GRID: RGBColor = RGBColor(0xE2, 0xE2, 0xE2);
+/// The row for zero.
+pub(super) const SHADE: RGBColor = RGBColor(0xF1, 0xF1, 0xF1);
+
+/// Colours that stay apart for most colour-blind readers: Okabe and Ito's, then darker ones after Tol.
+const COLOURS: [RGBColor; 12] = [
+    RGBColor(0x00, 0x72, 0xB2),
+    RGBColor(0xD5, 0x5E, 0x00),
+    RGBColor(0x00, 0x9E, 0x73),
+    RGBColor(0xCC, 0x79, 0xA7),
+    RGBColor(0x56, 0xB4, 0xE9),
+    RGBColor(0xE6, 0x9F, 0x00),
+    RGBColor(0x33, 0x22, 0x88),
+    RGBColor(0x88, 0x22, 0x55),
+    RGBColor(0x11, 0x77, 0x33),
+    RGBColor(0x99, 0x99, 0x33),
+    RGBColor(0xAA, 0x44, 0x99),
+    RGBColor(0x66, 0x11, 0x00),
+];
+
+/// A marker's outline as corners on the unit circle; y points down, as on the canvas.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shape {
+    /// A circle.
+    Circle,
+    /// A regular polygon with so many corners, turned by so many degrees from pointing up.
+    Polygon(u32, u32),
+    /// A star with so many points, turned by so many degrees.
+    Star(u32, u32),
+}
+
+const SHAPES: [Shape; 12] = [
+    Shape::Circle,
+    Shape::Polygon(4, 45),
+    Shape::Polygon(3, 0),
+    Shape::Polygon(4, 0),
+    Shape::Polygon(3, 180),
+    Shape::Polygon(5, 0),
+    Shape::Star(5, 0),
+    Shape::Star(4, 0),
+    Shape::Polygon(3, 90),
+    Shape::Polygon(6, 0),
+    Shape::Polygon(3, 270),
+    Shape::Star(4, 45),
+];
+
+impl Shape {
+    /// The corners for a radius; as large to the eye as a circle of that radius.
+    pub(super) fn corners(self, radius: f64) -> Vec<(f64, f64)> {
+        let (count, degrees, grown, inner) = match self {
+            Self::Circle => (32, 0, 1.0, 1.0),
+            Self::Polygon(3, turned) => (3, turned, 1.35, 1.0),
+            Self::Polygon(4, turned) => (4, turned, 1.25, 1.0),
+            Self::Polygon(count, turned) => (count, turned, 1.12, 1.0),
+            Self::Star(points, turned) => (2 * points, turned, 1.4, 0.45),
+        };
+        let corner = |index: u32| {
+            let angle = f64::from(degrees).to_radians() + std::f64::consts::TAU * f64::from(index) / f64::from(count);
+            let radius = radius * grown * if index % 2 == 1 { inner } else { 1.0 };
+            (radius * angle.sin(), -radius * angle.cos())
+        };
+        (0..count).map(corner).collect()
+    }
+}
+
+/// What a tracer looks like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Style {
+    /// Its colour.
+    pub colour: RGBColor,
+    /// Its shape.
+    pub shape: Shape,
+}
+
+/// The styles of a run's contenders.
+#[derive(Debug)]
+pub(super) struct Styles {
+    labels: Vec<String>,
+}
+
+impl Styles {
+    /// By the order in which labels first appear.
+    pub(super) fn of(run: &Run) -> Self {
+        let mut labels: Vec<String> = Vec::new();
+        for label in run.runs.iter().map(|one| one.tracer.label()) {
+            if !labels.contains(&label) {
+                labels.push(label);
+            }
+        }
+        Self { labels }
+    }
+
+    /// A contender's style. After twelve, colours come again with other shapes.
+    pub(super) fn get(&self, label: &str) -> Style {
+        let index = self.labels.iter().position(|each| each == label).unwrap_or(0);
+        let turn = index / COLOURS.len();
+        Style { colour: COLOURS[index % COLOURS.len()], shape: SHAPES[(index + turn) % SHAPES.len()] }
+    }
+}

@@ -1,0 +1,89 @@
+//! What can go wrong when results are written or read.
+
+use std::io;
+use std::path::PathBuf;
+
+use crate::results::SCHEMA;
+
+/// Why results could not be written or read. Every message names the file and, where the user can do something, what.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// The output folder cannot be made.
+    #[error("cannot create the output folder {}: {source}; choose another folder", path.display())]
+    CreateDirectory {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// The path given for the output folder is something else.
+    #[error("{} is not a folder; choose another output folder", path.display())]
+    NotADirectory {
+        /// The path.
+        path: PathBuf,
+    },
+    /// A file cannot be written.
+    #[error("cannot write {}: {source}; check that the folder may be written and the disk is not full", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// There is no run to read.
+    #[error("there is no {}; give the folder that a run was written to, or its run.json", path.display())]
+    Missing {
+        /// The file looked for.
+        path: PathBuf,
+    },
+    /// A file cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A file that is not JSON, or only the beginning of it.
+    #[error("{} is not a whole JSON document (truncated, or not a run.json): {source}", path.display())]
+    NotJson {
+        /// The file.
+        path: PathBuf,
+        /// Where and why.
+        source: serde_json::Error,
+    },
+    /// JSON without a schema number.
+    #[error("{} has no \"schema\" and so is not a run.json; give the folder that a run was written to", path.display())]
+    NoSchema {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A run of another version of this program.
+    #[error(
+        "{} follows schema {found}, this program reads schema {SCHEMA}; use the version of the program that wrote it, \
+         or run again",
+        path.display()
+    )]
+    Schema {
+        /// The file.
+        path: PathBuf,
+        /// Its schema, as written there.
+        found: String,
+    },
+    /// The right schema number over the wrong fields.
+    #[error("{} says that it follows schema {SCHEMA}, but does not: {source}", path.display())]
+    NotARun {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: serde_json::Error,
+    },
+    /// A file's contents cannot be made.
+    #[error("cannot make {what}: {reason}")]
+    Made {
+        /// The file's name.
+        what: String,
+        /// Why.
+        reason: String,
+    },
+}

@@ -1,0 +1,42 @@
+//! Whole files or none.
+
+use std::fs;
+use std::io::Write as _;
+use std::path::Path;
+
+use super::ReportError;
+
+/// Makes a folder with all its parents; one that exists is fine.
+pub(super) fn create_directory(path: &Path) -> Result<(), ReportError> {
+    // Asked first because the system's own message for a file in the way, "file exists", explains little.
+    if path.exists() && !path.is_dir() {
+        return Err(ReportError::NotADirectory { path: path.to_owned() });
+    }
+    fs::create_dir_all(path).map_err(|source| ReportError::CreateDirectory { path: path.to_owned(), source })
+}
+
+/// Writes a file beside its place and renames it, so that readers see the old contents or the new, never a part.
+pub(super) fn write(path: &Path, contents: &[u8]) -> Result<(), ReportError> {
+    let fail = |source| ReportError::Write { path: path.to_owned(), source };
+    // The same folder: a rename does not cross file systems.
+    let mut file = builder().tempfile_in(path.parent().unwrap_or(Path::new("."))).map_err(fail)?;
+    file.write_all(contents).map_err(fail)?;
+    file.persist(path).map_err(|error| fail(error.error))?;
+    Ok(())
+}
+
+/// Temporary files are private by default; results are for everyone whom the user's mask lets read.
+#[cfg(unix)]
+fn builder() -> tempfile::Builder<'static, 'static> {
+    use std::os::unix::fs::PermissionsExt as _;
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".tracebench-").permissions(fs::Permissions::from_mode(0o666));
+    builder
+}
+
+#[cfg(not(unix))]
+fn builder() -> tempfile::Builder<'static, 'static> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".tracebench-");
+    builder
+}

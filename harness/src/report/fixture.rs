@@ -1,0 +1,352 @@
+//! Runs made up for tests, with the figures that real ones have.
+
+use std::collections::BTreeMap;
+
+use tracebench_api::{AdapterListing, ClockKind, EndPoint, MemoryEntry, Query};
+
+use crate::results::{
+    AnyJudgement, BuildRecord, ByRule, Classes, ClosestJudgement, CounterRecord, Headline, Judgement, Machine,
+    MemoryRecord, Occlusion, Percentiles, PhaseRecord, Run, SCHEMA, SceneRecord, Skipped, TraceRecord, TracerRecord,
+    TracerRun, ViewpointRecord, WrongRay,
+};
+use crate::statistics::{median, median_interval, wilson};
+
+/// Rays of every set.
+pub(super) const COUNT: u64 = 131_072;
+const TIES: u64 = 12;
+/// Rays whose truth is a hit.
+const HITS: u64 = 117_000;
+
+/// The ray sets that exist.
+pub(super) const SETS: [(&str, Query); 3] =
+    [("primary", Query::Closest), ("diffuse", Query::Closest), ("ao", Query::Any)];
+
+/// How good and how fast a made-up tracer is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Quality {
+    /// Share of the rays that truly hit and that it misses.
+    pub missed: f64,
+    /// Typical error of t, in scene diagonals.
+    pub blur: f64,
+    /// Million rays a second.
+    pub speed: f64,
+    /// Its clock.
+    pub clock: ClockKind,
+}
+
+/// An analytic and a sampled tracer, three controls, three ray sets.
+pub(super) fn typical() -> Run {
+    let exact = Quality { missed: 0.0, blur: 1e-9, speed: 3.1, clock: ClockKind::Host };
+    let sampled = Quality { missed: 0.11, blur: 2e-4, speed: 11.0, clock: ClockKind::SubmitToDone };
+    run(&[("bvh-cpu", exact), ("screen-dda", sampled)], &SETS)
+}
+
+/// Twelve tracers, some with long names, over five decades of speed, one without a wrong ray.
+pub(super) fn crowded() -> Run {
+    let names = [
+        "bvh-cpu",
+        "bvh-gpu",
+        "bvh-ray-query",
+        "screen-dda",
+        "screen-dda:improved",
+        "height-field",
+        "dirt",
+        "dirt:improved",
+        "fragment-abuffer",
+        "voxel-abuffer",
+        "quadtree with a most particular and very long name",
+        "quadtree:improved",
+    ];
+    let clocks = [ClockKind::Host, ClockKind::DeviceTimestamps, ClockKind::DeviceTimestamps];
+    let quality = |index: usize| Quality {
+        missed: if index == 0 { 0.0 } else { 0.4 * 0.45_f64.powi(index as i32 % 7) },
+        blur: [1e-9, 1e-7, 1e-5, 1e-4, 1e-3][index % 5],
+        speed: 0.02 * 10_f64.powf(5.0 * index as f64 / 11.0),
+        clock: clocks[index % 3],
+    };
+    let named: Vec<_> = names.iter().enumerate().map(|(index, name)| (*name, quality(index))).collect();
+    run(&named, &SETS)
+}
+
+/// Contenders of given qualities on given ray sets, with the controls.
+pub(super) fn run(contenders: &[(&str, Quality)], sets: &[(&str, Query)]) -> Run {
+    let controls = [("oracle", 0.0, 0.0), ("always-miss", 1.0, 0.0), ("always-hit", 0.0, 0.3)];
+    Run {
+        schema: SCHEMA,
+        machine: machine(),
+        commit: "0123456789abcdef0123456789abcdef01234567".to_owned(),
+        dirty: Some(true),
+        started: "2031-05-06T07:08:09Z".to_owned(),
+        seed: 20_260_101,
+        preset: "quick".to_owned(),
+        controls: controls.iter().map(|(name, missed, blur)| control(name, *missed, *blur, sets)).collect(),
+        runs: contenders.iter().map(|(name, quality)| contender(name, *quality, sets)).collect(),
+        skipped: vec![Skipped {
+            tracer: Some("bvh-ray-query".to_owned()),
+            scene: "room".to_owned(),
+            rays: None,
+            reason: "not available on this machine: the adapter has no ray queries | none".to_owned(),
+        }],
+    }
+}
+
+fn machine() -> Machine {
+    Machine {
+        cpu: "Example Processor Model 9000 @ 2.60GHz".to_owned(),
+        threads: 2,
+        memory_bytes: Some(16 << 30),
+        os: "Linux 6.1".to_owned(),
+        rustc: "rustc 1.88.0".to_owned(),
+        adapter: Some(AdapterListing {
+            name: "llvmpipe (LLVM 15.0.6, 256 bits)".to_owned(),
+            backend: "vulkan".to_owned(),
+            kind: "software".to_owned(),
+            driver: "llvmpipe".to_owned(),
+            driver_version: "Mesa 22.3.6".to_owned(),
+            max_storage_binding_bytes: 128 << 20,
+            max_buffer_bytes: 1 << 30,
+            max_texture_edge: 8192,
+            timestamps: true,
+        }),
+    }
+}
+
+fn scene() -> SceneRecord {
+    SceneRecord {
+        name: "room".to_owned(),
+        sha256: "5e884898da28047151d0e56f8dc6292773603d0d6aabbdd62a11ef721d1542d8".to_owned(),
+        triangles: 156_034,
+        diagonal: 9.81,
+        scale: Some(1.0),
+        zero_area_triangles_dropped: 3,
+        duplicate_triangles_kept: 1,
+        warnings: vec!["alpha masks are ignored".to_owned()],
+    }
+}
+
+fn viewpoint() -> ViewpointRecord {
+    ViewpointRecord {
+        name: "door".to_owned(),
+        eye: [0.5, 1.6, -2.0],
+        forward: [0.0, 0.0, 1.0],
+        up: [0.0, 1.0, 0.0],
+        vertical_fov_degrees: 60.0,
+        near: 0.05,
+        far: 50.0,
+        frame: [512, 256],
+        face: 256,
+        ray_image: [512, 256],
+        time_s: 0.0,
+    }
+}
+
+fn control(name: &str, missed: f64, blur: f64, sets: &[(&str, Query)]) -> TracerRun {
+    let quality = Quality { missed, blur, speed: 1.0, clock: ClockKind::Host };
+    let mut run = contender(name, quality, sets);
+    run.tracer.preset = "control".to_owned();
+    run.build.samples_ms.clear();
+    for trace in &mut run.traces {
+        trace.samples_ms.clear();
+        trace.counters.clear();
+        if name == "always-hit" {
+            answer_hit(&mut trace.judgement);
+        }
+    }
+    run
+}
+
+/// Makes a verdict that of a tracer which never says miss.
+fn answer_hit(judgement: &mut Judgement) {
+    match judgement {
+        Judgement::Closest(judgement) => {
+            let misses = judgement.classes.tight.true_miss;
+            for classes in [&mut judgement.classes.tight, &mut judgement.classes.footprint] {
+                (classes.true_miss, classes.false_hit) = (0, misses);
+                (classes.early, classes.true_hit) = (classes.early + classes.true_hit, 0);
+            }
+            score(judgement);
+            judgement.curve.iter_mut().for_each(|point| point[1] = (point[0] * 2.0).min(1.0) * 0.6);
+        }
+        Judgement::Any(judgement) => {
+            let occlusion = &mut judgement.occlusion;
+            (occlusion.true_free, occlusion.false_occluded) = (0, occlusion.true_free);
+            (occlusion.balanced_accuracy, occlusion.balanced_accuracy_interval) = (Some(0.5), Some([0.5, 0.5]));
+        }
+    }
+}
+
+fn contender(name: &str, quality: Quality, sets: &[(&str, Query)]) -> TracerRun {
+    let (name, preset) = name.split_once(':').unwrap_or((name, "published"));
+    let samples: Vec<f64> = (0..10).map(|index| 40.0 + f64::from(index * 7 % 10)).collect();
+    let (interval_ms, interval_coverage) = median_interval(&samples);
+    let phase = |name: &str| PhaseRecord {
+        name: name.to_owned(),
+        median_ms: median(&samples) / 2.0,
+        samples_ms: samples.iter().map(|sample| sample / 2.0).collect(),
+    };
+    TracerRun {
+        scene: scene(),
+        viewpoint: viewpoint(),
+        tracer: TracerRecord {
+            name: name.to_owned(),
+            preset: preset.to_owned(),
+            parameters: BTreeMap::from([("stride".to_owned(), serde_json::json!(1))]),
+            changed: Vec::new(),
+            residency: if quality.clock == ClockKind::Host { "host" } else { "device" }.to_owned(),
+        },
+        memory: MemoryRecord {
+            structure: vec![MemoryEntry { name: "nodes".to_owned(), allocated_bytes: 7 << 20, used_bytes: 6 << 20 }],
+            structure_bytes: 7 << 20,
+            geometry_bytes: 3_500_000,
+            build_peak_bytes: 11 << 20,
+        },
+        build: BuildRecord {
+            clock: quality.clock,
+            median_ms: median(&samples),
+            interval_ms,
+            interval_coverage,
+            phases: vec![phase("sort"), phase("collapse")],
+            samples_ms: samples,
+            setup_ms: 12.5,
+        },
+        traces: sets.iter().enumerate().map(|(index, (rays, query))| trace(rays, *query, index, quality)).collect(),
+    }
+}
+
+fn trace(rays: &str, query: Query, index: usize, quality: Quality) -> TraceRecord {
+    let speed = quality.speed / (1.0 + 0.6 * index as f64);
+    let jitter = |sample: i32| 1.0 + 0.02 * f64::from(sample * 3 % 10 - 5);
+    let samples: Vec<f64> = (0..10).map(|sample| COUNT as f64 / (speed * 1e3) * jitter(sample)).collect();
+    let median_ms = median(&samples);
+    let (interval_ms, interval_coverage) = median_interval(&samples);
+    let counter = CounterRecord { total: COUNT * 37, per_ray: 37.0, greatest_per_ray: 412 };
+    TraceRecord {
+        rays: rays.to_owned(),
+        rays_sha256: format!("{index:064x}"),
+        query,
+        count: COUNT,
+        end: EndPoint::Hit,
+        clock: quality.clock,
+        samples_ms: samples,
+        median_ms,
+        interval_ms,
+        interval_coverage,
+        phases: Vec::new(),
+        mrays_per_s: COUNT as f64 / (median_ms * 1e3),
+        per_trace_bytes: COUNT * 52,
+        hits_sha256: format!("{:064x}", index + 7),
+        counters: BTreeMap::from([("nodes".to_owned(), counter)]),
+        statuses: BTreeMap::from([("hit".to_owned(), HITS), ("miss".to_owned(), COUNT - HITS)]),
+        judgement: match query {
+            Query::Closest => Judgement::Closest(closest(quality)),
+            Query::Any => Judgement::Any(any(quality)),
+        },
+    }
+}
+
+/// Share of hits nearer than a tolerance, for a typical error.
+fn within(tolerance: f64, blur: f64) -> f64 {
+    if blur == 0.0 { 1.0 } else { tolerance / (tolerance + 0.3 * blur) }
+}
+
+fn closest(quality: Quality) -> ClosestJudgement {
+    let misses = COUNT - TIES - HITS;
+    let classes = |tolerance: f64| {
+        let false_miss = (HITS as f64 * quality.missed) as u64;
+        let off = ((HITS - false_miss) as f64 * (1.0 - within(tolerance, quality.blur))) as u64;
+        Classes {
+            true_hit: HITS - false_miss - off,
+            true_miss: misses,
+            false_hit: 0,
+            false_miss,
+            early: off / 3,
+            late: off - off / 3,
+        }
+    };
+    let hit = (1.0 - quality.missed) * HITS as f64;
+    let curve = (0..=28).map(|step| 10_f64.powf(-7.0 + 0.25 * f64::from(step)));
+    let agreement = |tolerance: f64| (hit * within(tolerance, quality.blur) + misses as f64) / (COUNT - TIES) as f64;
+    let mut judgement = ClosestJudgement {
+        classes: ByRule { tight: classes(1e-5), footprint: classes(1e-3) },
+        ties: TIES,
+        many_ties: false,
+        agreement: Headline::default(),
+        interval: Headline::default(),
+        curve: curve.map(|tolerance| [tolerance, agreement(tolerance)]).collect(),
+        position_error: Percentiles {
+            p50: Some(quality.blur),
+            p95: Some(quality.blur * 5.0),
+            p99: Some(quality.blur * 12.0),
+        },
+        identity: (quality.blur < 1e-6).then_some(1.0),
+        causes: BTreeMap::new(),
+        wrong_rays: wrong_rays(quality),
+    };
+    score(&mut judgement);
+    let counts = |wrong: u64| {
+        let shares = [("hidden_layer", 2), ("off_view", 3), ("between_samples", 5), ("self_hit", 9)];
+        shares.iter().map(|(cause, part)| ((*cause).to_owned(), wrong / part)).collect::<BTreeMap<_, _>>()
+    };
+    let rules = [("tight", &judgement.classes.tight), ("footprint", &judgement.classes.footprint)];
+    judgement.causes = rules.map(|(rule, classes)| (rule.to_owned(), counts(classes.false_miss + classes.late))).into();
+    judgement
+}
+
+/// Fills in shares and intervals from the classes.
+fn score(judgement: &mut ClosestJudgement) {
+    let trials = COUNT - TIES;
+    let tight = judgement.classes.tight.true_hit + judgement.classes.tight.true_miss;
+    let footprint = judgement.classes.footprint.true_hit + judgement.classes.footprint.true_miss;
+    let hit_miss = trials - judgement.classes.tight.false_hit - judgement.classes.tight.false_miss;
+    let share = |right: u64| Some(right as f64 / trials as f64);
+    judgement.agreement = Headline { hit_miss: share(hit_miss), tight: share(tight), footprint: share(footprint) };
+    judgement.interval = Headline {
+        hit_miss: wilson(hit_miss, trials),
+        tight: wilson(tight, trials),
+        footprint: wilson(footprint, trials),
+    };
+}
+
+fn any(quality: Quality) -> AnyJudgement {
+    let occluded = 40_000;
+    let free = COUNT - TIES - occluded;
+    let false_free = (occluded as f64 * quality.missed) as u64;
+    let right = [(occluded - false_free, occluded), (free, free)];
+    let share = right.iter().map(|(right, all)| *right as f64 / *all as f64).sum::<f64>() / 2.0;
+    let ends = right.map(|(right, all)| wilson(right, all).unwrap());
+    AnyJudgement {
+        occlusion: Occlusion {
+            true_occluded: occluded - false_free,
+            true_free: free,
+            false_occluded: 0,
+            false_free,
+            balanced_accuracy: Some(share),
+            balanced_accuracy_interval: Some([
+                f64::midpoint(ends[0][0], ends[1][0]),
+                f64::midpoint(ends[0][1], ends[1][1]),
+            ]),
+        },
+        ties: TIES,
+        many_ties: false,
+        causes: BTreeMap::from([("occlusion".to_owned(), BTreeMap::from([("off_view".to_owned(), false_free)]))]),
+        wrong_rays: wrong_rays(quality),
+    }
+}
+
+fn wrong_rays(quality: Quality) -> Vec<WrongRay> {
+    let ray = |index: u64| WrongRay {
+        index,
+        origin: [0.1, 0.2, 0.3],
+        direction: [0.0, 0.0, 1.0],
+        t_min: 0.0,
+        t_max: 1e30,
+        true_t: Some(1.25),
+        true_primitive: Some(7),
+        answered_t: (index % 2 == 0).then_some(1.5),
+        answered_primitive: None,
+        status: "miss".to_owned(),
+        class: "false_miss".to_owned(),
+        cause: "hidden, \"layer\"".to_owned(),
+    };
+    if quality.missed > 0.0 { (0..5).map(ray).collect() } else { Vec::new() }
+}

@@ -1,0 +1,165 @@
+//! Numbers and names as text.
+
+use tracebench_api::{ClockKind, EndPoint, Query};
+
+/// What stands where there is no figure.
+pub(super) const NONE: &str = "–";
+
+/// A number with about `digits` significant digits: plain where that is short, else with a power of ten.
+pub(super) fn significant(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return NONE.to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let magnitude = value.abs().log10().floor();
+    if !(-3.0..6.0).contains(&magnitude) {
+        return format!("{value:.0$e}", digits.saturating_sub(1));
+    }
+    let decimals = (digits as f64 - 1.0 - magnitude).max(0.0) as usize;
+    format!("{value:.decimals$}")
+}
+
+/// A number or the sign for none.
+pub(super) fn optional(value: Option<f64>, digits: usize) -> String {
+    value.map_or_else(|| NONE.to_owned(), |value| significant(value, digits))
+}
+
+/// A value with its interval.
+pub(super) fn with_interval(value: f64, [low, high]: [f64; 2], digits: usize) -> String {
+    format!("{} [{}, {}]", significant(value, digits), significant(low, digits), significant(high, digits))
+}
+
+/// A share in percent, with so many decimals that one ray of `trials` shows: nothing but 1 itself reads "100".
+pub(super) fn percent(share: f64, trials: u64) -> String {
+    if !share.is_finite() {
+        return NONE.to_owned();
+    }
+    if share == 1.0 || share == 0.0 {
+        return format!("{:.0}", share * 100.0);
+    }
+    format!("{:.*}", percent_decimals(trials), share * 100.0)
+}
+
+fn percent_decimals(trials: u64) -> usize {
+    ((trials.max(1) as f64).log10().ceil() - 2.0).max(2.0) as usize
+}
+
+/// A share with its interval, in percent.
+pub(super) fn percent_with_interval(share: f64, interval: Option<[f64; 2]>, trials: u64) -> String {
+    match interval {
+        Some([low, high]) => {
+            // One decimal more: the ends of an interval fall between whole rays.
+            let decimals = percent_decimals(trials) + 1;
+            let end = |share: f64| match share {
+                0.0 | 1.0 => format!("{:.0}", share * 100.0),
+                _ => format!("{:.decimals$}", share * 100.0),
+            };
+            format!("{} % [{}, {}]", percent(share, trials), end(low), end(high))
+        }
+        None => format!("{} %", percent(share, trials)),
+    }
+}
+
+/// A count with commas between thousands.
+pub(super) fn thousands(count: u64) -> String {
+    let digits = count.to_string();
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index) % 3 == 0 {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Bytes as MiB (2^20 bytes).
+pub(super) fn mib(bytes: u64) -> String {
+    significant(bytes as f64 / f64::from(1 << 20), 4)
+}
+
+/// A clock's name.
+pub(super) fn clock(clock: ClockKind) -> &'static str {
+    match clock {
+        ClockKind::Host => "host",
+        ClockKind::DeviceTimestamps => "device timestamps",
+        ClockKind::SubmitToDone => "submit-to-done (host)",
+    }
+}
+
+/// A clock's name as a table's value.
+pub(super) fn clock_code(clock: ClockKind) -> &'static str {
+    match clock {
+        ClockKind::Host => "host",
+        ClockKind::DeviceTimestamps => "device_timestamps",
+        ClockKind::SubmitToDone => "submit_to_done",
+    }
+}
+
+/// A query's name.
+pub(super) fn query(query: Query) -> &'static str {
+    match query {
+        Query::Closest => "closest hit",
+        Query::Any => "any hit",
+    }
+}
+
+/// An end point's name.
+pub(super) fn end(end: EndPoint) -> String {
+    // The type may grow; its own serialised name is the one in run.json.
+    serde_json::to_value(end).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
+}
+
+/// The first digits of a hash, enough to tell hashes apart by eye.
+pub(super) fn hash_prefix(hash: &str) -> String {
+    hash.chars().take(8).collect()
+}
+
+/// A commit, short, with a mark if the tree had changes.
+pub(super) fn commit(commit: &str, dirty: Option<bool>) -> String {
+    let short: String = commit.chars().take(10).collect();
+    match dirty {
+        Some(true) => format!("{short} + changes"),
+        _ => short,
+    }
+}
+
+/// Text made safe for a file's name: letters, digits, `_` and `-`; everything else becomes `_`.
+pub(super) fn file_stem(name: &str) -> String {
+    let safe = |c: char| if c.is_ascii_alphanumeric() || c == '_' || c == '-' { c } else { '_' };
+    let stem: String = name.chars().map(safe).take(80).collect();
+    if stem.is_empty() { "scene".to_owned() } else { stem }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A single wrong ray always shows, and only perfection is written as 100.
+    #[test]
+    fn percentages_show_every_ray() {
+        for trials in [3, 10, 99, 100, 101, 2048, 131_072, 10_000_000] {
+            let share = (trials - 1) as f64 / trials as f64;
+            let text = percent(share, trials);
+            assert!(text.parse::<f64>().unwrap() < 100.0, "{text} of {trials}");
+            assert_eq!(percent(1.0, trials), "100");
+        }
+        assert_eq!(percent(131_069.0 / 131_072.0, 131_072), "99.9977");
+    }
+
+    /// Plain and with powers of ten, never with a flood of digits.
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!(significant(0.0, 3), "0");
+        assert_eq!(significant(12.3456, 4), "12.35");
+        assert_eq!(significant(123_456.0, 3), "123456");
+        assert_eq!(significant(1.234e-7, 3), "1.23e-7");
+        assert_eq!(significant(f64::NAN, 3), NONE);
+        assert_eq!(thousands(1_234_567), "1,234,567");
+        assert_eq!(thousands(12), "12");
+        assert_eq!(mib(3 << 20), "3.000");
+        assert_eq!(file_stem("a b/../c"), "a_b____c");
+    }
+}

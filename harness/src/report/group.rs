@@ -1,0 +1,167 @@
+//! Which runs stand side by side: those with the same scene, seen from the same viewpoint, with the same rays.
+
+use std::collections::BTreeSet;
+
+use tracebench_api::Query;
+
+use super::format;
+use crate::results::{Run, SceneRecord, TraceRecord, TracerRun, ViewpointRecord};
+
+/// Runs that may be compared.
+#[derive(Debug)]
+pub(super) struct Group<'a> {
+    /// The part of file names that tells groups apart.
+    pub stem: String,
+    /// The scene.
+    pub scene: &'a SceneRecord,
+    /// The viewpoint; frame and face may differ between tracers.
+    pub viewpoint: &'a ViewpointRecord,
+    /// The controls.
+    pub controls: Vec<&'a TracerRun>,
+    /// The contenders.
+    pub contenders: Vec<&'a TracerRun>,
+    /// The ray sets that any of them traced, in order of first appearance.
+    pub ray_sets: Vec<RaySet<'a>>,
+}
+
+/// A ray set of a group.
+#[derive(Clone, Debug)]
+pub(super) struct RaySet<'a> {
+    /// Its name, with a hash if another set of the group has the same name.
+    pub title: String,
+    /// What is asked.
+    pub query: Query,
+    /// Number of rays.
+    pub count: u64,
+    name: &'a str,
+    sha256: &'a str,
+}
+
+/// Whether a row is a control's or a contender's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    /// Its score is known beforehand.
+    Control,
+    /// What is measured.
+    Contender,
+}
+
+impl Role {
+    /// The name used in tables.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Control => "control",
+            Self::Contender => "contender",
+        }
+    }
+}
+
+impl<'a> Group<'a> {
+    /// Every run with its role, controls first.
+    pub(super) fn all(&self) -> impl Iterator<Item = (Role, &'a TracerRun)> {
+        let controls = self.controls.iter().map(|run| (Role::Control, *run));
+        controls.chain(self.contenders.iter().map(|run| (Role::Contender, *run)))
+    }
+
+    /// Every trace of a ray set, controls last as in the tables.
+    pub(super) fn traces(&self, set: &RaySet<'_>) -> Vec<(Role, &'a TracerRun, &'a TraceRecord)> {
+        let of_run = |(role, run): (Role, &'a TracerRun)| {
+            run.traces.iter().filter(|trace| set.holds(trace)).map(move |trace| (role, run, trace)).collect::<Vec<_>>()
+        };
+        let mut traces: Vec<_> = self.all().flat_map(of_run).collect();
+        traces.sort_by_key(|(role, ..)| *role == Role::Control);
+        traces
+    }
+
+    /// Whether two runs were given the same rays; frame and face shape structures, not rays.
+    fn takes(&self, run: &TracerRun) -> bool {
+        let (ours, theirs) = (self.viewpoint, &run.viewpoint);
+        self.scene.name == run.scene.name
+            && self.scene.sha256 == run.scene.sha256
+            && ours.name == theirs.name
+            && (ours.eye, ours.forward, ours.up) == (theirs.eye, theirs.forward, theirs.up)
+            && ours.vertical_fov_degrees == theirs.vertical_fov_degrees
+            && ours.ray_image == theirs.ray_image
+            && ours.time_s == theirs.time_s
+    }
+}
+
+impl RaySet<'_> {
+    fn holds(&self, trace: &TraceRecord) -> bool {
+        self.name == trace.rays && self.sha256 == trace.rays_sha256 && self.query == trace.query
+    }
+}
+
+/// Sorts a run into groups, in order of first appearance.
+pub(super) fn groups(run: &Run) -> Vec<Group<'_>> {
+    let mut groups: Vec<Group<'_>> = Vec::new();
+    let roles = [(Role::Contender, &run.runs), (Role::Control, &run.controls)];
+    for (role, one) in roles.into_iter().flat_map(|(role, runs)| runs.iter().map(move |one| (role, one))) {
+        let index = groups.iter().position(|group| group.takes(one)).unwrap_or_else(|| {
+            groups.push(Group {
+                stem: String::new(),
+                scene: &one.scene,
+                viewpoint: &one.viewpoint,
+                controls: Vec::new(),
+                contenders: Vec::new(),
+                ray_sets: Vec::new(),
+            });
+            groups.len() - 1
+        });
+        let group = &mut groups[index];
+        match role {
+            Role::Control => group.controls.push(one),
+            Role::Contender => group.contenders.push(one),
+        }
+        for trace in &one.traces {
+            if !group.ray_sets.iter().any(|set| set.holds(trace)) {
+                group.ray_sets.push(RaySet {
+                    title: trace.rays.clone(),
+                    query: trace.query,
+                    count: trace.count,
+                    name: &trace.rays,
+                    sha256: &trace.rays_sha256,
+                });
+            }
+        }
+    }
+    for group in &mut groups {
+        let names: Vec<_> = group.ray_sets.iter().map(|set| set.name).collect();
+        for set in &mut group.ray_sets {
+            if names.iter().filter(|name| **name == set.name).count() > 1 {
+                set.title = format!("{} {}", set.name, format::hash_prefix(set.sha256));
+            }
+        }
+    }
+    name_stems(&mut groups);
+    groups
+}
+
+/// The scene's name where that is enough; else with the scene's hash, the viewpoint's name, at last a number.
+fn name_stems(groups: &mut [Group<'_>]) {
+    let plain: Vec<String> = groups.iter().map(|group| format::file_stem(&group.scene.name)).collect();
+    let hashed: Vec<String> = groups
+        .iter()
+        .zip(&plain)
+        .map(|(group, plain)| format!("{plain}-{}", format::file_stem(&format::hash_prefix(&group.scene.sha256))))
+        .collect();
+    // Some file systems do not tell capitals from small letters.
+    let shared = |names: &[String], name: &str| names.iter().filter(|other| other.eq_ignore_ascii_case(name)).count();
+    let mut taken = BTreeSet::new();
+    for (index, group) in groups.iter_mut().enumerate() {
+        let wanted = if shared(&plain, &plain[index]) == 1 {
+            plain[index].clone()
+        } else if shared(&hashed, &hashed[index]) == 1 {
+            hashed[index].clone()
+        } else {
+            format!("{}-{}", hashed[index], format::file_stem(&group.viewpoint.name))
+        };
+        let mut stem = wanted.clone();
+        let mut number = 2;
+        while !taken.insert(stem.to_ascii_lowercase()) {
+            stem = format!("{wanted}-{number}");
+            number += 1;
+        }
+        group.stem = stem;
+    }
+}

@@ -1,0 +1,218 @@
+//! Every figure of a trace that tables and charts show: its name, unit, which way is better, and where it is found.
+
+use crate::results::{AnyJudgement, ClosestJudgement, Judgement, TraceRecord, TracerRun};
+
+/// Which way is better.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Better {
+    /// More is better.
+    Higher,
+    /// Less is better.
+    Lower,
+    /// Neither: it describes.
+    Neither,
+}
+
+/// A column of tables for programs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Column {
+    /// Its name, with the unit at its end.
+    pub name: &'static str,
+    /// Its value, `None` where the trace has none.
+    pub value: fn(&TracerRun, &TraceRecord) -> Option<f64>,
+}
+
+/// A figure that people read too.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Metric {
+    /// Where it is found, and its name in tables for programs.
+    pub column: Column,
+    /// Name for people.
+    pub label: &'static str,
+    /// Unit; empty for shares.
+    pub unit: &'static str,
+    /// Which way is better.
+    pub better: Better,
+}
+
+impl Metric {
+    /// Label with unit, and an arrow the way that is better: a table's heading.
+    pub(super) fn heading(&self) -> String {
+        let arrow = match self.better {
+            Better::Higher => " ↑",
+            Better::Lower => " ↓",
+            Better::Neither => "",
+        };
+        format!("{}{arrow}", self.axis())
+    }
+
+    /// Label with unit: an axis's name.
+    pub(super) fn axis(&self) -> String {
+        if self.unit.is_empty() { self.label.to_owned() } else { format!("{} ({})", self.label, self.unit) }
+    }
+}
+
+const fn metric(
+    column: &'static str,
+    label: &'static str,
+    unit: &'static str,
+    better: Better,
+    value: fn(&TracerRun, &TraceRecord) -> Option<f64>,
+) -> Metric {
+    Metric { column: Column { name: column, value }, label, unit, better }
+}
+
+const fn column(name: &'static str, value: fn(&TracerRun, &TraceRecord) -> Option<f64>) -> Column {
+    Column { name, value }
+}
+
+/// Traces a second.
+pub(super) const SPEED: Metric = metric("mrays_per_s", "speed", "Mrays/s", Better::Higher, |_, trace| speed(trace));
+/// Time of a trace.
+pub(super) const TRACE_TIME: Metric =
+    metric("median_ms", "median time", "ms", Better::Lower, |_, trace| timed(trace, trace.median_ms));
+/// Time of a build.
+pub(super) const BUILD_TIME: Metric = metric("build_median_ms", "build time", "ms", Better::Lower, |run, _| {
+    (!run.build.samples_ms.is_empty()).then_some(run.build.median_ms)
+});
+/// Right about hit or miss.
+pub(super) const HIT_MISS: Metric =
+    metric("agreement_hit_miss_share", "hit_miss", "", Better::Higher, |_, trace| closest(trace)?.agreement.hit_miss);
+/// Right by the analytic rule.
+pub(super) const TIGHT: Metric =
+    metric("agreement_tight_share", "tight", "", Better::Higher, |_, trace| closest(trace)?.agreement.tight);
+/// Right within a pixel.
+pub(super) const FOOTPRINT: Metric =
+    metric("agreement_footprint_share", "footprint", "", Better::Higher, |_, trace| {
+        closest(trace)?.agreement.footprint
+    });
+/// How far hits are off.
+pub(super) const POSITION_P50: Metric =
+    metric("position_error_p50_scene_units", "position error p50", "scene units", Better::Lower, |_, trace| {
+        closest(trace)?.position_error.p50
+    });
+/// The right triangle.
+pub(super) const IDENTITY: Metric =
+    metric("identity_share", "identity", "", Better::Higher, |_, trace| closest(trace)?.identity);
+/// Rays left out.
+pub(super) const TIES: Metric =
+    metric("ties_rays", "ties", "rays", Better::Neither, |_, trace| Some(ties(&trace.judgement) as f64));
+/// Right about occlusion.
+pub(super) const BALANCED: Metric =
+    metric("balanced_accuracy_share", "balanced accuracy", "", Better::Higher, |_, trace| {
+        any(trace)?.occlusion.balanced_accuracy
+    });
+/// Allocated bytes of the structure.
+pub(super) const STRUCTURE: Metric =
+    metric("structure_bytes", "structure", "MiB", Better::Lower, |run, _| Some(run.memory.structure_bytes as f64));
+/// Geometry needed beside the structure.
+pub(super) const GEOMETRY: Metric =
+    metric("geometry_bytes", "geometry", "MiB", Better::Lower, |run, _| Some(run.memory.geometry_bytes as f64));
+/// The most held while building.
+pub(super) const BUILD_PEAK: Metric =
+    metric("build_peak_bytes", "build peak", "MiB", Better::Lower, |run, _| Some(run.memory.build_peak_bytes as f64));
+
+/// Every scalar of a trace, in the order of the table's columns. Shares are 0 to 1.
+pub(super) const COLUMNS: &[Column] = &[
+    column("count_rays", |_, trace| Some(trace.count as f64)),
+    TIES.column,
+    SPEED.column,
+    column("mrays_per_s_low", |_, trace| Some(speed_interval(trace)?[0])),
+    column("mrays_per_s_high", |_, trace| Some(speed_interval(trace)?[1])),
+    TRACE_TIME.column,
+    column("median_low_ms", |_, trace| timed(trace, trace.interval_ms[0])),
+    column("median_high_ms", |_, trace| timed(trace, trace.interval_ms[1])),
+    column("interval_coverage_share", |_, trace| timed(trace, trace.interval_coverage)),
+    column("samples", |_, trace| Some(trace.samples_ms.len() as f64)),
+    column("per_trace_bytes", |_, trace| Some(trace.per_trace_bytes as f64)),
+    BUILD_TIME.column,
+    column("build_low_ms", |run, _| Some(built(run)?.interval_ms[0])),
+    column("build_high_ms", |run, _| Some(built(run)?.interval_ms[1])),
+    column("setup_ms", |run, _| Some(run.build.setup_ms)),
+    STRUCTURE.column,
+    GEOMETRY.column,
+    BUILD_PEAK.column,
+    HIT_MISS.column,
+    column("agreement_hit_miss_low_share", |_, trace| Some(closest(trace)?.interval.hit_miss?[0])),
+    column("agreement_hit_miss_high_share", |_, trace| Some(closest(trace)?.interval.hit_miss?[1])),
+    TIGHT.column,
+    column("agreement_tight_low_share", |_, trace| Some(closest(trace)?.interval.tight?[0])),
+    column("agreement_tight_high_share", |_, trace| Some(closest(trace)?.interval.tight?[1])),
+    FOOTPRINT.column,
+    column("agreement_footprint_low_share", |_, trace| Some(closest(trace)?.interval.footprint?[0])),
+    column("agreement_footprint_high_share", |_, trace| Some(closest(trace)?.interval.footprint?[1])),
+    POSITION_P50.column,
+    column("position_error_p95_scene_units", |_, trace| closest(trace)?.position_error.p95),
+    column("position_error_p99_scene_units", |_, trace| closest(trace)?.position_error.p99),
+    IDENTITY.column,
+    column("tight_true_hit_rays", |_, trace| Some(closest(trace)?.classes.tight.true_hit as f64)),
+    column("tight_true_miss_rays", |_, trace| Some(closest(trace)?.classes.tight.true_miss as f64)),
+    column("tight_false_hit_rays", |_, trace| Some(closest(trace)?.classes.tight.false_hit as f64)),
+    column("tight_false_miss_rays", |_, trace| Some(closest(trace)?.classes.tight.false_miss as f64)),
+    column("tight_early_rays", |_, trace| Some(closest(trace)?.classes.tight.early as f64)),
+    column("tight_late_rays", |_, trace| Some(closest(trace)?.classes.tight.late as f64)),
+    column("footprint_true_hit_rays", |_, trace| Some(closest(trace)?.classes.footprint.true_hit as f64)),
+    column("footprint_true_miss_rays", |_, trace| Some(closest(trace)?.classes.footprint.true_miss as f64)),
+    column("footprint_false_hit_rays", |_, trace| Some(closest(trace)?.classes.footprint.false_hit as f64)),
+    column("footprint_false_miss_rays", |_, trace| Some(closest(trace)?.classes.footprint.false_miss as f64)),
+    column("footprint_early_rays", |_, trace| Some(closest(trace)?.classes.footprint.early as f64)),
+    column("footprint_late_rays", |_, trace| Some(closest(trace)?.classes.footprint.late as f64)),
+    BALANCED.column,
+    column("balanced_accuracy_low_share", |_, trace| Some(any(trace)?.occlusion.balanced_accuracy_interval?[0])),
+    column("balanced_accuracy_high_share", |_, trace| Some(any(trace)?.occlusion.balanced_accuracy_interval?[1])),
+    column("true_occluded_rays", |_, trace| Some(any(trace)?.occlusion.true_occluded as f64)),
+    column("true_free_rays", |_, trace| Some(any(trace)?.occlusion.true_free as f64)),
+    column("false_occluded_rays", |_, trace| Some(any(trace)?.occlusion.false_occluded as f64)),
+    column("false_free_rays", |_, trace| Some(any(trace)?.occlusion.false_free as f64)),
+];
+
+/// The verdict, if it is one on a closest-hit set.
+pub(super) fn closest(trace: &TraceRecord) -> Option<&ClosestJudgement> {
+    match &trace.judgement {
+        Judgement::Closest(judgement) => Some(judgement),
+        Judgement::Any(_) => None,
+    }
+}
+
+/// The verdict, if it is one on an any-hit set.
+pub(super) fn any(trace: &TraceRecord) -> Option<&AnyJudgement> {
+    match &trace.judgement {
+        Judgement::Any(judgement) => Some(judgement),
+        Judgement::Closest(_) => None,
+    }
+}
+
+/// Rays whose truth hangs on rounding.
+pub(super) fn ties(judgement: &Judgement) -> u64 {
+    match judgement {
+        Judgement::Closest(judgement) => judgement.ties,
+        Judgement::Any(judgement) => judgement.ties,
+    }
+}
+
+/// Rays that count.
+pub(super) fn trials(trace: &TraceRecord) -> u64 {
+    trace.count.saturating_sub(ties(&trace.judgement))
+}
+
+/// Million rays a second, where something was timed.
+pub(super) fn speed(trace: &TraceRecord) -> Option<f64> {
+    timed(trace, trace.mrays_per_s).filter(|speed| speed.is_finite() && *speed > 0.0)
+}
+
+/// The interval of the speed: of the median time, turned over.
+pub(super) fn speed_interval(trace: &TraceRecord) -> Option<[f64; 2]> {
+    let of = |ms: f64| trace.count as f64 / (ms * 1e3);
+    let [fast, slow] = trace.interval_ms;
+    let interval = [of(slow), of(fast)];
+    let whole = speed(trace).is_some() && interval.iter().all(|end| end.is_finite() && *end > 0.0);
+    whole.then_some(interval)
+}
+
+fn timed(trace: &TraceRecord, value: f64) -> Option<f64> {
+    (!trace.samples_ms.is_empty()).then_some(value)
+}
+
+fn built(run: &TracerRun) -> Option<&crate::results::BuildRecord> {
+    (!run.build.samples_ms.is_empty()).then_some(&run.build)
+}

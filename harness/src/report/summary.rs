@@ -1,0 +1,396 @@
+//! `summary.md`: the run for people. No row tells a speed without the accuracy of the same trace.
+
+use std::fmt::Write as _;
+
+use tracebench_api::Query;
+
+use super::format::{
+    self, NONE, clock, mib, optional, percent, percent_with_interval, significant, thousands, with_interval,
+};
+use super::group::{Group, RaySet, Role};
+use super::markdown::{Table, inline};
+use super::metrics::{self, Metric};
+use super::verdict;
+use crate::results::{AnyJudgement, Causes, Classes, ClosestJudgement, Judgement, Run, TraceRecord, TracerRun};
+
+/// How many causes a row names.
+const TOP_CAUSES: usize = 5;
+
+/// A trace with its place in the table.
+type Row<'a> = (Role, &'a TracerRun, &'a TraceRecord);
+
+/// The whole summary.
+pub(super) fn summary(run: &Run, groups: &[Group<'_>]) -> String {
+    let mut text = head(run);
+    if groups.is_empty() {
+        text += "\nNothing ran.\n";
+    }
+    for group in groups {
+        text += &scene(group);
+        text += &build_table(group);
+        for set in &group.ray_sets {
+            text += &ray_set(group, set);
+        }
+    }
+    text + &skipped(run)
+}
+
+fn head(run: &Run) -> String {
+    let mut text = format!("# tracebench on {}\n\n", inline(&run.machine.label()));
+    let mut item = |name: &str, value: String| {
+        let _ = writeln!(text, "- {name}: {}", inline(&value));
+    };
+    item("Machine", run.machine.label());
+    if let Some(adapter) = &run.machine.adapter {
+        let timestamps = if adapter.timestamps { "device timestamps" } else { "no device timestamps" };
+        item(
+            "Adapter",
+            format!(
+                "{} ({}, {}, {} {}), {timestamps}",
+                adapter.name, adapter.kind, adapter.backend, adapter.driver, adapter.driver_version
+            ),
+        );
+    }
+    let memory = run.machine.memory_bytes.map_or_else(|| "unknown".to_owned(), |bytes| format!("{} MiB", mib(bytes)));
+    item("System", format!("{}; memory {memory}; {}", run.machine.os, run.machine.rustc));
+    let tree = match run.dirty {
+        Some(true) => " with uncommitted changes",
+        Some(false) => "",
+        None => " (unknown whether the tree was changed)",
+    };
+    item("Commit", format!("{}{tree}", run.commit));
+    let preset = match run.preset.as_str() {
+        "smoke" => "smoke (smoke run: figures only show that things work)",
+        other => other,
+    };
+    item("Preset", preset.to_owned());
+    item("Seed", run.seed.to_string());
+    item("Started", run.started.clone());
+    item("Controls", verdict::controls(run).sentence());
+    text += "\n";
+    if run.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind == "software") {
+        text += "**The adapter is software: accuracy, counters and bytes lead; device times are those of a software \
+                 adapter and say little of hardware.**\n\n";
+    }
+    text += "Times are medians with an order-statistic interval in brackets; shares have 95 % Wilson intervals. Ties, \
+             rays whose truth hangs on rounding, are left out of every share. Each time names its clock; times of \
+             different clocks do not compare. ↑ more is better, ↓ less is better. 1 MiB is 2^20 bytes.\n";
+    text
+}
+
+fn scene(group: &Group<'_>) -> String {
+    let (scene, viewpoint) = (group.scene, group.viewpoint);
+    let mut text = format!("\n## {} ({} triangles)\n\n", inline(&scene.name), thousands(scene.triangles));
+    let _ = write!(
+        text,
+        "Hash `{}`, diagonal {} scene units",
+        format::hash_prefix(&scene.sha256),
+        significant(scene.diagonal, 4)
+    );
+    if let Some(scale) = scene.scale {
+        let _ = write!(text, ", scale {}", significant(scale, 4));
+    }
+    let [x, y, z] = viewpoint.eye.map(|each| significant(f64::from(each), 4));
+    let _ = writeln!(
+        text,
+        ". Viewpoint {} at ({x}, {y}, {z}), {}° vertical field of view, time {} s; rays start from the pixels of a \
+         {} image.",
+        inline(&viewpoint.name),
+        significant(f64::from(viewpoint.vertical_fov_degrees), 4),
+        significant(viewpoint.time_s, 4),
+        size(viewpoint.ray_image)
+    );
+    if scene.zero_area_triangles_dropped + scene.duplicate_triangles_kept > 0 {
+        let _ = writeln!(
+            text,
+            "\nImport: {} triangles of zero area dropped, {} duplicate triangles kept.",
+            thousands(scene.zero_area_triangles_dropped),
+            thousands(scene.duplicate_triangles_kept)
+        );
+    }
+    for warning in &scene.warnings {
+        let _ = writeln!(text, "\nImport: {}.", inline(warning.trim_end_matches('.')));
+    }
+    let stem = &group.stem;
+    let _ = writeln!(text, "\n![Error against speed](error_vs_speed_{stem}.svg)");
+    if group.ray_sets.iter().any(|set| set.query == Query::Closest) {
+        let _ = writeln!(text, "\n![Agreement over tolerance](agreement_over_tolerance_{stem}.svg)");
+    }
+    text
+}
+
+fn build_table(group: &Group<'_>) -> String {
+    let mut table = Table::new(&[
+        "tracer".to_owned(),
+        "residency".to_owned(),
+        "frame, faces (px)".to_owned(),
+        "clock".to_owned(),
+        metrics::BUILD_TIME.heading(),
+        "phases (ms)".to_owned(),
+        metrics::STRUCTURE.heading(),
+        metrics::GEOMETRY.heading(),
+        metrics::BUILD_PEAK.heading(),
+    ]);
+    for run in &group.contenders {
+        let build = &run.build;
+        let time = match build.samples_ms.is_empty() {
+            true => NONE.to_owned(),
+            false => with_interval(build.median_ms, build.interval_ms, 4),
+        };
+        let phases: Vec<_> =
+            build.phases.iter().map(|phase| format!("{} {}", phase.name, significant(phase.median_ms, 3))).collect();
+        table.row(&[
+            run.tracer.label(),
+            run.tracer.residency.clone(),
+            format!("{}, {}", size(run.viewpoint.frame), run.viewpoint.face),
+            clock(build.clock).to_owned(),
+            time,
+            phases.join("; "),
+            mib(run.memory.structure_bytes),
+            mib(run.memory.geometry_bytes),
+            mib(run.memory.build_peak_bytes),
+        ]);
+    }
+    if group.contenders.is_empty() { String::new() } else { format!("\n### Build\n\n{}", table.text) }
+}
+
+fn ray_set(group: &Group<'_>, set: &RaySet<'_>) -> String {
+    let rows = group.traces(set);
+    let mut text =
+        format!("\n### {}: {}, {} rays\n", inline(&set.title), format::query(set.query), thousands(set.count));
+    if rows.iter().any(|(_, _, trace)| many_ties(&trace.judgement)) {
+        text += "\n**More than one ray in a thousand is a tie.**\n";
+    }
+    text += &coverage(&rows);
+    match set.query {
+        Query::Closest => closest_tables(&mut text, &rows),
+        Query::Any => any_tables(&mut text, &rows),
+    }
+    text += &causes(&rows);
+    text += &counters(&rows);
+    text += &statuses(&rows);
+    text
+}
+
+/// The intervals' coverage, which few samples cannot bring to 95 %.
+fn coverage(rows: &[Row<'_>]) -> String {
+    let timed = rows.iter().filter(|(role, _, trace)| *role == Role::Contender && !trace.samples_ms.is_empty());
+    let (mut low, mut high, mut samples) = (f64::INFINITY, 0.0_f64, u64::MAX);
+    for (_, _, trace) in timed {
+        low = low.min(trace.interval_coverage);
+        high = high.max(trace.interval_coverage);
+        samples = samples.min(trace.samples_ms.len() as u64);
+    }
+    if !low.is_finite() {
+        return String::new();
+    }
+    let share = |share: f64| format!("{:.1} %", share * 100.0);
+    let range = if low == high { share(low) } else { format!("{} to {}", share(low), share(high)) };
+    format!("\nAt least {samples} samples a row; the intervals of times cover the median with {range}.\n")
+}
+
+fn closest_tables(text: &mut String, rows: &[Row<'_>]) {
+    let agreement = |metric: &Metric| format!("agreement {}", metric.heading());
+    let mut main = Table::new(&[
+        "tracer".to_owned(),
+        "clock".to_owned(),
+        "rays".to_owned(),
+        metrics::SPEED.heading(),
+        metrics::TRACE_TIME.heading(),
+        agreement(&metrics::HIT_MISS),
+        agreement(&metrics::TIGHT),
+        agreement(&metrics::FOOTPRINT),
+        "position error p50 / p95 / p99 (scene units) ↓".to_owned(),
+        metrics::IDENTITY.heading(),
+        metrics::TIES.heading(),
+    ]);
+    let mut classes = Table::new(
+        &["tracer", "rule", "true hit", "true miss", "false hit", "false miss", "early", "late"].map(str::to_owned),
+    );
+    for (role, run, trace) in rows {
+        let Judgement::Closest(judgement) = &trace.judgement else { continue };
+        let trials = metrics::trials(trace);
+        let mut cells = speed_cells(*role, run, trace, judgement.agreement.tight.is_some());
+        cells.extend(agreements(judgement, trials));
+        let position = judgement.position_error;
+        cells.push(format!(
+            "{} / {} / {}",
+            optional(position.p50, 3),
+            optional(position.p95, 3),
+            optional(position.p99, 3)
+        ));
+        let identities = judgement.classes.tight.true_hit;
+        cells.push(
+            judgement.identity.map_or_else(|| NONE.to_owned(), |share| format!("{} %", percent(share, identities))),
+        );
+        cells.push(thousands(judgement.ties));
+        main.row(&cells);
+        for (rule, counts) in [("tight", &judgement.classes.tight), ("footprint", &judgement.classes.footprint)] {
+            let Classes { true_hit, true_miss, false_hit, false_miss, early, late } = counts;
+            let counts = [true_hit, true_miss, false_hit, false_miss, early, late].map(|count| thousands(*count));
+            let mut cells = vec![label(*role, run), rule.to_owned()];
+            cells.extend(counts);
+            classes.row(&cells);
+        }
+    }
+    let _ = write!(text, "\n{}\nClasses, rays:\n\n{}", main.text, classes.text);
+}
+
+/// The three agreements, always together: share, interval, wrong rays.
+fn agreements(judgement: &ClosestJudgement, trials: u64) -> [String; 3] {
+    let (agreement, interval) = (&judgement.agreement, &judgement.interval);
+    let hit_or_miss = |classes: &Classes| classes.false_hit + classes.false_miss;
+    let all = |classes: &Classes| hit_or_miss(classes) + classes.early + classes.late;
+    let cell = |share: Option<f64>, interval, wrong| match share {
+        Some(share) => {
+            let share = percent_with_interval(share, interval, trials);
+            format!("{share}; {} wrong of {}", thousands(wrong), thousands(trials))
+        }
+        None => "every ray is a tie".to_owned(),
+    };
+    [
+        cell(agreement.hit_miss, interval.hit_miss, hit_or_miss(&judgement.classes.tight)),
+        cell(agreement.tight, interval.tight, all(&judgement.classes.tight)),
+        cell(agreement.footprint, interval.footprint, all(&judgement.classes.footprint)),
+    ]
+}
+
+fn any_tables(text: &mut String, rows: &[Row<'_>]) {
+    let mut main = Table::new(&[
+        "tracer".to_owned(),
+        "clock".to_owned(),
+        "rays".to_owned(),
+        metrics::SPEED.heading(),
+        metrics::TRACE_TIME.heading(),
+        metrics::BALANCED.heading(),
+        "rightly occluded".to_owned(),
+        "rightly free".to_owned(),
+        "wrongly occluded ↓".to_owned(),
+        "wrongly free ↓".to_owned(),
+        metrics::TIES.heading(),
+    ]);
+    for (role, run, trace) in rows {
+        let Judgement::Any(AnyJudgement { occlusion, ties, .. }) = &trace.judgement else { continue };
+        let trials = metrics::trials(trace);
+        let mut cells = speed_cells(*role, run, trace, occlusion.balanced_accuracy.is_some());
+        let wrong = occlusion.false_occluded + occlusion.false_free;
+        cells.push(occlusion.balanced_accuracy.map_or_else(
+            || "every ray is a tie".to_owned(),
+            |share| {
+                let share = percent_with_interval(share, occlusion.balanced_accuracy_interval, trials);
+                format!("{share}; {} wrong of {}", thousands(wrong), thousands(trials))
+            },
+        ));
+        let counts = [occlusion.true_occluded, occlusion.true_free, occlusion.false_occluded, occlusion.false_free];
+        cells.extend(counts.map(thousands));
+        cells.push(thousands(*ties));
+        main.row(&cells);
+    }
+    let _ = write!(text, "\n{}", main.text);
+}
+
+/// Label, clock, rays, speed and time; the last two only beside an accuracy, and never for controls, which trace
+/// nothing.
+fn speed_cells(role: Role, run: &TracerRun, trace: &TraceRecord, judged: bool) -> Vec<String> {
+    let mut cells = vec![label(role, run)];
+    let speed = metrics::speed(trace).filter(|_| judged && role == Role::Contender);
+    cells.push(if role == Role::Control { NONE.to_owned() } else { clock(trace.clock).to_owned() });
+    cells.push(thousands(trace.count));
+    match speed {
+        Some(speed) => {
+            let interval = metrics::speed_interval(trace).unwrap_or([speed, speed]);
+            cells.push(with_interval(speed, interval, 4));
+            cells.push(with_interval(trace.median_ms, trace.interval_ms, 4));
+        }
+        None => cells.extend([NONE.to_owned(), NONE.to_owned()]),
+    }
+    cells
+}
+
+fn causes(rows: &[Row<'_>]) -> String {
+    let mut table = Table::new(&["tracer", "rule", "wrong rays", "causes, most frequent first"].map(str::to_owned));
+    let mut any = false;
+    for (role, run, trace) in rows.iter().filter(|(role, ..)| *role == Role::Contender) {
+        let causes: &Causes = match &trace.judgement {
+            Judgement::Closest(judgement) => &judgement.causes,
+            Judgement::Any(judgement) => &judgement.causes,
+        };
+        for (rule, causes) in causes {
+            let all: u64 = causes.values().sum();
+            let mut sorted: Vec<_> = causes.iter().filter(|(_, rays)| **rays > 0).collect();
+            sorted.sort_by_key(|(name, rays)| (std::cmp::Reverse(**rays), (*name).clone()));
+            let share = |rays: u64| rays as f64 / all.max(1) as f64 * 100.0;
+            let named =
+                |(name, rays): &(&String, &u64)| format!("{name} {} ({:.1} %)", thousands(**rays), share(**rays));
+            let mut listed: Vec<_> = sorted.iter().take(TOP_CAUSES).map(named).collect();
+            if sorted.len() > TOP_CAUSES {
+                let rest: u64 = sorted[TOP_CAUSES..].iter().map(|(_, rays)| **rays).sum();
+                listed.push(format!("others {} ({:.1} %)", thousands(rest), share(rest)));
+            }
+            if !listed.is_empty() {
+                table.row(&[label(*role, run), rule.clone(), thousands(all), listed.join(", ")]);
+                any = true;
+            }
+        }
+    }
+    if any { format!("\nCauses of wrong answers:\n\n{}", table.text) } else { String::new() }
+}
+
+fn counters(rows: &[Row<'_>]) -> String {
+    let mut table = Table::new(&["tracer", "counter", "mean per ray", "greatest per ray"].map(str::to_owned));
+    let mut any = false;
+    for (role, run, trace) in rows.iter().filter(|(role, ..)| *role == Role::Contender) {
+        for (name, counter) in &trace.counters {
+            let greatest = thousands(counter.greatest_per_ray);
+            table.row(&[label(*role, run), name.clone(), significant(counter.per_ray, 4), greatest]);
+            any = true;
+        }
+    }
+    if any { format!("\nCounters, from a variant that is not timed:\n\n{}", table.text) } else { String::new() }
+}
+
+fn statuses(rows: &[Row<'_>]) -> String {
+    let mut table = Table::new(&["tracer", "rays by the status that the tracer gave"].map(str::to_owned));
+    let mut any = false;
+    for (role, run, trace) in rows.iter().filter(|(role, ..)| *role == Role::Contender) {
+        let named = trace.statuses.iter().filter(|(_, rays)| **rays > 0);
+        let listed: Vec<_> = named.map(|(name, rays)| format!("{name} {}", thousands(*rays))).collect();
+        if !listed.is_empty() {
+            table.row(&[label(*role, run), listed.join(", ")]);
+            any = true;
+        }
+    }
+    if any { format!("\nHow rays ended:\n\n{}", table.text) } else { String::new() }
+}
+
+fn skipped(run: &Run) -> String {
+    let mut text = "\n## Skipped\n\n".to_owned();
+    if run.skipped.is_empty() {
+        return text + "Nothing.\n";
+    }
+    let mut table = Table::new(&["tracer", "scene", "rays", "reason"].map(str::to_owned));
+    for each in &run.skipped {
+        let or_all = |name: &Option<String>| name.clone().unwrap_or_else(|| "all".to_owned());
+        table.row(&[or_all(&each.tracer), each.scene.clone(), or_all(&each.rays), each.reason.clone()]);
+    }
+    text += &table.text;
+    text
+}
+
+fn many_ties(judgement: &Judgement) -> bool {
+    match judgement {
+        Judgement::Closest(judgement) => judgement.many_ties,
+        Judgement::Any(judgement) => judgement.many_ties,
+    }
+}
+
+fn label(role: Role, run: &TracerRun) -> String {
+    match role {
+        Role::Control => format!("{} (control)", run.tracer.label()),
+        Role::Contender => run.tracer.label(),
+    }
+}
+
+fn size([width, height]: [u32; 2]) -> String {
+    format!("{width}×{height}")
+}

@@ -1,0 +1,468 @@
+//! `run.json`: everything that a run measured. Every other file is derived from it.
+//!
+//! docs/results.md describes each field; the schema number changes whenever a field changes its meaning or goes.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use tracebench_api::{AdapterListing, ClockKind, EndPoint, MemoryEntry, PhaseSample, Query};
+
+/// The schema that this program writes and reads.
+pub const SCHEMA: u32 = 1;
+
+/// A whole run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Run {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// Where it ran.
+    pub machine: Machine,
+    /// Commit of the program, or "unknown".
+    pub commit: String,
+    /// Whether the program was built from a changed tree; `None` if unknown.
+    pub dirty: Option<bool>,
+    /// When it began, UTC, ISO 8601.
+    pub started: String,
+    /// Seed of the ray sets.
+    pub seed: u64,
+    /// Run preset: smoke, quick or paper. Figures of a smoke run only show that things work.
+    pub preset: String,
+    /// The controls, in the form of runs.
+    pub controls: Vec<TracerRun>,
+    /// The contenders.
+    pub runs: Vec<TracerRun>,
+    /// What did not run, and why.
+    pub skipped: Vec<Skipped>,
+}
+
+/// The machine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Machine {
+    /// Processor.
+    pub cpu: String,
+    /// Hardware threads that the program may use.
+    pub threads: usize,
+    /// Main memory, bytes; `None` if unknown.
+    pub memory_bytes: Option<u64>,
+    /// Operating system.
+    pub os: String,
+    /// Compiler that built the program.
+    pub rustc: String,
+    /// The adapter used; `None` if no tracer needed one.
+    pub adapter: Option<AdapterListing>,
+}
+
+impl Machine {
+    /// The machine in one line, for captions.
+    pub fn label(&self) -> String {
+        let adapter = match &self.adapter {
+            None => "no adapter".to_owned(),
+            Some(adapter) if adapter.kind == "software" => {
+                format!("{} (software adapter: times say little of hardware)", adapter.name)
+            }
+            Some(adapter) => adapter.name.clone(),
+        };
+        format!("{}, {} threads; {adapter}", self.cpu, self.threads)
+    }
+}
+
+/// Something that was asked for and did not run.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Skipped {
+    /// Tracer, `None` if it concerns all.
+    pub tracer: Option<String>,
+    /// Scene.
+    pub scene: String,
+    /// Ray set, `None` if it concerns all.
+    pub rays: Option<String>,
+    /// Why.
+    pub reason: String,
+}
+
+/// One tracer on one scene from one viewpoint.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TracerRun {
+    /// The scene.
+    pub scene: SceneRecord,
+    /// The viewpoint.
+    pub viewpoint: ViewpointRecord,
+    /// The tracer.
+    pub tracer: TracerRecord,
+    /// Its memory.
+    pub memory: MemoryRecord,
+    /// Its build.
+    pub build: BuildRecord,
+    /// Its traces, one a ray set.
+    pub traces: Vec<TraceRecord>,
+}
+
+/// A scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SceneRecord {
+    /// Catalogue name or file stem.
+    pub name: String,
+    /// Hash of positions, triangles and materials.
+    pub sha256: String,
+    /// Number of triangles.
+    pub triangles: u64,
+    /// Diagonal of the bounds, scene units.
+    pub diagonal: f64,
+    /// Scale factor of a procedural scene.
+    pub scale: Option<f64>,
+    /// Triangles of exactly zero area in the file, dropped.
+    pub zero_area_triangles_dropped: u64,
+    /// Triangles with the same corners as an earlier one, kept.
+    pub duplicate_triangles_kept: u64,
+    /// What the import ignored.
+    pub warnings: Vec<String>,
+}
+
+/// A viewpoint.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ViewpointRecord {
+    /// Name, or how it was found.
+    pub name: String,
+    /// The eye.
+    pub eye: [f32; 3],
+    /// Unit direction of view.
+    pub forward: [f32; 3],
+    /// Unit vector up in the image.
+    pub up: [f32; 3],
+    /// Whole vertical field of view, degrees.
+    pub vertical_fov_degrees: f32,
+    /// Near distance, eye depth in scene units.
+    pub near: f32,
+    /// Far distance.
+    pub far: f32,
+    /// Width and height of the frame from which structures take theirs, pixels.
+    pub frame: [u32; 2],
+    /// Edge of a cube face, pixels.
+    pub face: u32,
+    /// Width and height of the image from whose pixels rays start.
+    pub ray_image: [u32; 2],
+    /// Animation time, seconds.
+    pub time_s: f64,
+}
+
+/// A tracer with its parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TracerRecord {
+    /// Name.
+    pub name: String,
+    /// Preset that the parameters start from; "control" for controls.
+    pub preset: String,
+    /// Every parameter's value.
+    pub parameters: BTreeMap<String, serde_json::Value>,
+    /// Parameters that `--set` changed.
+    pub changed: Vec<String>,
+    /// `host` or `device`.
+    pub residency: String,
+}
+
+impl TracerRecord {
+    /// Name with the preset unless it is the published one, and changed parameters: the label in tables and charts.
+    pub fn label(&self) -> String {
+        let mut label = self.name.clone();
+        if self.preset != "published" && self.preset != "control" {
+            label = format!("{label}:{}", self.preset);
+        }
+        for name in &self.changed {
+            if let Some(value) = self.parameters.get(name) {
+                let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+                label = format!("{label} {name}={text}");
+            }
+        }
+        label
+    }
+}
+
+/// Memory of a structure.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MemoryRecord {
+    /// Its parts.
+    pub structure: Vec<MemoryEntry>,
+    /// Allocated bytes of all parts.
+    pub structure_bytes: u64,
+    /// Geometry that must stay resident to trace.
+    pub geometry_bytes: u64,
+    /// The most held at once while building, without the scene's geometry.
+    pub build_peak_bytes: u64,
+}
+
+/// Times of the builds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BuildRecord {
+    /// Which clock.
+    pub clock: ClockKind,
+    /// Every counted sample, in order.
+    pub samples_ms: Vec<f64>,
+    /// Their median.
+    pub median_ms: f64,
+    /// Order-statistic interval of the median.
+    pub interval_ms: [f64; 2],
+    /// Probability that the interval covers the median of the distribution.
+    pub interval_coverage: f64,
+    /// Phases in order.
+    pub phases: Vec<PhaseRecord>,
+    /// Creating pipelines and everything else that is made once, host clock; without the warm-up.
+    pub setup_ms: f64,
+}
+
+/// A phase.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PhaseRecord {
+    /// Name.
+    pub name: String,
+    /// Median over the samples.
+    pub median_ms: f64,
+    /// Every counted sample, in order.
+    pub samples_ms: Vec<f64>,
+}
+
+impl PhaseRecord {
+    /// Collects the phases of several samples of the same work.
+    pub fn collect(samples: &[Vec<PhaseSample>]) -> Vec<Self> {
+        let Some(first) = samples.first() else { return Vec::new() };
+        let of_phase = |index: usize| -> Vec<f64> {
+            samples.iter().filter_map(|phases| phases.get(index)).map(|phase| phase.duration_ms).collect()
+        };
+        let record = |(index, phase): (usize, &PhaseSample)| {
+            let samples_ms = of_phase(index);
+            Self { name: phase.name.clone(), median_ms: crate::statistics::median(&samples_ms), samples_ms }
+        };
+        first.iter().enumerate().map(record).collect()
+    }
+}
+
+/// One ray set traced.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TraceRecord {
+    /// Ray set.
+    pub rays: String,
+    /// Hash of the rays.
+    pub rays_sha256: String,
+    /// What was asked.
+    pub query: Query,
+    /// Number of rays.
+    pub count: u64,
+    /// How far it went.
+    pub end: EndPoint,
+    /// Which clock.
+    pub clock: ClockKind,
+    /// Every counted sample, in order.
+    pub samples_ms: Vec<f64>,
+    /// Their median.
+    pub median_ms: f64,
+    /// Order-statistic interval of the median.
+    pub interval_ms: [f64; 2],
+    /// Probability that the interval covers the median of the distribution.
+    pub interval_coverage: f64,
+    /// Phases in order.
+    pub phases: Vec<PhaseRecord>,
+    /// Million rays a second at the median.
+    pub mrays_per_s: f64,
+    /// Rays, hits and scratch buffers.
+    pub per_trace_bytes: u64,
+    /// Hash of the judged hits.
+    pub hits_sha256: String,
+    /// Counts, from a variant that is not timed.
+    pub counters: BTreeMap<String, CounterRecord>,
+    /// How many rays ended with which status.
+    pub statuses: BTreeMap<String, u64>,
+    /// The judge's verdict on the last timed output.
+    pub judgement: Judgement,
+}
+
+impl TraceRecord {
+    /// Speed with accuracy, in one line; never the one without the other.
+    pub fn headline(&self) -> String {
+        let percent =
+            |share: Option<f64>| share.map_or_else(|| "-".to_owned(), |share| format!("{:.4} %", share * 100.0));
+        let accuracy = match &self.judgement {
+            Judgement::Closest(ClosestJudgement { agreement, .. }) => format!(
+                "agreement hit_miss {}, tight {}, footprint {}",
+                percent(agreement.hit_miss),
+                percent(agreement.tight),
+                percent(agreement.footprint)
+            ),
+            Judgement::Any(any) => format!("balanced accuracy {}", percent(any.occlusion.balanced_accuracy)),
+        };
+        let clock = match self.clock {
+            ClockKind::Host => "host clock",
+            ClockKind::DeviceTimestamps => "device timestamps",
+            ClockKind::SubmitToDone => "submit to done",
+        };
+        format!("{}: {:.3} Mrays/s ({clock}), {accuracy}", self.rays, self.mrays_per_s)
+    }
+}
+
+impl Run {
+    /// Every contender's headlines, a line each.
+    pub fn headlines(&self) -> Vec<String> {
+        let of_run = |run: &TracerRun| {
+            let prefix = format!("{} {}", run.scene.name, run.tracer.label());
+            run.traces.iter().map(|trace| format!("{prefix} {}", trace.headline())).collect::<Vec<_>>()
+        };
+        self.runs.iter().flat_map(of_run).collect()
+    }
+}
+
+/// A count over a ray set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CounterRecord {
+    /// Over all rays.
+    pub total: u64,
+    /// Mean per ray.
+    pub per_ray: f64,
+    /// The largest of any one ray.
+    pub greatest_per_ray: u64,
+}
+
+/// The verdict on one ray set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+#[expect(clippy::large_enum_variant, reason = "a few dozen exist at a time")]
+pub enum Judgement {
+    /// On a closest-hit set.
+    Closest(ClosestJudgement),
+    /// On an any-hit set.
+    Any(AnyJudgement),
+}
+
+/// Counts of causes by rule: rule -> cause -> rays.
+pub type Causes = BTreeMap<String, BTreeMap<String, u64>>;
+
+/// The verdict on a closest-hit set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ClosestJudgement {
+    /// Class counts under the two rules that look at t.
+    pub classes: ByRule<Classes>,
+    /// Rays whose truth hangs on rounding; left out of every share.
+    pub ties: u64,
+    /// Whether ties exceed 1e-3 of the set.
+    pub many_ties: bool,
+    /// Shares of right answers; `None` if every ray is a tie.
+    pub agreement: Headline<Option<f64>>,
+    /// 95 % Wilson intervals of the agreements.
+    pub interval: Headline<Option<[f64; 2]>>,
+    /// Pairs of tolerance (in scene diagonals) and agreement.
+    pub curve: Vec<[f64; 2]>,
+    /// |t - t*| of the rays that are rightly said to hit, scene units.
+    pub position_error: Percentiles,
+    /// Share of `tight` true hits that name the right triangle; `None` if the method names none.
+    pub identity: Option<f64>,
+    /// Why rays are wrong, under `tight` and `footprint`.
+    pub causes: Causes,
+    /// Wrong rays under `tight`, capped.
+    pub wrong_rays: Vec<WrongRay>,
+}
+
+/// The verdict on an any-hit set.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct AnyJudgement {
+    /// The 2x2 table.
+    pub occlusion: Occlusion,
+    /// Rays whose truth hangs on rounding.
+    pub ties: u64,
+    /// Whether ties exceed 1e-3 of the set.
+    pub many_ties: bool,
+    /// Why rays are wrong, under `occlusion`.
+    pub causes: Causes,
+    /// Wrong rays, capped.
+    pub wrong_rays: Vec<WrongRay>,
+}
+
+/// A value for each rule that looks at t.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ByRule<T> {
+    /// |t - t*| <= 1e-4 t* + 1e-6 diagonal.
+    pub tight: T,
+    /// Within one pixel of the common reference camera.
+    pub footprint: T,
+}
+
+/// A value for each headline rule.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Headline<T> {
+    /// Only hit or miss must be right.
+    pub hit_miss: T,
+    /// See [`ByRule::tight`].
+    pub tight: T,
+    /// See [`ByRule::footprint`].
+    pub footprint: T,
+}
+
+/// Class counts; ties are in none.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Classes {
+    /// Both hit, t within tolerance.
+    pub true_hit: u64,
+    /// Both miss.
+    pub true_miss: u64,
+    /// Truth misses.
+    pub false_hit: u64,
+    /// Truth hits.
+    pub false_miss: u64,
+    /// Both hit, t too small.
+    pub early: u64,
+    /// Both hit, t too large.
+    pub late: u64,
+}
+
+/// The 2x2 table of an any-hit set.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Occlusion {
+    /// Rightly occluded.
+    pub true_occluded: u64,
+    /// Rightly free.
+    pub true_free: u64,
+    /// Truth is free.
+    pub false_occluded: u64,
+    /// Truth is occluded.
+    pub false_free: u64,
+    /// Mean of the shares of right answers among occluded and among free rays; where truth has only one of the two, the
+    /// share of that one; `None` if every ray is a tie.
+    pub balanced_accuracy: Option<f64>,
+    /// 95 % interval of the balanced accuracy, from the Wilson intervals of its two shares.
+    pub balanced_accuracy_interval: Option<[f64; 2]>,
+}
+
+/// Percentiles, `None` without a single value.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Percentiles {
+    /// Median.
+    pub p50: Option<f64>,
+    /// 95th percentile.
+    pub p95: Option<f64>,
+    /// 99th percentile.
+    pub p99: Option<f64>,
+}
+
+/// A ray that was answered wrongly.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WrongRay {
+    /// Its index in the set.
+    pub index: u64,
+    /// Origin.
+    pub origin: [f32; 3],
+    /// Direction.
+    pub direction: [f32; 3],
+    /// Least t.
+    pub t_min: f32,
+    /// Greatest t.
+    pub t_max: f32,
+    /// Truth: t, `None` for a miss.
+    pub true_t: Option<f64>,
+    /// Truth: triangle.
+    pub true_primitive: Option<u32>,
+    /// Answer: t, `None` for a miss.
+    pub answered_t: Option<f32>,
+    /// Answer: triangle, where named.
+    pub answered_primitive: Option<u32>,
+    /// Status of the answer.
+    pub status: String,
+    /// Class of the answer.
+    pub class: String,
+    /// Cause of the error.
+    pub cause: String,
+}

@@ -1,0 +1,467 @@
+//! Runs a plan: builds and traces interleaved over the contenders, judges, and writes everything down.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use tracebench_api::{EndPoint, Geometry, Gpu, Hit, HitBuffer, Ray, Residency, Status, Timing, TracerError};
+use tracebench_scenes::{Camera, Origin, Scene, SceneError};
+
+use crate::controls::Control;
+use crate::machine;
+use crate::plan::{Plan, SceneSource, TracerRequest, ViewRequest};
+use crate::progress::Progress;
+use crate::results::{
+    BuildRecord, CounterRecord, MemoryRecord, PhaseRecord, Run, SCHEMA, SceneRecord, Skipped, TraceRecord,
+    TracerRecord, TracerRun, ViewpointRecord,
+};
+use crate::session::{Contender, PreparedRays, RayRequest, Session, SessionError};
+use crate::statistics::{median, median_interval};
+use crate::truth::{Cache, Truth};
+use crate::viewpoint::{self, Pose};
+
+/// Why a run could not be finished.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// A scene could not be loaded.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The scene has no such camera.
+    #[error("scene {scene} has no viewpoint '{name}'; there are: {known}. A pose can be given as ex,ey,ez:tx,ty,tz")]
+    UnknownView {
+        /// The scene.
+        scene: String,
+        /// The name given.
+        name: String,
+        /// The names that exist.
+        known: String,
+    },
+    /// A tracer that was asked for by name cannot do it.
+    #[error("{tracer}: {error}")]
+    Tracer {
+        /// The tracer.
+        tracer: String,
+        /// What it says.
+        error: TracerError,
+    },
+    /// The device cannot hold scene or rays, or failed.
+    #[error(transparent)]
+    Device(#[from] TracerError),
+    /// Truth or judge failed.
+    #[error(transparent)]
+    Session(#[from] SessionError),
+    /// A control failed.
+    #[error("the run is void: {0}")]
+    Control(String),
+    /// No tracer was left to run.
+    #[error("no tracer could run: {0}")]
+    Nothing(String),
+}
+
+impl RunError {
+    /// Whether the arguments are to blame rather than files, devices or memory.
+    pub fn is_argument(&self) -> bool {
+        match self {
+            Self::Scene(error) => error.is_argument(),
+            Self::UnknownView { .. } => true,
+            _ => false,
+        }
+    }
+}
+
+/// Loads a scene.
+///
+/// # Errors
+/// What the scenes crate says.
+pub fn load_scene(source: &SceneSource, scale: f64) -> Result<Scene, SceneError> {
+    match source {
+        SceneSource::Catalogue(name) => tracebench_scenes::procedural(name, scale),
+        SceneSource::File(path) => tracebench_scenes::import(path),
+    }
+}
+
+/// The pose that a request means in a scene.
+///
+/// # Errors
+/// [`RunError::UnknownView`] for a name that the scene does not have.
+pub fn choose_pose(request: &ViewRequest, scene: &str, cameras: &[Camera], truth: &Truth) -> Result<Pose, RunError> {
+    match request {
+        ViewRequest::Given(pose) => Ok(pose.clone()),
+        ViewRequest::Default => Ok(cameras.first().map_or_else(|| viewpoint::find(truth), Pose::from)),
+        ViewRequest::Named(name) => {
+            let camera = cameras.iter().find(|camera| camera.name == *name);
+            camera.map(Pose::from).ok_or_else(|| RunError::UnknownView {
+                scene: scene.to_owned(),
+                name: name.clone(),
+                known: match cameras {
+                    [] => "none".to_owned(),
+                    cameras => cameras.iter().map(|camera| camera.name.as_str()).collect::<Vec<_>>().join(", "),
+                },
+            })
+        }
+    }
+}
+
+/// A scene that is ready to be measured.
+pub struct LoadedScene {
+    /// Its record.
+    pub record: SceneRecord,
+    /// The pose chosen.
+    pub pose: Pose,
+    /// Its rays and truth.
+    pub session: Session,
+}
+
+/// Loads a scene, chooses the viewpoint, makes rays and truth.
+///
+/// # Errors
+/// [`RunError`] as its variants say.
+pub fn prepare(
+    plan: &Plan,
+    source: &SceneSource,
+    gpu: Option<&Arc<Gpu>>,
+    cache: &Cache,
+    progress: &Progress,
+) -> Result<LoadedScene, RunError> {
+    let scene = load_scene(source, plan.preset.scene_scale)?;
+    prepare_loaded(plan, scene, gpu, cache, progress)
+}
+
+/// The same for a scene that is loaded already.
+///
+/// # Errors
+/// As [`prepare`].
+pub fn prepare_loaded(
+    plan: &Plan,
+    scene: Scene,
+    gpu: Option<&Arc<Gpu>>,
+    cache: &Cache,
+    progress: &Progress,
+) -> Result<LoadedScene, RunError> {
+    progress.say(&format!("scene {}: {} triangles", scene.name, scene.mesh.triangles.len()));
+    let record = scene_record(&scene);
+    let geometry = Geometry::new(scene.mesh.positions, scene.mesh.triangles, gpu.map(AsRef::as_ref))?;
+    let truth = Truth::new(&geometry, &scene.sha256);
+    let pose = choose_pose(&plan.view, &scene.name, &scene.cameras, &truth)?;
+    let viewpoint = pose.viewpoint(&geometry, plan.preset.frame, plan.preset.face);
+    let request = RayRequest { sets: &plan.ray_sets, image: plan.preset.ray_image, seed: plan.seed };
+    let session = Session::new(&scene.name, truth, viewpoint, request, gpu.cloned(), cache, progress)?;
+    Ok(LoadedScene { record, pose, session })
+}
+
+/// Runs everything.
+///
+/// # Errors
+/// [`RunError`] as its variants say; nothing has been written then.
+pub fn execute(plan: &Plan, gpu: Option<&Arc<Gpu>>, cache: &Cache, progress: &Progress) -> Result<Run, RunError> {
+    let needs_adapter = plan.tracers.iter().any(|request| request.registration.needs_device());
+    let adapter = gpu.filter(|_| needs_adapter).map(|gpu| gpu.listing.clone());
+    let mut run = Run {
+        schema: SCHEMA,
+        machine: machine::this_machine(adapter),
+        commit: machine::COMMIT.to_owned(),
+        dirty: machine::dirty(),
+        started: machine::utc_now(),
+        seed: plan.seed,
+        preset: plan.preset.name.to_owned(),
+        controls: Vec::new(),
+        runs: Vec::new(),
+        skipped: Vec::new(),
+    };
+    for source in &plan.scenes {
+        let loaded = prepare(plan, source, gpu, cache, progress)?;
+        measure_scene(plan, &loaded, gpu, progress, &mut run)?;
+    }
+    if run.runs.is_empty() {
+        let reasons: Vec<_> = run.skipped.iter().map(|skipped| skipped.reason.as_str()).collect();
+        return Err(RunError::Nothing(reasons.join("; ")));
+    }
+    Ok(run)
+}
+
+/// A contender with what has been measured of it.
+struct Entry {
+    request: Option<TracerRequest>,
+    control: Option<Control>,
+    contender: Contender,
+    builds: Vec<Timing>,
+    traces: Vec<TraceRecord>,
+    failure: Option<TracerError>,
+}
+
+impl Entry {
+    fn new(contender: Contender, request: Option<TracerRequest>, control: Option<Control>) -> Self {
+        Self { request, control, contender, builds: Vec::new(), traces: Vec::new(), failure: None }
+    }
+
+    fn label(&self) -> String {
+        self.record().label()
+    }
+
+    fn record(&self) -> TracerRecord {
+        let Contender { description, parameters, .. } = &self.contender;
+        let json = |value: &tracebench_api::Value| serde_json::to_value(value).unwrap_or_default();
+        TracerRecord {
+            name: description.name.to_owned(),
+            preset: self.request.as_ref().map_or("control", |request| request.preset.name()).to_owned(),
+            parameters: parameters.iter().map(|(name, value)| (name.to_owned(), json(value))).collect(),
+            changed: self.request.as_ref().map(|request| request.changed.clone()).unwrap_or_default(),
+            residency: match description.residency {
+                Residency::Host => "host",
+                Residency::Device => "device",
+            }
+            .to_owned(),
+        }
+    }
+
+    /// Does something unless the entry has failed before; a failure takes it out of the race.
+    fn attempt<R>(&mut self, work: impl FnOnce(&mut Self) -> Result<R, TracerError>) -> Option<R> {
+        if self.failure.is_some() {
+            return None;
+        }
+        work(self).map_err(|error| self.failure = Some(error)).ok()
+    }
+}
+
+fn measure_scene(
+    plan: &Plan,
+    loaded: &LoadedScene,
+    gpu: Option<&Arc<Gpu>>,
+    progress: &Progress,
+    run: &mut Run,
+) -> Result<(), RunError> {
+    let LoadedScene { record: scene, pose, session } = loaded;
+    run.skipped.extend(session.skipped.iter().cloned());
+    let mut entries: Vec<Entry> = Vec::new();
+    for (control, contender) in session.controls()? {
+        entries.push(Entry::new(contender, None, Some(control)));
+    }
+    for request in &plan.tracers {
+        let description = (request.registration.describe)();
+        let name = description.name;
+        let created = Contender::create(description, request.parameters.clone(), || request.registration.create(gpu));
+        match created {
+            Ok(contender) => entries.push(Entry::new(contender, Some(request.clone()), None)),
+            Err(error) => refuse(run, scene, name, request.required, error)?,
+        }
+    }
+    let samples = plan.preset.samples;
+    sample_builds(session, &mut entries, samples, progress);
+    for rays in &session.rays {
+        sample_traces(session, rays, &mut entries, samples, progress)?;
+    }
+    let viewpoint = viewpoint_record(plan, pose, session);
+    for entry in entries {
+        let required = entry.control.is_some() || entry.request.as_ref().is_some_and(|request| request.required);
+        if let Some(error) = entry.failure {
+            refuse(run, scene, entry.contender.description.name, required, error)?;
+            continue;
+        }
+        let list = if entry.control.is_some() { &mut run.controls } else { &mut run.runs };
+        list.push(tracer_run(entry, scene, &viewpoint)?);
+    }
+    Ok(())
+}
+
+fn refuse(run: &mut Run, scene: &SceneRecord, name: &str, required: bool, error: TracerError) -> Result<(), RunError> {
+    if required {
+        return Err(RunError::Tracer { tracer: name.to_owned(), error });
+    }
+    run.skipped.push(Skipped {
+        tracer: Some(name.to_owned()),
+        scene: scene.name.clone(),
+        rays: None,
+        reason: error.to_string(),
+    });
+    Ok(())
+}
+
+/// One build each to warm up, then rounds over all contenders.
+fn sample_builds(session: &Session, entries: &mut [Entry], samples: usize, progress: &Progress) {
+    let bar = progress.bar("builds", (samples as u64 + 1) * entries.len() as u64);
+    for round in 0..=samples {
+        for entry in entries.iter_mut() {
+            let timing = entry.attempt(|entry| session.sample_build(&mut entry.contender));
+            if let Some(timing) = timing.filter(|_| round > 0) {
+                entry.builds.push(timing);
+            }
+            bar.inc(1);
+        }
+    }
+}
+
+/// What the rounds over one ray set gave for one contender.
+struct Sampled {
+    hits: HitBuffer,
+    timings: Vec<Timing>,
+}
+
+/// One trace each to warm up, then rounds over all contenders; the last timed output is judged.
+fn sample_traces(
+    session: &Session,
+    rays: &PreparedRays,
+    entries: &mut [Entry],
+    samples: usize,
+    progress: &Progress,
+) -> Result<(), RunError> {
+    let bar = progress.bar(&format!("trace {}", rays.set.name), (samples as u64 + 1) * entries.len() as u64);
+    let mut sampled: Vec<Option<Sampled>> = Vec::new();
+    for entry in entries.iter_mut() {
+        let hits = entry.attempt(|entry| session.hit_buffer(&entry.contender, rays));
+        sampled.push(hits.map(|hits| Sampled { hits, timings: Vec::new() }));
+    }
+    for round in 0..=samples {
+        for (entry, sampled) in entries.iter_mut().zip(&mut sampled) {
+            bar.inc(1);
+            let Some(sampled) = sampled else { continue };
+            let timing = entry.attempt(|entry| session.sample_trace(&entry.contender, rays, &mut sampled.hits));
+            if let Some(timing) = timing.filter(|_| round > 0) {
+                sampled.timings.push(timing);
+            }
+        }
+    }
+    bar.finish_and_clear();
+    for (entry, sampled) in entries.iter_mut().zip(sampled) {
+        let Some(Sampled { hits, timings }) = sampled else { continue };
+        let answered = entry.attempt(|entry| {
+            let hits = hits.read(session.gpu())?;
+            let counters = session.count(&entry.contender, rays, &hits)?;
+            Ok((hits, counters))
+        });
+        let Some((hits, counters)) = answered else { continue };
+        let judgement = session.judge(&entry.contender, rays, &hits)?;
+        if let Some(control) = entry.control {
+            let (occluded, free) = rays.hits_and_misses();
+            control.check(&judgement, occluded, free).map_err(RunError::Control)?;
+        } else {
+            progress.say(&format!("  {}: {} done", rays.set.name, entry.label()));
+        }
+        let scratch = entry.contender.structure()?.scratch_bytes(hits.len());
+        entry.traces.push(TraceRecord {
+            judgement,
+            counters: counters.iter().map(|counter| counter_record(counter, hits.len())).collect(),
+            per_trace_bytes: (hits.len() * (size_of::<Ray>() + size_of::<Hit>())) as u64 + scratch,
+            ..trace_record(rays, &timings, &hits)
+        });
+    }
+    Ok(())
+}
+
+fn counter_record(counter: &tracebench_api::Counter, rays: usize) -> (String, CounterRecord) {
+    let per_ray = counter.total as f64 / rays.max(1) as f64;
+    let record = CounterRecord { total: counter.total, per_ray, greatest_per_ray: counter.greatest_per_ray };
+    (counter.name.to_owned(), record)
+}
+
+/// The times and hashes of a trace; judgement, counters and bytes are filled in by the caller.
+fn trace_record(rays: &PreparedRays, timings: &[Timing], hits: &[Hit]) -> TraceRecord {
+    let times = Times::of(timings);
+    let mut statuses = BTreeMap::new();
+    for hit in hits {
+        let name = Status::from_code(hit.status).unwrap_or(Status::Unwritten).name();
+        *statuses.entry(name.to_owned()).or_insert(0) += 1;
+    }
+    TraceRecord {
+        rays: rays.set.name.to_owned(),
+        rays_sha256: rays.sha256.clone(),
+        query: rays.set.query,
+        count: hits.len() as u64,
+        end: EndPoint::Hit,
+        clock: times.clock,
+        mrays_per_s: hits.len() as f64 / times.median_ms.max(f64::MIN_POSITIVE) / 1e3,
+        median_ms: times.median_ms,
+        interval_ms: times.interval_ms,
+        interval_coverage: times.coverage,
+        phases: times.phases,
+        samples_ms: times.samples_ms,
+        per_trace_bytes: 0,
+        hits_sha256: crate::hash::sha256_of(hits),
+        counters: BTreeMap::new(),
+        statuses,
+        judgement: crate::results::Judgement::Any(Default::default()),
+    }
+}
+
+/// Samples of one kind of work, summed up.
+struct Times {
+    clock: tracebench_api::ClockKind,
+    samples_ms: Vec<f64>,
+    median_ms: f64,
+    interval_ms: [f64; 2],
+    coverage: f64,
+    phases: Vec<PhaseRecord>,
+}
+
+impl Times {
+    fn of(timings: &[Timing]) -> Self {
+        let samples_ms: Vec<f64> = timings.iter().map(|timing| timing.total_ms).collect();
+        let phases: Vec<_> = timings.iter().map(|timing| timing.phases.clone()).collect();
+        let (interval_ms, coverage) = median_interval(&samples_ms);
+        Self {
+            clock: timings.first().map_or(tracebench_api::ClockKind::Host, |timing| timing.clock),
+            median_ms: median(&samples_ms),
+            samples_ms,
+            interval_ms,
+            coverage,
+            phases: PhaseRecord::collect(&phases),
+        }
+    }
+}
+
+fn tracer_run(entry: Entry, scene: &SceneRecord, viewpoint: &ViewpointRecord) -> Result<TracerRun, RunError> {
+    let memory = entry.contender.structure()?.memory();
+    let times = Times::of(&entry.builds);
+    Ok(TracerRun {
+        scene: scene.clone(),
+        viewpoint: viewpoint.clone(),
+        tracer: entry.record(),
+        memory: MemoryRecord {
+            structure_bytes: memory.structure_bytes(),
+            structure: memory.structure,
+            geometry_bytes: memory.geometry_bytes,
+            build_peak_bytes: memory.build_peak_bytes,
+        },
+        build: BuildRecord {
+            clock: times.clock,
+            samples_ms: times.samples_ms,
+            median_ms: times.median_ms,
+            interval_ms: times.interval_ms,
+            interval_coverage: times.coverage,
+            phases: times.phases,
+            setup_ms: entry.contender.setup_ms,
+        },
+        traces: entry.traces,
+    })
+}
+
+fn scene_record(scene: &Scene) -> SceneRecord {
+    SceneRecord {
+        name: scene.name.clone(),
+        sha256: scene.sha256.clone(),
+        triangles: scene.mesh.triangles.len() as u64,
+        diagonal: scene.diagonal(),
+        scale: match scene.origin {
+            Origin::Procedural { scale } => Some(scale),
+            Origin::File { .. } => None,
+        },
+        zero_area_triangles_dropped: scene.notes.zero_area_triangles_dropped,
+        duplicate_triangles_kept: scene.notes.duplicate_triangles_kept,
+        warnings: scene.notes.warnings.clone(),
+    }
+}
+
+fn viewpoint_record(plan: &Plan, pose: &Pose, session: &Session) -> ViewpointRecord {
+    let viewpoint = session.viewpoint();
+    ViewpointRecord {
+        name: pose.name.clone(),
+        eye: viewpoint.eye.into(),
+        forward: viewpoint.forward.into(),
+        up: viewpoint.up.into(),
+        vertical_fov_degrees: viewpoint.vertical_fov.to_degrees(),
+        near: viewpoint.near,
+        far: viewpoint.far,
+        frame: viewpoint.frame,
+        face: viewpoint.face,
+        ray_image: plan.preset.ray_image,
+        time_s: plan.time_s,
+    }
+}

@@ -1,0 +1,282 @@
+//! One scene from one viewpoint: its rays and truth made once, every contender built and sampled through the one clock.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use glam::DVec3;
+use tracebench_api::{
+    Description, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, RayBuffer, Structure, Timing,
+    TraceJob, Tracer, TracerError, Viewpoint,
+};
+
+use crate::controls::{Control, KnownAnswers};
+use crate::judge::{Judge, JudgeError};
+use crate::progress::Progress;
+use crate::rays::{self, RaySet};
+use crate::results::{Judgement, Skipped};
+use crate::truth::{Answer, Cache, Truth, TruthError};
+
+/// Why a scene could not be measured.
+#[derive(Debug, thiserror::Error)]
+pub enum SessionError {
+    /// The truth failed its audit.
+    #[error(transparent)]
+    Truth(#[from] TruthError),
+    /// Rays do not fit the device.
+    #[error(transparent)]
+    Tracer(#[from] TracerError),
+    /// A contender gave answers that are none.
+    #[error("{tracer} on ray set {rays}: {error}")]
+    Judge {
+        /// The tracer.
+        tracer: String,
+        /// The ray set.
+        rays: String,
+        /// What is wrong.
+        error: JudgeError,
+    },
+}
+
+/// A ray set with its truth.
+pub struct PreparedRays {
+    /// The set.
+    pub set: RaySet,
+    /// The rays, resident.
+    pub buffer: RayBuffer,
+    /// Their truth.
+    pub answers: Arc<Vec<Answer>>,
+    /// Hash of the rays.
+    pub sha256: String,
+}
+
+impl PreparedRays {
+    /// Numbers of rays that truth says hit and miss, without ties.
+    pub fn hits_and_misses(&self) -> (u64, u64) {
+        let count =
+            |hit: bool| self.answers.iter().filter(|each| !each.tie && each.hit.is_some() == hit).count() as u64;
+        (count(true), count(false))
+    }
+}
+
+/// A tracer that takes part, with what it has built last.
+pub struct Contender {
+    /// What it is.
+    pub description: Description,
+    /// With which parameters.
+    pub parameters: Parameters,
+    /// Time to create it, milliseconds.
+    pub setup_ms: f64,
+    tracer: Box<dyn Tracer>,
+    structure: Option<Box<dyn Structure>>,
+}
+
+impl Contender {
+    /// Creates a tracer and times that.
+    ///
+    /// # Errors
+    /// What the tracer says.
+    pub fn create(
+        description: Description,
+        parameters: Parameters,
+        create: impl FnOnce() -> Result<Box<dyn Tracer>, TracerError>,
+    ) -> Result<Self, TracerError> {
+        let begin = Instant::now();
+        let tracer = create()?;
+        let setup_ms = begin.elapsed().as_secs_f64() * 1e3;
+        Ok(Self { description, parameters, setup_ms, tracer, structure: None })
+    }
+
+    /// What it built last.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] before the first build.
+    pub fn structure(&self) -> Result<&dyn Structure, TracerError> {
+        self.structure.as_deref().ok_or_else(|| TracerError::Failed("traced before it was built".to_owned()))
+    }
+}
+
+/// One scene from one viewpoint.
+pub struct Session {
+    gpu: Option<Arc<Gpu>>,
+    truth: Truth,
+    viewpoint: Viewpoint,
+    /// The ray sets that are not empty.
+    pub rays: Vec<PreparedRays>,
+    /// The ray sets that are, with the reason.
+    pub skipped: Vec<Skipped>,
+}
+
+/// What rays a session is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct RayRequest<'a> {
+    /// The sets.
+    pub sets: &'a [RaySet],
+    /// Width and height of the image from whose pixels rays start.
+    pub image: [u32; 2],
+    /// Seed.
+    pub seed: u64,
+}
+
+impl Session {
+    /// Makes the rays, uploads them and tells their truth. `scene_name` is for messages.
+    ///
+    /// # Errors
+    /// [`SessionError`] if the truth fails its audit or the device cannot hold the rays.
+    pub fn new(
+        scene_name: &str,
+        truth: Truth,
+        viewpoint: Viewpoint,
+        request: RayRequest<'_>,
+        gpu: Option<Arc<Gpu>>,
+        cache: &Cache,
+        progress: &Progress,
+    ) -> Result<Self, SessionError> {
+        let primary = Arc::new(rays::primary_rays(&viewpoint, request.image));
+        // Every other set starts from the primary hits, so these are always told.
+        let primary_answers = Arc::new(truth.answer(&primary, tracebench_api::Query::Closest, cache, progress)?);
+        let mut session = Self { gpu, truth, viewpoint, rays: Vec::new(), skipped: Vec::new() };
+        for set in request.sets {
+            let made = rays::make(set, &session.truth, &primary, &primary_answers, request.seed);
+            if made.is_empty() {
+                session.skipped.push(Skipped {
+                    tracer: None,
+                    scene: scene_name.to_owned(),
+                    rays: Some(set.name.to_owned()),
+                    reason: "the ray set is empty: no primary ray hits the scene from this viewpoint".to_owned(),
+                });
+                continue;
+            }
+            let answers = if Arc::ptr_eq(&made, &primary) {
+                Arc::clone(&primary_answers)
+            } else {
+                Arc::new(session.truth.answer(&made, set.query, cache, progress)?)
+            };
+            let sha256 = crate::hash::sha256_of(&made);
+            let buffer = RayBuffer::new(made, set.query, session.gpu.as_deref())?;
+            session.rays.push(PreparedRays { set: *set, buffer, answers, sha256 });
+        }
+        Ok(session)
+    }
+
+    /// The scene's triangles.
+    pub fn geometry(&self) -> &Geometry {
+        self.truth.geometry()
+    }
+
+    /// The truth.
+    pub fn truth(&self) -> &Truth {
+        &self.truth
+    }
+
+    /// The viewpoint.
+    pub fn viewpoint(&self) -> &Viewpoint {
+        &self.viewpoint
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> Option<&Gpu> {
+        self.gpu.as_deref()
+    }
+
+    /// The controls as contenders.
+    ///
+    /// # Errors
+    /// Does not fail; the signature is that of every contender.
+    pub fn controls(&self) -> Result<Vec<(Control, Contender)>, TracerError> {
+        let known: KnownAnswers =
+            self.rays.iter().map(|rays| (Arc::clone(&rays.buffer.host), Arc::clone(&rays.answers))).collect();
+        let contender = |control: Control| {
+            let parameters = Parameters::preset(&[], tracebench_api::Preset::Published);
+            let tracer = control.tracer(known.clone(), self.truth.diagonal());
+            Ok((control, Contender::create(control.description(), parameters, || Ok(tracer))?))
+        };
+        Control::ALL.into_iter().map(contender).collect()
+    }
+
+    /// Builds once and gives the time. The structure replaces the contender's last one, which is dropped before, outside
+    /// of the time.
+    ///
+    /// # Errors
+    /// What the tracer says.
+    pub fn sample_build(&self, contender: &mut Contender) -> Result<Timing, TracerError> {
+        contender.structure = None;
+        let mut clock = PhaseClock::new(self.gpu());
+        let structure = contender.tracer.build(self.geometry(), &self.viewpoint, &contender.parameters, &mut clock)?;
+        let timing = clock.finish()?;
+        contender.structure = Some(structure);
+        Ok(timing)
+    }
+
+    /// Room for a contender's answers to a ray set.
+    ///
+    /// # Errors
+    /// [`TracerError::TooLarge`] if the device cannot hold them.
+    pub fn hit_buffer(&self, contender: &Contender, rays: &PreparedRays) -> Result<HitBuffer, TracerError> {
+        HitBuffer::new(rays.buffer.host.len(), contender.description.residency, self.gpu())
+    }
+
+    /// Poisons the hits, traces once and gives the time.
+    ///
+    /// # Errors
+    /// What the tracer says.
+    pub fn sample_trace(
+        &self,
+        contender: &Contender,
+        rays: &PreparedRays,
+        hits: &mut HitBuffer,
+    ) -> Result<Timing, TracerError> {
+        hits.poison(self.gpu())?;
+        let mut clock = PhaseClock::new(self.gpu());
+        contender.structure()?.trace(job(contender, rays), hits, &mut clock)?;
+        clock.finish()
+    }
+
+    /// Traces once by the counting variant, whose hits must be those of the timed one.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the hits differ, or what the tracer says.
+    pub fn count(
+        &self,
+        contender: &Contender,
+        rays: &PreparedRays,
+        timed: &[Hit],
+    ) -> Result<Vec<tracebench_api::Counter>, TracerError> {
+        let mut hits = self.hit_buffer(contender, rays)?;
+        hits.poison(self.gpu())?;
+        let counters = contender.structure()?.trace_counted(job(contender, rays), &mut hits)?;
+        let counted = hits.read(self.gpu())?;
+        if bytemuck::cast_slice::<Hit, u8>(&counted) != bytemuck::cast_slice::<Hit, u8>(timed) {
+            return Err(TracerError::Failed(format!(
+                "{} gives other hits to ray set {} when it counts than when it is timed",
+                contender.description.name, rays.set.name
+            )));
+        }
+        Ok(counters)
+    }
+
+    /// Judges a contender's answers.
+    ///
+    /// # Errors
+    /// [`SessionError::Judge`] if they are no answers.
+    pub fn judge(&self, contender: &Contender, rays: &PreparedRays, hits: &[Hit]) -> Result<Judgement, SessionError> {
+        let views = contender.structure()?.views();
+        let judge = Judge {
+            truth: &self.truth,
+            eye: DVec3::from(self.viewpoint.eye.as_dvec3()),
+            rays: &rays.buffer.host,
+            answers: &rays.answers,
+            query: rays.set.query,
+            views: &views,
+            names_primitives: contender.description.names_primitives,
+        };
+        judge.judge(hits).map_err(|error| SessionError::Judge {
+            tracer: contender.description.name.to_owned(),
+            rays: rays.set.name.to_owned(),
+            error,
+        })
+    }
+}
+
+fn job<'a>(contender: &'a Contender, rays: &'a PreparedRays) -> TraceJob<'a> {
+    TraceJob { rays: &rays.buffer, end: EndPoint::Hit, parameters: &contender.parameters }
+}

@@ -1,0 +1,247 @@
+//! Ground truth: every ray answered in f64.
+//!
+//! obvhs gives the hierarchy over the triangles' boxes; traversal (boxes padded) and the watertight triangle test run in
+//! f64. A sample of the rays is audited by brute force over all triangles.
+
+mod cache;
+mod hierarchy;
+mod triangle;
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use sha2::{Digest, Sha256};
+use tracebench_api::{Geometry, Query, Ray};
+
+pub use cache::Cache;
+pub use hierarchy::Hierarchy;
+pub use triangle::{RayFrame, intersect};
+
+use crate::progress::Progress;
+
+/// `tight`: relative part of the tolerance on t.
+pub const TIGHT_RELATIVE: f64 = 1e-4;
+/// `tight`: absolute part of the tolerance on t, in scene diagonals.
+pub const TIGHT_ABSOLUTE: f64 = 1e-6;
+
+/// Ulps of the largest origin coordinate by which an origin is moved to see whether a ray is a tie.
+const TIE_ULPS: f64 = 4.0;
+
+/// Rays of each set that are audited by brute force, at most; fewer in large scenes, but never fewer than four.
+const AUDITED_RAYS: usize = 32;
+/// Triangle tests that an audit may cost.
+const AUDIT_TESTS: usize = 20_000_000;
+
+/// A hit in f64.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrueHit {
+    /// Ray parameter.
+    pub t: f64,
+    /// Triangle; of several at equal t the lowest.
+    pub primitive: u32,
+}
+
+/// What is true of one ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Answer {
+    /// The nearest hit within the ray's span, of any-hit rays too.
+    pub hit: Option<TrueHit>,
+    /// Whether the answer hangs on rounding: it changes when the origin moves by 4 ulp of its largest coordinate in any
+    /// of four directions square to the ray. A property of ray and scene, never of a candidate.
+    pub tie: bool,
+}
+
+/// A ray in f64.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray64 {
+    /// Origin.
+    pub origin: DVec3,
+    /// Direction, as given (unit to f32 rounding).
+    pub direction: DVec3,
+    /// Least t.
+    pub t_min: f64,
+    /// Greatest t.
+    pub t_max: f64,
+}
+
+impl From<&Ray> for Ray64 {
+    fn from(ray: &Ray) -> Self {
+        Self {
+            origin: DVec3::from(ray.origin.map(f64::from)),
+            direction: DVec3::from(ray.direction.map(f64::from)),
+            t_min: f64::from(ray.t_min),
+            t_max: f64::from(ray.t_max),
+        }
+    }
+}
+
+impl Ray64 {
+    /// The point at t.
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + self.direction * t
+    }
+}
+
+/// The tolerance of the `tight` rule for a true hit at `t`.
+pub fn tight_tolerance(t: f64, diagonal: f64) -> f64 {
+    TIGHT_RELATIVE * t + TIGHT_ABSOLUTE * diagonal
+}
+
+/// What can go wrong with the truth itself.
+#[derive(Debug, thiserror::Error)]
+pub enum TruthError {
+    /// Hierarchy and brute force disagree: the truth cannot be trusted.
+    #[error(
+        "ground truth failed its audit: ray {ray} gives {by_hierarchy:?} by the hierarchy and {by_brute_force:?} by \
+         brute force over all triangles; delete the cache folder {cache} and run again"
+    )]
+    Audit {
+        /// Index of the ray.
+        ray: usize,
+        /// Answer by the hierarchy.
+        by_hierarchy: Option<TrueHit>,
+        /// Answer by brute force.
+        by_brute_force: Option<TrueHit>,
+        /// Where cached answers lie.
+        cache: String,
+    },
+}
+
+/// The scene in the form that truth is told from.
+pub struct Truth {
+    geometry: Geometry,
+    scene_sha256: String,
+    hierarchy: Hierarchy,
+    diagonal: f64,
+}
+
+impl Truth {
+    /// Builds the hierarchy.
+    pub fn new(geometry: &Geometry, scene_sha256: &str) -> Self {
+        Self {
+            geometry: geometry.clone(),
+            scene_sha256: scene_sha256.to_owned(),
+            hierarchy: Hierarchy::new(geometry),
+            diagonal: geometry.diagonal(),
+        }
+    }
+
+    /// The scene's triangles.
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// The scene's diagonal.
+    pub fn diagonal(&self) -> f64 {
+        self.diagonal
+    }
+
+    /// The nearest hit of one ray.
+    pub fn closest(&self, ray: &Ray64) -> Option<TrueHit> {
+        self.hierarchy.closest(&self.geometry, ray)
+    }
+
+    /// The nearest hit of one ray by trying every triangle.
+    pub fn closest_by_brute_force(&self, ray: &Ray64) -> Option<TrueHit> {
+        let frame = RayFrame::new(ray)?;
+        let mut best: Option<TrueHit> = None;
+        for primitive in 0..self.geometry.triangles.len() as u32 {
+            if let Some(t) = intersect(&frame, ray, self.geometry.corners(primitive)) {
+                if best.is_none_or(|best| t < best.t) {
+                    best = Some(TrueHit { t, primitive });
+                }
+            }
+        }
+        best
+    }
+
+    /// Unit geometric normal of a triangle, by its winding; zero for a triangle without area.
+    pub fn normal(&self, primitive: u32) -> DVec3 {
+        let [a, b, c] = self.geometry.corners(primitive).map(|corner| corner.as_dvec3());
+        (b - a).cross(c - a).normalize_or_zero()
+    }
+
+    /// Answers every ray, from the cache where it holds them, and audits a sample.
+    ///
+    /// # Errors
+    /// [`TruthError::Audit`] if the hierarchy and brute force disagree.
+    pub fn answer(
+        &self,
+        rays: &Arc<Vec<Ray>>,
+        query: Query,
+        cache: &Cache,
+        progress: &Progress,
+    ) -> Result<Vec<Answer>, TruthError> {
+        let key = self.key(rays, query);
+        let answers = match cache.load(&key, rays.len()) {
+            Some(answers) => answers,
+            None => {
+                let answers = self.compute(rays, query, progress);
+                cache.store(&key, &answers);
+                answers
+            }
+        };
+        self.audit(rays, &answers, cache)?;
+        Ok(answers)
+    }
+
+    fn compute(&self, rays: &[Ray], query: Query, progress: &Progress) -> Vec<Answer> {
+        let bar = progress.bar("ground truth", rays.len() as u64);
+        let answer_chunk = |chunk: &[Ray]| {
+            let answers: Vec<Answer> = chunk.iter().map(|ray| self.answer_one(&Ray64::from(ray), query)).collect();
+            bar.inc(chunk.len() as u64);
+            answers
+        };
+        rays.par_chunks(1024).flat_map_iter(answer_chunk).collect()
+    }
+
+    /// Answers one ray and finds whether it is a tie.
+    pub fn answer_one(&self, ray: &Ray64, query: Query) -> Answer {
+        let hit = self.closest(ray);
+        let largest = ray.origin.abs().max_element() as f32;
+        let step = TIE_ULPS * f64::from(largest.next_up() - largest);
+        let (across, upward) = ray.direction.normalize_or_zero().any_orthonormal_pair();
+        let moves = [across, -across, upward, -upward];
+        let tie = moves.iter().any(|direction| self.changes(ray, *direction * step, hit, query));
+        Answer { hit, tie }
+    }
+
+    /// Whether a moved ray gets another answer.
+    fn changes(&self, ray: &Ray64, by: DVec3, hit: Option<TrueHit>, query: Query) -> bool {
+        let mut moved = Ray64 { origin: ray.origin + by, ..*ray };
+        match (hit, query) {
+            (None, _) => self.closest(&moved).is_some(),
+            (Some(_), Query::Any) => self.closest(&moved).is_none(),
+            (Some(hit), Query::Closest) => {
+                let tolerance = tight_tolerance(hit.t, self.diagonal);
+                // What lies beyond the tolerance need not be searched: finding nothing is a change as well.
+                moved.t_max = ray.t_max.min(hit.t + tolerance);
+                self.closest(&moved).is_none_or(|other| other.t < hit.t - tolerance)
+            }
+        }
+    }
+
+    fn audit(&self, rays: &[Ray], answers: &[Answer], cache: &Cache) -> Result<(), TruthError> {
+        let wanted = (AUDIT_TESTS / self.geometry.triangles.len()).clamp(4, AUDITED_RAYS);
+        let stride = rays.len().div_ceil(wanted).max(1);
+        let audited: Vec<usize> = (0..rays.len()).step_by(stride).collect();
+        let disagreement = audited.par_iter().find_map_first(|&ray| {
+            let by_brute_force = self.closest_by_brute_force(&Ray64::from(&rays[ray]));
+            (by_brute_force != answers[ray].hit).then(|| TruthError::Audit {
+                ray,
+                by_hierarchy: answers[ray].hit,
+                by_brute_force,
+                cache: cache.describe(),
+            })
+        });
+        disagreement.map_or(Ok(()), Err)
+    }
+
+    fn key(&self, rays: &[Ray], query: Query) -> String {
+        let mut hasher = Sha256::new();
+        hasher.update(format!("tracebench truth {} {query:?} {}", cache::VERSION, self.scene_sha256));
+        hasher.update(bytemuck::cast_slice::<Ray, u8>(rays));
+        crate::hash::hex(&hasher.finalize())
+    }
+}
