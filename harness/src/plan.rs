@@ -79,6 +79,13 @@ pub struct TracerRequest {
     pub required: bool,
 }
 
+impl TracerRequest {
+    /// Whether the run fails without a device.
+    pub fn must_have_device(&self) -> bool {
+        self.required && self.registration.needs_device()
+    }
+}
+
 /// A whole run.
 #[derive(Clone)]
 pub struct Plan {

@@ -329,6 +329,16 @@ pub enum Judgement {
     Any(AnyJudgement),
 }
 
+impl Judgement {
+    /// The wrong rays that are kept.
+    pub fn wrong_rays_mut(&mut self) -> &mut Vec<WrongRay> {
+        match self {
+            Self::Closest(closest) => &mut closest.wrong_rays,
+            Self::Any(any) => &mut any.wrong_rays,
+        }
+    }
+}
+
 /// Counts of causes by rule: rule -> cause -> rays.
 pub type Causes = BTreeMap<String, BTreeMap<String, u64>>;
 
@@ -353,7 +363,7 @@ pub struct ClosestJudgement {
     pub identity: Option<f64>,
     /// Why rays are wrong, under `tight` and `footprint`.
     pub causes: Causes,
-    /// Wrong rays under `tight`, capped.
+    /// Wrong rays under `tight`, at most 128, evenly spaced among all of them; none of a control.
     pub wrong_rays: Vec<WrongRay>,
 }
 
@@ -368,7 +378,7 @@ pub struct AnyJudgement {
     pub many_ties: bool,
     /// Why rays are wrong, under `occlusion`.
     pub causes: Causes,
-    /// Wrong rays, capped.
+    /// Wrong rays, at most 128, evenly spaced among all of them; none of a control.
     pub wrong_rays: Vec<WrongRay>,
 }
 

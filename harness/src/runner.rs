@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use tracebench_api::{EndPoint, Geometry, Gpu, Hit, HitBuffer, Ray, Residency, Status, Timing, TracerError};
+use tracebench_api::{EndPoint, Geometry, Gpu, Hit, HitBuffer, Ray, RayBuffer, Residency, Status, Timing, TracerError};
 use tracebench_scenes::{Camera, Origin, Scene, SceneError};
 
 use crate::controls::Control;
@@ -139,6 +139,7 @@ pub fn prepare_loaded(
 ) -> Result<LoadedScene, RunError> {
     progress.say(&format!("scene {}: {} triangles", scene.name, scene.mesh.triangles.len()));
     let record = scene_record(&scene);
+    progress.say("  ground truth");
     let geometry = Geometry::new(scene.mesh.positions, scene.mesh.triangles, gpu.map(AsRef::as_ref))?;
     let truth = Truth::new(&geometry, &scene.sha256);
     let pose = choose_pose(&plan.view, &scene.name, &scene.cameras, &truth)?;
@@ -153,6 +154,11 @@ pub fn prepare_loaded(
 /// # Errors
 /// [`RunError`] as its variants say; nothing has been written then.
 pub fn execute(plan: &Plan, gpu: Option<&Arc<Gpu>>, cache: &Cache, progress: &Progress) -> Result<Run, RunError> {
+    // Known before the truth is told, which takes long for many rays.
+    if let Some(gpu) = gpu.filter(|_| plan.tracers.iter().any(TracerRequest::must_have_device)) {
+        let [width, height] = plan.preset.ray_image.map(u64::from);
+        RayBuffer::check_fits(gpu, width * height)?;
+    }
     let needs_adapter = plan.tracers.iter().any(|request| request.registration.needs_device());
     let adapter = gpu.filter(|_| needs_adapter).map(|gpu| gpu.listing.clone());
     let mut run = Run {
@@ -232,7 +238,7 @@ fn measure_scene(
     let LoadedScene { record: scene, pose, session } = loaded;
     run.skipped.extend(session.skipped.iter().cloned());
     let mut entries: Vec<Entry> = Vec::new();
-    for (control, contender) in session.controls()? {
+    for (control, contender) in session.controls() {
         entries.push(Entry::new(contender, None, Some(control)));
     }
     for request in &plan.tracers {
@@ -328,10 +334,12 @@ fn sample_traces(
             Ok((hits, counters))
         });
         let Some((hits, counters)) = answered else { continue };
-        let judgement = session.judge(&entry.contender, rays, &hits)?;
+        let mut judgement = session.judge(&entry.contender, rays, &hits)?;
         if let Some(control) = entry.control {
             let (occluded, free) = rays.hits_and_misses();
             control.check(&judgement, occluded, free).map_err(RunError::Control)?;
+            // What a control gets wrong it gets wrong by design.
+            judgement.wrong_rays_mut().clear();
         } else {
             progress.say(&format!("  {}: {} done", rays.set.name, entry.label()));
         }

@@ -83,7 +83,12 @@ impl Contender {
         let begin = Instant::now();
         let tracer = create()?;
         let setup_ms = begin.elapsed().as_secs_f64() * 1e3;
-        Ok(Self { description, parameters, setup_ms, tracer, structure: None })
+        Ok(Self { setup_ms, ..Self::ready(description, parameters, tracer) })
+    }
+
+    /// Takes a tracer that needs no creating.
+    pub fn ready(description: Description, parameters: Parameters, tracer: Box<dyn Tracer>) -> Self {
+        Self { description, parameters, setup_ms: 0.0, tracer, structure: None }
     }
 
     /// What it built last.
@@ -146,13 +151,14 @@ impl Session {
                 });
                 continue;
             }
+            progress.say(&format!("  rays {}: {}", set.name, made.len()));
             let answers = if Arc::ptr_eq(&made, &primary) {
                 Arc::clone(&primary_answers)
             } else {
                 Arc::new(session.truth.answer(&made, set.query, cache, progress)?)
             };
             let sha256 = crate::hash::sha256_of(&made);
-            let buffer = RayBuffer::new(made, set.query, session.gpu.as_deref())?;
+            let buffer = RayBuffer::new(made, set.query, session.gpu.as_deref());
             session.rays.push(PreparedRays { set: *set, buffer, answers, sha256 });
         }
         Ok(session)
@@ -179,16 +185,13 @@ impl Session {
     }
 
     /// The controls as contenders.
-    ///
-    /// # Errors
-    /// Does not fail; the signature is that of every contender.
-    pub fn controls(&self) -> Result<Vec<(Control, Contender)>, TracerError> {
+    pub fn controls(&self) -> Vec<(Control, Contender)> {
         let known: KnownAnswers =
             self.rays.iter().map(|rays| (Arc::clone(&rays.buffer.host), Arc::clone(&rays.answers))).collect();
         let contender = |control: Control| {
             let parameters = Parameters::preset(&[], tracebench_api::Preset::Published);
             let tracer = control.tracer(known.clone(), self.truth.diagonal());
-            Ok((control, Contender::create(control.description(), parameters, || Ok(tracer))?))
+            (control, Contender::ready(control.description(), parameters, tracer))
         };
         Control::ALL.into_iter().map(contender).collect()
     }

@@ -28,7 +28,8 @@ fn clip_position(view: View, eye_point: vec3<f32>) -> vec4<f32> {
     return vec4<f32>(
         eye_point.x / view.tan_half_width,
         eye_point.y / view.tan_half_height,
-        view.near * (view.far - eye_point.z) / (view.far - view.near),
+        // In this order no product of two small numbers underflows in tiny scenes.
+        (view.far - eye_point.z) * (view.near / (view.far - view.near)),
         eye_point.z,
     );
 }

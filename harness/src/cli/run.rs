@@ -24,15 +24,15 @@ fn needs_device(requests: &[TracerRequest]) -> bool {
     requests.iter().any(|request| request.registration.needs_device())
 }
 
-fn must_have_device(requests: &[TracerRequest]) -> bool {
-    requests.iter().any(|request| request.required && request.registration.needs_device())
-}
-
 pub(super) fn run(arguments: &RunArguments, progress: &Progress) -> Result<(), CliError> {
     // Arguments are checked before any device or file is touched.
     let requests = names::tracers(&arguments.tracer, &arguments.common.settings)?;
     arguments.plan(|| false)?;
-    let gpu = open_device(arguments.common.adapter.as_deref(), needs_device(&requests), must_have_device(&requests))?;
+    let gpu = open_device(
+        arguments.common.adapter.as_deref(),
+        needs_device(&requests),
+        requests.iter().any(TracerRequest::must_have_device),
+    )?;
     let plan = arguments.plan(|| gpu.as_ref().is_some_and(|gpu| !gpu.is_software()))?;
     let out = arguments
         .out

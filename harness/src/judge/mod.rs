@@ -21,7 +21,7 @@ pub const REFERENCE_PIXELS: f64 = 1024.0;
 pub const MANY_TIES: f64 = 1e-3;
 
 /// Wrong rays kept of each set, evenly spaced among all of them.
-pub const MOST_WRONG_RAYS: usize = 256;
+pub const MOST_WRONG_RAYS: usize = 128;
 
 /// One ray set with its truth, and what a tracer's answers are judged by.
 #[derive(Clone, Copy)]

@@ -18,8 +18,8 @@ pub struct Geometry {
     pub bounds_min: Vec3,
     /// Greatest corner of the bounds.
     pub bounds_max: Vec3,
-    /// The same data on the device.
-    pub device: Option<DeviceGeometry>,
+    /// The same data on the device, or why it is not there.
+    device: Result<DeviceGeometry, TracerError>,
 }
 
 /// Device buffers of a [`Geometry`], usable as vertex, index and storage buffers.
@@ -32,11 +32,11 @@ pub struct DeviceGeometry {
 }
 
 impl Geometry {
-    /// Takes the triangles, which must not be empty, and uploads them if there is a device.
+    /// Takes the triangles, which must not be empty, and uploads them if there is a device. That a device cannot hold
+    /// them is said to those who ask for them there.
     ///
     /// # Errors
-    /// [`TracerError::TooLarge`] if a buffer exceeds what the device can hold, [`TracerError::Failed`] for an empty
-    /// scene or a device error.
+    /// [`TracerError::Failed`] for an empty scene.
     pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>, gpu: Option<&Gpu>) -> Result<Self, TracerError> {
         if triangles.is_empty() || positions.is_empty() {
             return Err(TracerError::Failed("the scene has no triangles".to_owned()));
@@ -46,16 +46,20 @@ impl Geometry {
             bounds_min = bounds_min.min(Vec3::from(*position));
             bounds_max = bounds_max.max(Vec3::from(*position));
         }
-        let device = gpu.map(|gpu| DeviceGeometry::upload(gpu, &positions, &triangles)).transpose()?;
+        let device = match gpu {
+            None => Err(TracerError::Unavailable("the scene is not on a device".to_owned())),
+            Some(gpu) => DeviceGeometry::upload(gpu, &positions, &triangles),
+        };
         Ok(Self { positions: Arc::new(positions), triangles: Arc::new(triangles), bounds_min, bounds_max, device })
     }
 
     /// The device copy.
     ///
     /// # Errors
-    /// [`TracerError::Unavailable`] if the scene was loaded without a device.
+    /// [`TracerError::Unavailable`] if the scene was loaded without a device, [`TracerError::TooLarge`] if the device
+    /// cannot hold it.
     pub fn on_device(&self) -> Result<&DeviceGeometry, TracerError> {
-        self.device.as_ref().ok_or_else(|| TracerError::Unavailable("the scene is not on a device".to_owned()))
+        self.device.as_ref().map_err(Clone::clone)
     }
 
     /// The corners of one triangle.

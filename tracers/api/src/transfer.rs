@@ -11,8 +11,8 @@ use crate::{Gpu, Hit, Query, Ray, Residency, TracerError};
 pub struct RayBuffer {
     /// The rays.
     pub host: Arc<Vec<Ray>>,
-    /// The rays in a storage buffer, if there is a device.
-    pub device: Option<wgpu::Buffer>,
+    /// The rays in a storage buffer, or why they are in none.
+    device: Result<wgpu::Buffer, TracerError>,
     /// What is asked of them.
     pub query: Query,
 }
@@ -20,27 +20,36 @@ pub struct RayBuffer {
 const TURN_DOWN: &str = "--size";
 
 impl RayBuffer {
-    /// Takes the rays and uploads them if there is a device.
+    /// Takes the rays and uploads them if there is a device. That a device cannot hold or bind them is said to those
+    /// who ask for them there: host tracers need not mind.
+    pub fn new(rays: Arc<Vec<Ray>>, query: Query, gpu: Option<&Gpu>) -> Self {
+        let device = match gpu {
+            None => Err(TracerError::Unavailable("the rays are not on a device".to_owned())),
+            Some(gpu) => upload(gpu, bytemuck::cast_slice(&rays)),
+        };
+        Self { host: rays, device, query }
+    }
+
+    /// Whether a device can bind that many rays.
     ///
     /// # Errors
-    /// [`TracerError::TooLarge`] if the device cannot hold or bind them.
-    pub fn new(rays: Arc<Vec<Ray>>, query: Query, gpu: Option<&Gpu>) -> Result<Self, TracerError> {
-        let upload = |gpu: &Gpu| {
-            let contents: &[u8] = bytemuck::cast_slice(&rays);
-            gpu.check_storage_binding("rays", contents.len() as u64, TURN_DOWN)?;
-            gpu.buffer_with("rays", contents, BufferUsages::STORAGE, TURN_DOWN)
-        };
-        let device = gpu.map(upload).transpose()?;
-        Ok(Self { host: rays, device, query })
+    /// [`TracerError::TooLarge`] if not.
+    pub fn check_fits(gpu: &Gpu, count: u64) -> Result<(), TracerError> {
+        gpu.check_storage_binding("the ray buffer", count * size_of::<Ray>() as u64, TURN_DOWN)
     }
 
     /// The device copy.
     ///
     /// # Errors
-    /// [`TracerError::Unavailable`] without one.
+    /// [`TracerError::Unavailable`] without a device, [`TracerError::TooLarge`] if it cannot hold or bind them.
     pub fn on_device(&self) -> Result<&wgpu::Buffer, TracerError> {
-        self.device.as_ref().ok_or_else(|| TracerError::Unavailable("the rays are not on a device".to_owned()))
+        self.device.as_ref().map_err(Clone::clone)
     }
+}
+
+fn upload(gpu: &Gpu, contents: &[u8]) -> Result<wgpu::Buffer, TracerError> {
+    RayBuffer::check_fits(gpu, (contents.len() / size_of::<Ray>()) as u64)?;
+    gpu.buffer_with("the ray buffer", contents, BufferUsages::STORAGE, TURN_DOWN)
 }
 
 /// Where a tracer writes its answers, one per ray.
@@ -63,9 +72,9 @@ impl HitBuffer {
             (Residency::Device, None) => Err(TracerError::Unavailable("no device".to_owned())),
             (Residency::Device, Some(gpu)) => {
                 let bytes = (count * size_of::<Hit>()) as u64;
-                gpu.check_storage_binding("hits", bytes, TURN_DOWN)?;
+                gpu.check_storage_binding("the hit buffer", bytes, TURN_DOWN)?;
                 let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-                Ok(Self::Device(gpu.buffer("hits", bytes, usage, TURN_DOWN)?, count))
+                Ok(Self::Device(gpu.buffer("the hit buffer", bytes, usage, TURN_DOWN)?, count))
             }
         }
     }

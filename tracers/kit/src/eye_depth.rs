@@ -33,16 +33,13 @@ impl EyeDepthTarget {
     /// Creates the textures.
     ///
     /// # Errors
-    /// [`TracerError::TooLarge`] if an edge exceeds the device's limit.
+    /// [`TracerError::Failed`] if an edge exceeds the device's limit.
     pub fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, TracerError> {
         let limit = gpu.limits.max_texture_dimension_2d;
         if let Some(edge) = size.into_iter().find(|edge| *edge > limit) {
-            return Err(TracerError::TooLarge {
-                name: "an edge of the eye depth buffer".to_owned(),
-                bytes: u64::from(edge),
-                limit: u64::from(limit),
-                turn_down: "--frame".to_owned(),
-            });
+            return Err(TracerError::Failed(format!(
+                "the eye depth buffer has an edge of {edge} pixels, the device allows {limit}: turn down --frame"
+            )));
         }
         let texture = |label, format, usage| {
             let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
