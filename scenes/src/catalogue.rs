@@ -49,7 +49,7 @@ pub fn procedural(name: &str, scale: f64) -> Result<Scene, SceneError> {
     let entry = CATALOGUE
         .iter()
         .find(|entry| entry.name == name)
-        .ok_or_else(|| SceneError::UnknownScene { name: name.to_owned(), known: CATALOGUE.map_names() })?;
+        .ok_or_else(|| SceneError::UnknownScene { name: name.to_owned(), known: names() })?;
     if !(SCALE_MIN..=SCALE_MAX).contains(&scale) {
         return Err(SceneError::ScaleOutOfRange { scale, min: SCALE_MIN, max: SCALE_MAX });
     }
@@ -63,13 +63,8 @@ pub fn procedural(name: &str, scale: f64) -> Result<Scene, SceneError> {
     ))
 }
 
-trait Names {
-    fn map_names(&self) -> String;
-}
-
-impl Names for [CatalogueEntry] {
-    fn map_names(&self) -> String {
-        let names: Vec<&str> = self.iter().map(|entry| entry.name).collect();
-        names.join(", ")
-    }
+/// All names in the order of the catalogue, for messages.
+fn names() -> String {
+    let names: Vec<&str> = CATALOGUE.iter().map(|entry| entry.name).collect();
+    names.join(", ")
 }

@@ -153,6 +153,7 @@ fn references_out_of_range() {
         ("/nodes/0", json!(null)),
     ] {
         let mut doc = Doc::square();
+        doc.json["meshes"][0]["primitives"][0]["mode"] = json!(4);
         *doc.json.pointer_mut(pointer).unwrap() = value.clone();
         let error = doc.error();
         assert!(error.contains("export"), "{pointer} = {value}: {error}");

@@ -31,10 +31,10 @@ pub(super) fn collect(root: &Root, placed: &[Placed], warnings: &mut Vec<String>
         let name = unique(name, &cameras);
         match aim(place, perspective.yfov) {
             Some((eye, target, up)) => {
-                cameras.push(Camera { name, eye, target, up, vertical_fov_radians: perspective.yfov })
+                cameras.push(Camera { name, eye, target, up, vertical_fov_radians: perspective.yfov });
             }
             None => {
-                warnings.push(format!("camera '{name}' is skipped: its transform or its field of view is degenerate"))
+                warnings.push(format!("camera '{name}' is skipped: its transform or its field of view is degenerate"));
             }
         }
     }

@@ -63,20 +63,16 @@ impl MeshBuilder {
         point: impl Fn(f64, f64) -> DVec3,
         hole: impl Fn(usize, usize) -> bool,
     ) {
-        let first = self.mesh.positions.len() as u32;
-        for &v in vs {
-            for &u in us {
-                self.vertex(point(u, v));
-            }
-        }
-        let width = us.len() as u32;
+        let width = us.len();
+        // Made when a cell needs them, so that a hole leaves no vertex without a triangle.
+        let mut made: Vec<Option<u32>> = vec![None; width * vs.len()];
         for row in 1..vs.len() {
-            for column in 1..us.len() {
+            for column in 1..width {
                 if hole(column - 1, row - 1) {
                     continue;
                 }
-                let d = first + row as u32 * width + column as u32;
-                let (a, b, c) = (d - width - 1, d - width, d - 1);
+                let [a, b, c, d] = [(column - 1, row - 1), (column, row - 1), (column - 1, row), (column, row)]
+                    .map(|(i, j)| *made[j * width + i].get_or_insert_with(|| self.vertex(point(us[i], vs[j]))));
                 self.triangle(material, [a, b, d]);
                 self.triangle(material, [a, d, c]);
             }

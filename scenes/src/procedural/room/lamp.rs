@@ -23,7 +23,6 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
     let hook = DVec3::new(TABLE.x, HOOK, TABLE.z);
     cord(builder, palette, detail, hook);
 
-    builder.frame = Frame::at(hook);
     // The hook is a ring around the cord on a short stem.
     builder.frame = Frame::at(hook + DVec3::Y * 0.004).roll(TURN / 4.0);
     torus(builder, palette.metal, [detail.around(10), detail.around(24)], DVec3::ZERO, [0.014, 0.0035]);
@@ -81,7 +80,7 @@ fn shade(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
         detail.along(2),
     );
     revolve(builder, palette.metal, detail.around(20), &socket);
-    // A thin bell: down on the inside, up on the outside would be inside out, so it starts at the top inside.
+    // A thin bell: from the top down its inside, around the rim, and up its outside.
     let bell = smooth_profile(
         &[
             [0.0, -0.03],
