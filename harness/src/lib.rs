@@ -9,6 +9,7 @@ pub mod picture;
 pub mod plan;
 pub mod progress;
 pub mod rays;
+mod records;
 pub mod registry;
 pub mod report;
 pub mod results;

@@ -1,21 +1,17 @@
 //! Runs a plan: builds and traces interleaved over the contenders, judges, and writes everything down.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use tracebench_api::{EndPoint, Geometry, Gpu, Hit, HitBuffer, Ray, RayBuffer, Residency, Status, Timing, TracerError};
-use tracebench_scenes::{Camera, Origin, Scene, SceneError};
+use tracebench_api::{Geometry, Gpu, HitBuffer, RayBuffer, Residency, Timing, TracerError};
+use tracebench_scenes::{Camera, Scene, SceneError};
 
 use crate::controls::Control;
 use crate::machine;
 use crate::plan::{Plan, SceneSource, TracerRequest, ViewRequest};
 use crate::progress::Progress;
-use crate::results::{
-    BuildRecord, CounterRecord, MemoryRecord, PhaseRecord, Run, SCHEMA, SceneRecord, Skipped, TraceRecord,
-    TracerRecord, TracerRun, ViewpointRecord,
-};
+use crate::records::{self, Traced};
+use crate::results::{Run, SCHEMA, SceneRecord, Skipped, TraceRecord, TracerRecord, TracerRun, ViewpointRecord};
 use crate::session::{Contender, PreparedRays, RayRequest, Session, SessionError};
-use crate::statistics::{median, median_interval};
 use crate::truth::{Cache, Truth};
 use crate::viewpoint::{self, Pose};
 
@@ -138,7 +134,7 @@ pub fn prepare_loaded(
     progress: &Progress,
 ) -> Result<LoadedScene, RunError> {
     progress.say(&format!("scene {}: {} triangles", scene.name, scene.mesh.triangles.len()));
-    let record = scene_record(&scene);
+    let record = records::scene_record(&scene);
     progress.say("  ground truth");
     let geometry = Geometry::new(scene.mesh.positions, scene.mesh.triangles, gpu.map(AsRef::as_ref))?;
     let truth = Truth::new(&geometry, &scene.sha256);
@@ -255,7 +251,7 @@ fn measure_scene(
     for rays in &session.rays {
         sample_traces(session, rays, &mut entries, samples, progress)?;
     }
-    let viewpoint = viewpoint_record(plan, pose, session);
+    let viewpoint = records::viewpoint_record(plan, pose, session);
     for entry in entries {
         let required = entry.control.is_some() || entry.request.as_ref().is_some_and(|request| request.required);
         if let Some(error) = entry.failure {
@@ -343,133 +339,20 @@ fn sample_traces(
         } else {
             progress.say(&format!("  {}: {} done", rays.set.name, entry.label()));
         }
-        let scratch = entry.contender.structure()?.scratch_bytes(hits.len());
-        entry.traces.push(TraceRecord {
-            judgement,
-            counters: counters.iter().map(|counter| counter_record(counter, hits.len())).collect(),
-            per_trace_bytes: (hits.len() * (size_of::<Ray>() + size_of::<Hit>())) as u64 + scratch,
-            ..trace_record(rays, &timings, &hits)
-        });
+        let scratch_bytes = entry.contender.structure()?.scratch_bytes(hits.len());
+        let traced = Traced { rays, timings: &timings, hits: &hits, counters: &counters, scratch_bytes, judgement };
+        entry.traces.push(records::trace_record(traced));
     }
     Ok(())
 }
 
-fn counter_record(counter: &tracebench_api::Counter, rays: usize) -> (String, CounterRecord) {
-    let per_ray = counter.total as f64 / rays.max(1) as f64;
-    let record = CounterRecord { total: counter.total, per_ray, greatest_per_ray: counter.greatest_per_ray };
-    (counter.name.to_owned(), record)
-}
-
-/// The times and hashes of a trace; judgement, counters and bytes are filled in by the caller.
-fn trace_record(rays: &PreparedRays, timings: &[Timing], hits: &[Hit]) -> TraceRecord {
-    let times = Times::of(timings);
-    let mut statuses = BTreeMap::new();
-    for hit in hits {
-        let name = Status::from_code(hit.status).unwrap_or(Status::Unwritten).name();
-        *statuses.entry(name.to_owned()).or_insert(0) += 1;
-    }
-    TraceRecord {
-        rays: rays.set.name.to_owned(),
-        rays_sha256: rays.sha256.clone(),
-        query: rays.set.query,
-        count: hits.len() as u64,
-        end: EndPoint::Hit,
-        clock: times.clock,
-        mrays_per_s: hits.len() as f64 / times.median_ms.max(f64::MIN_POSITIVE) / 1e3,
-        median_ms: times.median_ms,
-        interval_ms: times.interval_ms,
-        interval_coverage: times.coverage,
-        phases: times.phases,
-        samples_ms: times.samples_ms,
-        per_trace_bytes: 0,
-        hits_sha256: crate::hash::sha256_of(hits),
-        counters: BTreeMap::new(),
-        statuses,
-        judgement: crate::results::Judgement::Any(Default::default()),
-    }
-}
-
-/// Samples of one kind of work, summed up.
-struct Times {
-    clock: tracebench_api::ClockKind,
-    samples_ms: Vec<f64>,
-    median_ms: f64,
-    interval_ms: [f64; 2],
-    coverage: f64,
-    phases: Vec<PhaseRecord>,
-}
-
-impl Times {
-    fn of(timings: &[Timing]) -> Self {
-        let samples_ms: Vec<f64> = timings.iter().map(|timing| timing.total_ms).collect();
-        let phases: Vec<_> = timings.iter().map(|timing| timing.phases.clone()).collect();
-        let (interval_ms, coverage) = median_interval(&samples_ms);
-        Self {
-            clock: timings.first().map_or(tracebench_api::ClockKind::Host, |timing| timing.clock),
-            median_ms: median(&samples_ms),
-            samples_ms,
-            interval_ms,
-            coverage,
-            phases: PhaseRecord::collect(&phases),
-        }
-    }
-}
-
 fn tracer_run(entry: Entry, scene: &SceneRecord, viewpoint: &ViewpointRecord) -> Result<TracerRun, RunError> {
-    let memory = entry.contender.structure()?.memory();
-    let times = Times::of(&entry.builds);
     Ok(TracerRun {
         scene: scene.clone(),
         viewpoint: viewpoint.clone(),
         tracer: entry.record(),
-        memory: MemoryRecord {
-            structure_bytes: memory.structure_bytes(),
-            structure: memory.structure,
-            geometry_bytes: memory.geometry_bytes,
-            build_peak_bytes: memory.build_peak_bytes,
-        },
-        build: BuildRecord {
-            clock: times.clock,
-            samples_ms: times.samples_ms,
-            median_ms: times.median_ms,
-            interval_ms: times.interval_ms,
-            interval_coverage: times.coverage,
-            phases: times.phases,
-            setup_ms: entry.contender.setup_ms,
-        },
+        memory: records::memory_record(entry.contender.structure()?.memory()),
+        build: records::build_record(&entry.builds, entry.contender.setup_ms),
         traces: entry.traces,
     })
-}
-
-fn scene_record(scene: &Scene) -> SceneRecord {
-    SceneRecord {
-        name: scene.name.clone(),
-        sha256: scene.sha256.clone(),
-        triangles: scene.mesh.triangles.len() as u64,
-        diagonal: scene.diagonal(),
-        scale: match scene.origin {
-            Origin::Procedural { scale } => Some(scale),
-            Origin::File { .. } => None,
-        },
-        zero_area_triangles_dropped: scene.notes.zero_area_triangles_dropped,
-        duplicate_triangles_kept: scene.notes.duplicate_triangles_kept,
-        warnings: scene.notes.warnings.clone(),
-    }
-}
-
-fn viewpoint_record(plan: &Plan, pose: &Pose, session: &Session) -> ViewpointRecord {
-    let viewpoint = session.viewpoint();
-    ViewpointRecord {
-        name: pose.name.clone(),
-        eye: viewpoint.eye.into(),
-        forward: viewpoint.forward.into(),
-        up: viewpoint.up.into(),
-        vertical_fov_degrees: viewpoint.vertical_fov.to_degrees(),
-        near: viewpoint.near,
-        far: viewpoint.far,
-        frame: viewpoint.frame,
-        face: viewpoint.face,
-        ray_image: plan.preset.ray_image,
-        time_s: plan.time_s,
-    }
 }

@@ -1,0 +1,149 @@
+//! From samples, counters and answers to the records of `run.json`.
+
+use std::collections::BTreeMap;
+
+use tracebench_api::{ClockKind, Counter, EndPoint, Hit, MemoryReport, Ray, Status, Timing};
+use tracebench_scenes::{Origin, Scene};
+
+use crate::plan::Plan;
+use crate::results::{
+    BuildRecord, CounterRecord, Judgement, MemoryRecord, PhaseRecord, SceneRecord, TraceRecord, ViewpointRecord,
+};
+use crate::session::{PreparedRays, Session};
+use crate::statistics::{median, median_interval};
+use crate::viewpoint::Pose;
+
+/// A clock's resolution, milliseconds: a shorter time is not told from it, and no speed is infinite.
+const LEAST_MS: f64 = 1e-6;
+
+fn counter_record(counter: &Counter, rays: usize) -> (String, CounterRecord) {
+    let per_ray = counter.total as f64 / rays.max(1) as f64;
+    let record = CounterRecord { total: counter.total, per_ray, greatest_per_ray: counter.greatest_per_ray };
+    (counter.name.to_owned(), record)
+}
+
+/// What was found out about one ray set.
+pub(crate) struct Traced<'a> {
+    /// The set.
+    pub rays: &'a PreparedRays,
+    /// Its counted samples.
+    pub timings: &'a [Timing],
+    /// The answers that were judged.
+    pub hits: &'a [Hit],
+    /// The counts.
+    pub counters: &'a [Counter],
+    /// Bytes beside rays and hits.
+    pub scratch_bytes: u64,
+    /// The verdict.
+    pub judgement: Judgement,
+}
+
+pub(crate) fn trace_record(traced: Traced<'_>) -> TraceRecord {
+    let Traced { rays, timings, hits, counters, scratch_bytes, judgement } = traced;
+    let times = Times::of(timings);
+    let mut statuses = BTreeMap::new();
+    for hit in hits {
+        let name = Status::from_code(hit.status).unwrap_or(Status::Unwritten).name();
+        *statuses.entry(name.to_owned()).or_insert(0) += 1;
+    }
+    TraceRecord {
+        rays: rays.set.name.to_owned(),
+        rays_sha256: rays.sha256.clone(),
+        query: rays.set.query,
+        count: hits.len() as u64,
+        end: EndPoint::Hit,
+        clock: times.clock,
+        mrays_per_s: hits.len() as f64 / times.median_ms.max(LEAST_MS) / 1e3,
+        median_ms: times.median_ms,
+        interval_ms: times.interval_ms,
+        interval_coverage: times.coverage,
+        phases: times.phases,
+        samples_ms: times.samples_ms,
+        per_trace_bytes: (hits.len() * (size_of::<Ray>() + size_of::<Hit>())) as u64 + scratch_bytes,
+        hits_sha256: crate::hash::sha256_of(hits),
+        counters: counters.iter().map(|counter| counter_record(counter, hits.len())).collect(),
+        statuses,
+        judgement,
+    }
+}
+
+/// Samples of one kind of work, summed up.
+struct Times {
+    clock: ClockKind,
+    samples_ms: Vec<f64>,
+    median_ms: f64,
+    interval_ms: [f64; 2],
+    coverage: f64,
+    phases: Vec<PhaseRecord>,
+}
+
+impl Times {
+    fn of(timings: &[Timing]) -> Self {
+        let samples_ms: Vec<f64> = timings.iter().map(|timing| timing.total_ms).collect();
+        let phases: Vec<_> = timings.iter().map(|timing| timing.phases.clone()).collect();
+        let (interval_ms, coverage) = median_interval(&samples_ms);
+        Self {
+            clock: timings.first().map_or(ClockKind::Host, |timing| timing.clock),
+            median_ms: median(&samples_ms),
+            samples_ms,
+            interval_ms,
+            coverage,
+            phases: PhaseRecord::collect(&phases),
+        }
+    }
+}
+
+pub(crate) fn build_record(timings: &[Timing], setup_ms: f64) -> BuildRecord {
+    let times = Times::of(timings);
+    BuildRecord {
+        clock: times.clock,
+        samples_ms: times.samples_ms,
+        median_ms: times.median_ms,
+        interval_ms: times.interval_ms,
+        interval_coverage: times.coverage,
+        phases: times.phases,
+        setup_ms,
+    }
+}
+
+pub(crate) fn memory_record(memory: MemoryReport) -> MemoryRecord {
+    MemoryRecord {
+        structure_bytes: memory.structure_bytes(),
+        structure: memory.structure,
+        geometry_bytes: memory.geometry_bytes,
+        build_peak_bytes: memory.build_peak_bytes,
+    }
+}
+
+pub(crate) fn scene_record(scene: &Scene) -> SceneRecord {
+    SceneRecord {
+        name: scene.name.clone(),
+        sha256: scene.sha256.clone(),
+        triangles: scene.mesh.triangles.len() as u64,
+        diagonal: scene.diagonal(),
+        scale: match scene.origin {
+            Origin::Procedural { scale } => Some(scale),
+            Origin::File { .. } => None,
+        },
+        zero_area_triangles_dropped: scene.notes.zero_area_triangles_dropped,
+        duplicate_triangles_kept: scene.notes.duplicate_triangles_kept,
+        warnings: scene.notes.warnings.clone(),
+    }
+}
+
+pub(crate) fn viewpoint_record(plan: &Plan, pose: &Pose, session: &Session) -> ViewpointRecord {
+    let viewpoint = session.viewpoint();
+    ViewpointRecord {
+        name: pose.name.clone(),
+        eye: viewpoint.eye.into(),
+        forward: viewpoint.forward.into(),
+        up: viewpoint.up.into(),
+        vertical_fov_degrees: viewpoint.vertical_fov.to_degrees(),
+        near: viewpoint.near,
+        far: viewpoint.far,
+        frame: viewpoint.frame,
+        face: viewpoint.face,
+        ray_image: plan.preset.ray_image,
+        time_s: plan.time_s,
+    }
+}
