@@ -38,9 +38,14 @@ pub(super) fn run(arguments: &RunArguments, progress: &Progress) -> Result<(), C
         .out
         .clone()
         .unwrap_or_else(|| Path::new("tracebench-out").join(crate::machine::utc_now().replace(':', "")));
-    prepare_directory(&out)?;
+    let is_new = prepare_directory(&out)?;
     say_plan(&plan, gpu.as_ref().map(|gpu| gpu.listing.name.as_str()), progress);
-    let run = runner::execute(&plan, gpu.as_ref(), &Cache::of_user(), progress)?;
+    let run = runner::execute(&plan, gpu.as_ref(), &Cache::of_user(), progress).inspect_err(|_| {
+        // A run that failed leaves nothing; a folder that is not empty stays, whatever happens here.
+        if is_new {
+            let _ = std::fs::remove_dir(&out);
+        }
+    })?;
     say_skipped(&run, progress);
     reports::write_run(&run, &out)?;
     for line in run.headlines() {
@@ -50,17 +55,18 @@ pub(super) fn run(arguments: &RunArguments, progress: &Progress) -> Result<(), C
     Ok(())
 }
 
-/// Refuses a folder that cannot be written before the work is done, not after.
-fn prepare_directory(path: &Path) -> Result<(), CliError> {
+/// Refuses a folder that cannot be written before the work is done, not after. Says whether it was made just now.
+fn prepare_directory(path: &Path) -> Result<bool, CliError> {
     let fail = |reason: std::io::Error| {
         CliError::Other(format!(
             "cannot write to the output folder {}: {reason}; choose another with --out",
             path.display()
         ))
     };
+    let is_new = !path.exists();
     std::fs::create_dir_all(path).map_err(fail)?;
     tempfile::NamedTempFile::new_in(path).map_err(fail)?;
-    Ok(())
+    Ok(is_new)
 }
 
 fn say_plan(plan: &Plan, adapter: Option<&str>, progress: &Progress) {
