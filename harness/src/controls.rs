@@ -148,7 +148,7 @@ impl Structure for Answering {
         let known = self.known.iter().find(|(rays, _)| Arc::ptr_eq(rays, &job.rays.host));
         let (rays, answers) =
             known.ok_or_else(|| TracerError::Failed("a control was given rays that it does not know".to_owned()))?;
-        let hits = hits.host_mut()?;
+        let hits = hits.host_mut(rays.len())?;
         clock.host_phase("answer", || {
             for ((hit, ray), truth) in hits.iter_mut().zip(rays.iter()).zip(answers.iter()) {
                 *hit = self.answer(ray, truth);

@@ -1,7 +1,6 @@
 //! Pictures of what a tracer answers to primary rays.
 
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use clap::ValueEnum;
@@ -12,6 +11,7 @@ use tracebench_scenes::Mesh;
 use crate::judge::{Class, Judge, Rule};
 use crate::plan::Plan;
 use crate::progress::Progress;
+use crate::report::{ReportError, files};
 use crate::runner::{self, LoadedScene, RunError};
 use crate::session::{Contender, PreparedRays};
 use crate::truth::{Cache, Ray64};
@@ -34,13 +34,11 @@ pub enum PictureError {
     #[error(transparent)]
     Run(#[from] RunError),
     /// The file could not be written.
-    #[error("cannot write {path}: {reason}")]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
+    #[error(transparent)]
+    Write(#[from] ReportError),
+    /// The picture could not be encoded.
+    #[error("cannot encode the picture: {0}")]
+    Encode(String),
 }
 
 type Rgb = [u8; 3];
@@ -199,9 +197,7 @@ fn errors(loaded: &LoadedScene, rays: &PreparedRays, hits: &[Hit]) -> (Vec<Rgb>,
     (classes.iter().map(|class| colour_of(*class)).collect(), legend)
 }
 
-/// Writes beside and renames, so that a failure leaves nothing half-written.
 fn write_png(path: &Path, width: u32, height: u32, pixels: &[Rgb]) -> Result<(), PictureError> {
-    let fail = |reason: String| PictureError::Write { path: path.to_owned(), reason };
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgb);
@@ -210,13 +206,6 @@ fn write_png(path: &Path, width: u32, height: u32, pixels: &[Rgb]) -> Result<(),
         writer.write_image_data(pixels.as_flattened())?;
         writer.finish()
     });
-    encoded.map_err(|error| fail(error.to_string()))?;
-    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let write = || -> std::io::Result<()> {
-        let mut file = tempfile::NamedTempFile::new_in(folder)?;
-        file.write_all(&bytes)?;
-        file.persist(path)?;
-        Ok(())
-    };
-    write().map_err(|error| fail(error.to_string()))
+    encoded.map_err(|error| PictureError::Encode(error.to_string()))?;
+    Ok(files::write(path, &bytes)?)
 }

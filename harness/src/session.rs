@@ -3,7 +3,6 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::DVec3;
 use tracebench_api::{
     Description, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, RayBuffer, Structure, Timing,
     TraceJob, Tracer, TracerError, Viewpoint,
@@ -265,7 +264,7 @@ impl Session {
         let views = contender.structure()?.views();
         let judge = Judge {
             truth: &self.truth,
-            eye: DVec3::from(self.viewpoint.eye.as_dvec3()),
+            eye: self.viewpoint.eye.as_dvec3(),
             rays: &rays.buffer.host,
             answers: &rays.answers,
             query: rays.set.query,

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use tracebench_api::{Domain, Preset};
 
 use super::CliError;
+use crate::progress::Progress;
 use crate::rays::RAY_SETS;
 use crate::registry::TRACERS;
 
@@ -36,7 +37,7 @@ fn print_json(value: &Value) {
     println!("{value:#}");
 }
 
-pub(super) fn adapters(arguments: &AdapterArguments) -> Result<(), CliError> {
+pub(super) fn adapters(arguments: &AdapterArguments, progress: &Progress) -> Result<(), CliError> {
     let adapters = tracebench_api::list_adapters();
     if arguments.json {
         let value = serde_json::to_value(&adapters).map_err(|error| CliError::Other(error.to_string()))?;
@@ -44,7 +45,7 @@ pub(super) fn adapters(arguments: &AdapterArguments) -> Result<(), CliError> {
         return Ok(());
     }
     if adapters.is_empty() {
-        eprintln!("no graphics adapter was found; setup.sh installs a software one on Debian and Ubuntu");
+        progress.say("no graphics adapter was found; setup.sh installs a software one on Debian and Ubuntu");
     }
     for (number, adapter) in adapters.iter().enumerate() {
         println!(

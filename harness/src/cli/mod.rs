@@ -90,7 +90,7 @@ pub fn main() -> ExitCode {
     };
     let progress = Progress::new(command_line.quiet);
     let outcome = match &command_line.verb {
-        Verb::Adapters(arguments) => list::adapters(arguments),
+        Verb::Adapters(arguments) => list::adapters(arguments, &progress),
         Verb::List(arguments) => list::list(arguments),
         Verb::Run(arguments) => run::run(arguments, &progress),
         Verb::Report(arguments) => run::report(arguments, &progress),

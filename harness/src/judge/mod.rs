@@ -176,7 +176,9 @@ impl Judge<'_> {
             Rule::Footprint => {
                 let ray = Ray64::from(&self.rays[index]);
                 // Distance along the ray is t times the direction's length, which is 1 to f32 rounding.
-                self.footprint(ray.at(true_t)) / ray.direction.length()
+                let pixel = self.footprint(ray.at(true_t)) / ray.direction.length();
+                // Close to the eye a pixel shrinks below what a t in f32 can tell.
+                pixel.max(f64::from(f32::EPSILON) * true_t)
             }
         }
     }

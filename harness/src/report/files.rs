@@ -7,7 +7,7 @@ use std::path::Path;
 use super::ReportError;
 
 /// Makes a folder with all its parents; one that exists is fine.
-pub(super) fn create_directory(path: &Path) -> Result<(), ReportError> {
+pub(crate) fn create_directory(path: &Path) -> Result<(), ReportError> {
     // Asked first because the system's own message for a file in the way, "file exists", explains little.
     if path.exists() && !path.is_dir() {
         return Err(ReportError::NotADirectory { path: path.to_owned() });
@@ -16,10 +16,11 @@ pub(super) fn create_directory(path: &Path) -> Result<(), ReportError> {
 }
 
 /// Writes a file beside its place and renames it, so that readers see the old contents or the new, never a part.
-pub(super) fn write(path: &Path, contents: &[u8]) -> Result<(), ReportError> {
+pub(crate) fn write(path: &Path, contents: &[u8]) -> Result<(), ReportError> {
     let fail = |source| ReportError::Write { path: path.to_owned(), source };
     // The same folder: a rename does not cross file systems.
-    let mut file = builder().tempfile_in(path.parent().unwrap_or(Path::new("."))).map_err(fail)?;
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut file = builder().tempfile_in(folder).map_err(fail)?;
     file.write_all(contents).map_err(fail)?;
     file.persist(path).map_err(|error| fail(error.error))?;
     Ok(())

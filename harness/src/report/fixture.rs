@@ -342,7 +342,7 @@ fn wrong_rays(quality: Quality) -> Vec<WrongRay> {
         t_max: 1e30,
         true_t: Some(1.25),
         true_primitive: Some(7),
-        answered_t: (index % 2 == 0).then_some(1.5),
+        answered_t: index.is_multiple_of(2).then_some(1.5),
         answered_primitive: None,
         status: "miss".to_owned(),
         class: "false_miss".to_owned(),

@@ -67,7 +67,7 @@ pub(super) fn thousands(count: u64) -> String {
     let digits = count.to_string();
     let mut text = String::new();
     for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index) % 3 == 0 {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
             text.push(',');
         }
         text.push(digit);
@@ -83,9 +83,9 @@ pub(super) fn mib(bytes: u64) -> String {
 /// A clock's name.
 pub(super) fn clock(clock: ClockKind) -> &'static str {
     match clock {
-        ClockKind::Host => "host",
+        ClockKind::Host => "host clock",
         ClockKind::DeviceTimestamps => "device timestamps",
-        ClockKind::SubmitToDone => "submit-to-done (host)",
+        ClockKind::SubmitToDone => "submit to done, host clock",
     }
 }
 

@@ -5,7 +5,7 @@
 
 mod chart;
 mod error;
-mod files;
+pub(crate) mod files;
 #[cfg(test)]
 mod fixture;
 mod format;

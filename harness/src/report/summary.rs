@@ -88,7 +88,7 @@ fn scene(group: &Group<'_>) -> String {
         significant(scene.diagonal, 4)
     );
     if let Some(scale) = scene.scale {
-        let _ = write!(text, ", scale {}", significant(scale, 4));
+        let _ = write!(text, ", scale {scale}");
     }
     let [x, y, z] = viewpoint.eye.map(|each| significant(f64::from(each), 4));
     let _ = writeln!(
@@ -96,8 +96,8 @@ fn scene(group: &Group<'_>) -> String {
         ". Viewpoint {} at ({x}, {y}, {z}), {}° vertical field of view, time {} s; rays start from the pixels of a \
          {} image.",
         inline(&viewpoint.name),
-        significant(f64::from(viewpoint.vertical_fov_degrees), 4),
-        significant(viewpoint.time_s, 4),
+        viewpoint.vertical_fov_degrees,
+        viewpoint.time_s,
         size(viewpoint.ray_image)
     );
     if scene.zero_area_triangles_dropped + scene.duplicate_triangles_kept > 0 {

@@ -1,15 +1,235 @@
 //! The report against made-up runs.
 
-use super::*;
+use std::collections::BTreeMap;
 
-fn looks(name: &str, run: &Run) {
-    if let Ok(directory) = std::env::var("LOOK") {
-        write_run(run, &Path::new(&directory).join(name)).unwrap();
+use tempfile::TempDir;
+use tracebench_api::Query;
+
+use super::*;
+use crate::results::Judgement;
+
+fn write(run: &Run) -> (TempDir, BTreeMap<String, Vec<u8>>) {
+    let folder = TempDir::new().unwrap();
+    let paths = write_run(run, &folder.path().join("a/b")).unwrap();
+    assert_eq!(paths[0].file_name().unwrap(), RUN_FILE);
+    let name = |path: &PathBuf| path.file_name().unwrap().to_str().unwrap().to_owned();
+    let files: BTreeMap<_, _> = paths.iter().map(|path| (name(path), fs::read(path).unwrap())).collect();
+    // Nothing is left behind, nothing is hidden.
+    assert_eq!(fs::read_dir(folder.path().join("a/b")).unwrap().count(), files.len());
+    (folder, files)
+}
+
+fn text(files: &BTreeMap<String, Vec<u8>>, name: &str) -> String {
+    String::from_utf8(files[name].clone()).unwrap()
+}
+
+/// Header and rows; the reader refuses rows of another length.
+fn table(files: &BTreeMap<String, Vec<u8>>, name: &str) -> (Vec<String>, Vec<BTreeMap<String, String>>) {
+    let mut reader = csv::Reader::from_reader(files[name].as_slice());
+    let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    let row = |record: csv::StringRecord| header.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
+    let rows = reader.records().map(|record| row(record.unwrap())).collect();
+    (header, rows)
+}
+
+/// What was written reads back, and makes the same files again, to the byte.
+#[test]
+fn derived_files_can_be_made_again() {
+    let run = fixture::typical();
+    let (folder, files) = write(&run);
+    let directory = folder.path().join("a/b");
+    let again = read_run(&directory).unwrap();
+    assert_eq!(again, run);
+    assert_eq!(read_run(&directory.join(RUN_FILE)).unwrap(), run);
+    let elsewhere = TempDir::new().unwrap();
+    let paths = write_derived(&again, elsewhere.path()).unwrap();
+    assert_eq!(paths.len() + 1, files.len());
+    for path in paths {
+        let name = path.file_name().unwrap().to_str().unwrap();
+        assert!(fs::read(&path).unwrap() == files[name], "{name} differs");
     }
 }
 
+/// The summary names the machine, the commit and every tracer, and says what its figures are worth.
 #[test]
-fn look() {
-    looks("typical", &fixture::typical());
-    looks("crowded", &fixture::crowded());
+fn the_summary_is_complete() {
+    let run = fixture::crowded();
+    let summary = summary::summary(&run, &group::groups(&run));
+    for wanted in [run.machine.label(), run.commit.clone(), run.started.clone(), run.seed.to_string()] {
+        assert!(summary.contains(&wanted), "{wanted}");
+    }
+    for tracer in run.runs.iter().chain(&run.controls) {
+        assert!(summary.contains(&tracer.tracer.label()));
+    }
+    for wanted in
+        ["uncommitted changes", "adapter is software", "host clock", "off_view", "## Skipped", "queries \\| none"]
+    {
+        assert!(summary.contains(wanted), "{wanted}");
+    }
+    assert!(!summary.contains("smoke"));
+    let smoke = Run { preset: "smoke".to_owned(), ..run };
+    assert!(summary::summary(&smoke, &[]).contains("figures only show that things work"));
+}
+
+/// Every row of a table with speeds has its accuracy, with an interval; rows have as many cells as their heading.
+#[test]
+fn no_speed_without_accuracy() {
+    let run = fixture::crowded();
+    let summary = summary::summary(&run, &group::groups(&run));
+    let cells = |line: &str| line.replace("\\|", "").split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
+    let mut heading: Vec<String> = Vec::new();
+    let mut speeds = 0;
+    for line in summary.lines() {
+        let cells = cells(line);
+        if cells.len() < 3 {
+            heading.clear();
+        } else if heading.is_empty() {
+            heading = cells;
+        } else {
+            assert_eq!(cells.len(), heading.len(), "{line}");
+            let Some(speed) = heading.iter().position(|cell| cell.contains("Mrays/s")) else { continue };
+            if cells[speed].starts_with(|c: char| c.is_ascii_digit()) {
+                speeds += 1;
+                let accuracy = |(name, _): &(&String, &String)| name.contains("agreement") || name.contains("accuracy");
+                let accuracies: Vec<_> = heading.iter().zip(&cells).filter(accuracy).collect();
+                assert!(accuracies.len() == 3 || accuracies.len() == 1);
+                assert!(accuracies.iter().all(|(_, cell)| cell.contains("% [") && cell.contains("wrong of")), "{line}");
+            }
+        }
+    }
+    assert_eq!(speeds, 12 * 3);
+    // A set of nothing but ties has no accuracy, so no speed either.
+    let mut run = fixture::typical();
+    for trace in run.runs.iter_mut().flat_map(|one| &mut one.traces) {
+        if let Judgement::Closest(judgement) = &mut trace.judgement {
+            (judgement.agreement, judgement.interval) = Default::default();
+        }
+    }
+    let summary = summary::summary(&run, &group::groups(&run));
+    let row = summary.lines().find(|line| line.contains("| bvh-cpu |") && line.contains("tie")).unwrap();
+    assert!(!row.contains("17."), "{row}");
+}
+
+/// A control that fails is said to void the run.
+#[test]
+fn failing_controls_are_told() {
+    let mut run = fixture::typical();
+    assert_eq!(verdict::controls(&run), verdict::Verdict::Sound);
+    for control in 0..3 {
+        let mut bad = run.clone();
+        // Each control with the verdict of a contender that is wrong now and then.
+        bad.controls[control].traces.clone_from(&run.runs[1].traces);
+        assert!(matches!(verdict::controls(&bad), verdict::Verdict::Void(failed) if failed.len() == 3));
+    }
+    run.controls.clear();
+    assert_eq!(verdict::controls(&run), verdict::Verdict::Absent);
+}
+
+/// One row for each trace, one for each wrong ray, and the figures are those of the run.
+#[test]
+fn tables_hold_the_run() {
+    let run = fixture::typical();
+    let (_folder, files) = write(&run);
+    let (header, rows) = table(&files, "traces.csv");
+    assert_eq!(rows.len(), (2 + 3) * 3);
+    let unique: std::collections::BTreeSet<_> = header.iter().collect();
+    assert_eq!(unique.len(), header.len());
+    let row = rows.iter().find(|row| row["tracer"] == "screen-dda" && row["rays"] == "diffuse").unwrap();
+    let trace = &run.runs[1].traces[1];
+    let Judgement::Closest(judgement) = &trace.judgement else { panic!("diffuse is a closest-hit set") };
+    assert_eq!(row["mrays_per_s"].parse::<f64>().unwrap(), trace.mrays_per_s);
+    assert_eq!(row["agreement_tight_share"].parse::<f64>().unwrap(), judgement.agreement.tight.unwrap());
+    assert_eq!(row["tight_false_miss_rays"], judgement.classes.tight.false_miss.to_string());
+    assert_eq!(row["cause_tight_off_view_rays"], judgement.causes["tight"]["off_view"].to_string());
+    assert_eq!(row["counter_nodes_per_ray"], "37");
+    assert_eq!(row["clock"], "submit_to_done");
+    assert_eq!(row["balanced_accuracy_share"], "");
+    let (_, rows) = table(&files, "wrong_rays.csv");
+    let wrong = |trace: &crate::results::TraceRecord| match &trace.judgement {
+        Judgement::Closest(judgement) => judgement.wrong_rays.len(),
+        Judgement::Any(judgement) => judgement.wrong_rays.len(),
+    };
+    let all = run.runs.iter().chain(&run.controls).flat_map(|one| &one.traces).map(wrong).sum::<usize>();
+    assert_eq!(rows.len(), all);
+    assert!(rows.iter().all(|row| row["cause"] == "hidden, \"layer\"" && row["t_max_scene_units"] == "1e30"));
+}
+
+/// Same names do not share files, in whatever way they differ; the same rays share charts in spite of other frames.
+#[test]
+fn names_of_files_do_not_collide() {
+    let mut run = fixture::typical();
+    run.controls.clear();
+    let mut other = run.runs[0].clone();
+    other.scene.name = "ROOM".to_owned();
+    other.scene.sha256 = "ff00ff00ff".to_owned();
+    run.runs.push(other.clone());
+    for (name, x) in [("a/b", 1.0), ("a/b", 2.0), ("..", 3.0)] {
+        other.viewpoint.name = name.to_owned();
+        other.viewpoint.eye[0] = x;
+        run.runs.push(other.clone());
+    }
+    run.runs[1].viewpoint.frame = [9, 9];
+    let groups = group::groups(&run);
+    let stems: Vec<_> = groups.iter().map(|group| group.stem.as_str()).collect();
+    assert_eq!(
+        stems,
+        ["room-5e884898", "ROOM-ff00ff00-door", "ROOM-ff00ff00-a_b", "ROOM-ff00ff00-a_b-2", "ROOM-ff00ff00-__"]
+    );
+    assert_eq!(groups[0].contenders.len(), 2);
+}
+
+/// Sets of the same name with other rays stand apart.
+#[test]
+fn other_rays_are_another_set() {
+    let mut run = fixture::typical();
+    run.runs[1].traces[0].rays_sha256 = "beef".to_owned();
+    let groups = group::groups(&run);
+    let titles: Vec<_> = groups[0].ray_sets.iter().map(|set| set.title.as_str()).collect();
+    assert_eq!(titles, ["primary 00000000", "diffuse", "ao", "primary beef"]);
+}
+
+/// A run without a single trace still has its files, without charts.
+#[test]
+fn an_empty_run_is_reported() {
+    let run = Run { runs: Vec::new(), controls: Vec::new(), ..fixture::typical() };
+    let (_folder, files) = write(&run);
+    assert_eq!(files.keys().collect::<Vec<_>>(), ["run.json", "summary.md", "traces.csv", "wrong_rays.csv"]);
+    assert!(text(&files, "summary.md").contains("Nothing ran."));
+    let any = fixture::run(&[], &[("ao", Query::Any)]);
+    let (_folder, files) = write(&any);
+    assert!(files.contains_key("error_vs_speed_room.png") && !files.contains_key("agreement_over_tolerance_room.png"));
+}
+
+/// What cannot be written or read is said with the file's name, and nothing is left half-written.
+#[test]
+fn errors_are_clear() {
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let fails = |path: &Path, wanted: &str| {
+        let message = read_run(path).unwrap_err().to_string();
+        assert!(message.contains(wanted) && message.contains(folder.path().to_str().unwrap()), "{message}");
+    };
+    let run = fixture::run(&[], &[]);
+    fs::write(at("file"), "x").unwrap();
+    assert!(matches!(write_run(&run, &at("file")), Err(ReportError::NotADirectory { .. })));
+    assert!(matches!(write_run(&run, &at("file/below")), Err(ReportError::CreateDirectory { .. })));
+    fs::create_dir_all(at("taken/run.json")).unwrap();
+    assert!(matches!(write_run(&run, &at("taken")), Err(ReportError::Write { .. })));
+    assert_eq!(fs::read_dir(at("taken")).unwrap().count(), 1);
+
+    fails(&at("nowhere"), "there is no");
+    fails(folder.path(), "run.json");
+    fails(&at("file"), "not a whole JSON document");
+    let json = serde_json::to_string(&run).unwrap();
+    fs::write(at("cut"), &json[..json.len() / 2]).unwrap();
+    fails(&at("cut"), "truncated");
+    fs::write(at("other"), json.replacen("\"schema\":1", "\"schema\":999", 1)).unwrap();
+    fails(&at("other"), "schema 999");
+    // The schema is looked at first: the fields of another schema are nothing to complain about.
+    fs::write(at("other"), "{\"schema\": 2}").unwrap();
+    fails(&at("other"), "schema 2");
+    fs::write(at("plain"), "{\"asset\": {}}").unwrap();
+    fails(&at("plain"), "no \"schema\"");
+    fs::write(at("thin"), format!("{{\"schema\": {SCHEMA}}}")).unwrap();
+    fails(&at("thin"), "missing field");
 }

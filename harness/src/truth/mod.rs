@@ -147,10 +147,9 @@ impl Truth {
         let frame = RayFrame::new(ray)?;
         let mut best: Option<TrueHit> = None;
         for primitive in 0..self.geometry.triangles.len() as u32 {
-            if let Some(t) = intersect(&frame, ray, self.geometry.corners(primitive)) {
-                if best.is_none_or(|best| t < best.t) {
-                    best = Some(TrueHit { t, primitive });
-                }
+            let Some(t) = intersect(&frame, ray, self.geometry.corners(primitive)) else { continue };
+            if best.is_none_or(|best| t < best.t) {
+                best = Some(TrueHit { t, primitive });
             }
         }
         best

@@ -51,5 +51,13 @@ pub fn intersect(frame: &RayFrame, ray: &Ray64, corners: [Vec3; 3]) -> Option<f6
         return None;
     }
     let t = (u * a.z + v * b.z + w * c.z) / determinant;
-    (ray.t_min..=ray.t_max).contains(&t).then_some(t)
+    if !(ray.t_min..=ray.t_max).contains(&t) {
+        return None;
+    }
+    // Seen edge-on, u, v and w may be nothing but rounding of one sign: the point is then anywhere on the ray.
+    let [p, q, r] = corners.map(|corner| corner.as_dvec3());
+    let slack = 1e-12 * (p.abs().max(q.abs()).max(r.abs()).max(ray.origin.abs())).max_element();
+    let point = ray.at(t);
+    let inside = point.cmpge(p.min(q).min(r) - slack).all() && point.cmple(p.max(q).max(r) + slack).all();
+    inside.then_some(t)
 }

@@ -39,7 +39,8 @@ pub struct AdapterListing {
     pub timestamps: bool,
 }
 
-/// A device that is ready for use, with its limits raised to what the adapter has.
+/// A device that is ready for use, with its limits raised to what the adapter has. One sample is timed at a time: two
+/// threads that time on one device get errors.
 #[derive(Debug)]
 pub struct Gpu {
     /// The logical device.
@@ -243,10 +244,11 @@ impl Gpu {
     /// Reads a buffer with usage `MAP_READ` once everything submitted is done.
     pub(crate) fn read_mapped(&self, staging: &wgpu::Buffer, bytes: u64) -> Result<Vec<u8>, TracerError> {
         staging.map_async(wgpu::MapMode::Read, 0..bytes, |_| {});
-        self.wait()?;
+        let waited = self.wait();
         let view = staging.get_mapped_range(0..bytes);
         let copied = view.map(|view| view.to_vec());
         staging.unmap();
+        waited?;
         copied.map_err(|error| TracerError::Failed(format!("reading from the device failed: {error}")))
     }
 

@@ -49,6 +49,9 @@ impl RayBuffer {
 
 fn upload(gpu: &Gpu, contents: &[u8]) -> Result<wgpu::Buffer, TracerError> {
     RayBuffer::check_fits(gpu, (contents.len() / size_of::<Ray>()) as u64)?;
+    // No rays at all still need a buffer that can be bound.
+    let none = [0; size_of::<Ray>()];
+    let contents = if contents.is_empty() { &none } else { contents };
     gpu.buffer_with("the ray buffer", contents, BufferUsages::STORAGE, TURN_DOWN)
 }
 
@@ -71,7 +74,7 @@ impl HitBuffer {
             (Residency::Host, _) => Ok(Self::Host(vec![bytemuck::Zeroable::zeroed(); count])),
             (Residency::Device, None) => Err(TracerError::Unavailable("no device".to_owned())),
             (Residency::Device, Some(gpu)) => {
-                let bytes = (count * size_of::<Hit>()) as u64;
+                let bytes = (count.max(1) * size_of::<Hit>()) as u64;
                 gpu.check_storage_binding("the hit buffer", bytes, TURN_DOWN)?;
                 let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
                 Ok(Self::Device(gpu.buffer("the hit buffer", bytes, usage, TURN_DOWN)?, count))
@@ -105,6 +108,7 @@ impl HitBuffer {
         match (self, gpu) {
             (Self::Host(hits), _) => Ok(hits.clone()),
             (Self::Device(..), None) => Err(TracerError::Unavailable("no device".to_owned())),
+            (Self::Device(_, 0), Some(_)) => Ok(Vec::new()),
             (Self::Device(buffer, count), Some(gpu)) => {
                 let bytes = gpu.read(buffer, (count * size_of::<Hit>()) as u64)?;
                 Ok(bytemuck::pod_collect_to_vec(&bytes))
@@ -112,25 +116,29 @@ impl HitBuffer {
         }
     }
 
-    /// The host's slice.
+    /// The host's slice, for the answers to that many rays.
     ///
     /// # Errors
-    /// [`TracerError::Failed`] if the hits are on the device.
-    pub fn host_mut(&mut self) -> Result<&mut [Hit], TracerError> {
+    /// [`TracerError::Failed`] if the hits are on the device or of another number.
+    pub fn host_mut(&mut self, rays: usize) -> Result<&mut [Hit], TracerError> {
         match self {
-            Self::Host(hits) => Ok(hits),
+            Self::Host(hits) => check_count(hits.len(), rays).map(|()| hits.as_mut_slice()),
             Self::Device(..) => Err(TracerError::Failed("a host tracer was given device hits".to_owned())),
         }
     }
 
-    /// The device's buffer.
+    /// The device's buffer, for the answers to that many rays.
     ///
     /// # Errors
-    /// [`TracerError::Failed`] if the hits are in host memory.
-    pub fn on_device(&self) -> Result<&wgpu::Buffer, TracerError> {
+    /// [`TracerError::Failed`] if the hits are in host memory or of another number.
+    pub fn on_device(&self, rays: usize) -> Result<&wgpu::Buffer, TracerError> {
         match self {
-            Self::Device(buffer, _) => Ok(buffer),
+            Self::Device(buffer, count) => check_count(*count, rays).map(|()| buffer),
             Self::Host(_) => Err(TracerError::Failed("a device tracer was given host hits".to_owned())),
         }
     }
+}
+
+fn check_count(hits: usize, rays: usize) -> Result<(), TracerError> {
+    if hits == rays { Ok(()) } else { Err(TracerError::Failed(format!("room for {hits} hits, but {rays} rays"))) }
 }

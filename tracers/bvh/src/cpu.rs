@@ -25,6 +25,10 @@ const RAYS_PER_TASK: usize = 512;
 /// Depth of obvhs's traversal stack, which overwrites its top in silence when full; a node pushes once at most.
 const DEEPEST: usize = 31;
 
+/// Power of two to which a scene's diagonal is scaled. obvhs's CWBVH nodes drop everything nearer than 1e-4 whatever the
+/// scene's size; at this size that is less than 1e-9 of the diagonal. Powers of two lose no bit.
+const DIAGONAL_EXPONENT: i32 = 17;
+
 /// What `bvh-cpu` is and takes.
 pub fn description() -> Description {
     let choice = |name: &str| Value::Choice(name.to_owned());
@@ -60,12 +64,21 @@ fn build_parameters(name: &str) -> BvhBuildParams {
     }
 }
 
+/// The factor that brings a diagonal to between a half and a whole of the wanted power of two.
+fn scale_for(diagonal: f64) -> f32 {
+    let exponent = if diagonal > 0.0 { DIAGONAL_EXPONENT - diagonal.log2().ceil() as i32 } else { 0 };
+    // Within f32's normal range, for which coordinates of up to 1e15 leave room.
+    2.0_f32.powi(exponent.clamp(-100, 100))
+}
+
 /// The tracer.
 #[derive(Debug, Default)]
 pub struct BvhCpu;
 
 /// A built hierarchy.
 struct BvhCpuStructure {
+    /// Factor from scene units to those of the hierarchy, a power of two.
+    scale: f32,
     bvh: CwBvh,
     /// In the order of the leaves, so that a leaf's triangles are neighbours.
     triangles: Vec<RtTriangle>,
@@ -82,9 +95,10 @@ impl Tracer for BvhCpu {
         clock: &mut PhaseClock<'_>,
     ) -> Result<Box<dyn Structure>, TracerError> {
         let config = build_parameters(parameters.choice("build"));
+        let scale = scale_for(geometry.diagonal());
         let positions = Arc::clone(&geometry.positions);
         let triangles: Vec<Triangle> = clock.host_phase("gather triangles", || {
-            let corner = |vertex: u32| Vec3A::from(positions[vertex as usize]);
+            let corner = |vertex: u32| Vec3A::from(positions[vertex as usize]) * scale;
             let gather = |&[a, b, c]: &[u32; 3]| Triangle { v0: corner(a), v1: corner(b), v2: corner(c) };
             geometry.triangles.par_iter().map(gather).collect()
         });
@@ -104,8 +118,13 @@ impl Tracer for BvhCpu {
         keep("CWBVH nodes", size_of::<CwBvhNode>(), bvh.nodes.capacity(), bvh.nodes.len());
         keep("primitive indices", 4, bvh.primitive_indices.capacity(), bvh.primitive_indices.len());
         keep("triangles in leaf order", size_of::<RtTriangle>(), ordered.capacity(), ordered.len());
-        let structure =
-            BvhCpuStructure { bvh, triangles: ordered, triangle_count: triangles.len(), memory: ledger.report(0) };
+        let structure = BvhCpuStructure {
+            scale,
+            bvh,
+            triangles: ordered,
+            triangle_count: triangles.len(),
+            memory: ledger.report(0),
+        };
         let depth = structure.depth()?;
         if depth > DEEPEST {
             return Err(TracerError::Failed(format!(
@@ -128,7 +147,12 @@ impl BvhCpuStructure {
     /// the timed variant has no counting in it.
     fn search<const COUNTED: bool>(&self, ray: &Ray, any: bool) -> (Hit, Work) {
         let mut work = Work::default();
-        let mut obvhs_ray = ObvhsRay::new(Vec3A::from(ray.origin), Vec3A::from(ray.direction), ray.t_min, ray.t_max);
+        let mut obvhs_ray = ObvhsRay::new(
+            Vec3A::from(ray.origin) * self.scale,
+            Vec3A::from(ray.direction),
+            ray.t_min * self.scale,
+            (ray.t_max * self.scale).min(f32::MAX),
+        );
         let mut found: Option<(usize, u32)> = None;
         let mut state = self.bvh.new_traversal(obvhs_ray.direction);
         let mut node;
@@ -167,7 +191,13 @@ impl BvhCpuStructure {
             None => Hit::miss(Status::Miss),
             Some((slot, primitive)) => {
                 let weights = self.triangles[slot].compute_barycentric(&obvhs_ray);
-                Hit { t: obvhs_ray.tmax, primitive, u: weights.x, v: weights.y, status: Status::Hit as u32 }
+                Hit {
+                    t: obvhs_ray.tmax / self.scale,
+                    primitive,
+                    u: weights.x,
+                    v: weights.y,
+                    status: Status::Hit as u32,
+                }
             }
         };
         (hit, work)
@@ -198,7 +228,7 @@ impl BvhCpuStructure {
 impl Structure for BvhCpuStructure {
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
         let any = job.rays.query == Query::Any;
-        let hits = hits.host_mut()?;
+        let hits = hits.host_mut(job.rays.host.len())?;
         clock.host_phase("traverse", || {
             hits.par_chunks_mut(RAYS_PER_TASK).zip(job.rays.host.par_chunks(RAYS_PER_TASK)).for_each(|(hits, rays)| {
                 for (hit, ray) in hits.iter_mut().zip(rays) {
@@ -212,7 +242,7 @@ impl Structure for BvhCpuStructure {
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let any = job.rays.query == Query::Any;
         let found: Vec<(Hit, Work)> = job.rays.host.par_iter().map(|ray| self.search::<true>(ray, any)).collect();
-        for (slot, (hit, _)) in hits.host_mut()?.iter_mut().zip(&found) {
+        for (slot, (hit, _)) in hits.host_mut(found.len())?.iter_mut().zip(&found) {
             *slot = *hit;
         }
         Ok(vec![

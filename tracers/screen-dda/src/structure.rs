@@ -125,7 +125,7 @@ impl ScreenDdaStructure {
             settings_buffer.as_entire_binding(),
             BindingResource::TextureView(&self.target.eye_depth),
             job.rays.on_device()?.as_entire_binding(),
-            hits.on_device()?.as_entire_binding(),
+            hits.on_device(job.rays.host.len())?.as_entire_binding(),
         ];
         resources.extend_from_slice(extra);
         let bindings = bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources);
@@ -143,7 +143,7 @@ impl Structure for ScreenDdaStructure {
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = &self.pipelines.gpu;
-        let bytes = job.rays.host.len() as u64 * 4;
+        let bytes = job.rays.host.len().max(1) as u64 * 4;
         gpu.check_storage_binding("depth sample counts", bytes, "--size")?;
         let counts =
             gpu.buffer("depth sample counts", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?;
@@ -151,7 +151,8 @@ impl Structure for ScreenDdaStructure {
         self.record(&self.pipelines.trace_counted, &job, hits, &[counts.as_entire_binding()], &mut clock)?;
         clock.finish()?;
         let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&counts, bytes)?);
-        Ok(vec![Counter::of("depth_samples", counts.into_iter().map(u64::from))])
+        let counts = counts.into_iter().take(job.rays.host.len()).map(u64::from);
+        Ok(vec![Counter::of("depth_samples", counts)])
     }
 
     fn memory(&self) -> MemoryReport {

@@ -77,13 +77,16 @@ impl LogAxis {
     }
 }
 
-/// A tick's label: plain where short, else a power of ten with a raised exponent.
-pub(super) fn label(value: f64) -> String {
-    let exponent = value.log10().round();
-    if (-3.0..=4.0).contains(&exponent) || (value / 10_f64.powf(exponent) - 1.0).abs() > 1e-6 {
-        let text = significant(value, 1);
-        return text;
-    }
+/// Labels of the ticks that get one: all plain where that is short, else all powers of ten with raised exponents.
+pub(super) fn labels(ticks: &[Tick]) -> Vec<Option<String>> {
+    let plain = |tick: &&Tick| (0.0009..200_000.0).contains(&tick.value);
+    let powers = ticks.iter().filter(|tick| tick.labelled).any(|tick| !plain(&tick));
+    let label = |tick: &Tick| if powers { power_of_ten(tick.value) } else { significant(tick.value, 1) };
+    ticks.iter().map(|tick| tick.labelled.then(|| label(tick))).collect()
+}
+
+fn power_of_ten(value: f64) -> String {
+    let exponent = (value.log10() + 1e-9).floor();
     let raised = |c: char| match c {
         '-' => '⁻',
         '0' => '⁰',
@@ -92,7 +95,11 @@ pub(super) fn label(value: f64) -> String {
         '3' => '³',
         digit => char::from_u32('⁴' as u32 + (digit as u32).saturating_sub('4' as u32)).unwrap_or(digit),
     };
-    format!("10{}", (exponent as i64).to_string().chars().map(raised).collect::<String>())
+    let exponent_text: String = (exponent as i64).to_string().chars().map(raised).collect();
+    match (value / 10_f64.powf(exponent)).round() as i64 {
+        1 => format!("10{exponent_text}"),
+        digit => format!("{digit}·10{exponent_text}"),
+    }
 }
 
 /// A share's tick in percent.
@@ -140,11 +147,13 @@ mod tests {
     /// Labels are short at every size.
     #[test]
     fn labels_are_short() {
-        assert_eq!(label(1.0), "1");
-        assert_eq!(label(0.01), "0.01");
-        assert_eq!(label(200.0), "200");
-        assert_eq!(label(1e-6), "10⁻⁶");
-        assert_eq!(label(1e5), "10⁵");
+        let of = |values: &[f64]| {
+            let ticks: Vec<_> = values.iter().map(|value| Tick { value: *value, labelled: true }).collect();
+            labels(&ticks).into_iter().flatten().collect::<Vec<_>>()
+        };
+        assert_eq!(of(&[0.01, 1.0, 200.0]), ["0.01", "1", "200"]);
+        assert_eq!(of(&[1e-6, 1.0, 1e14]), ["10⁻⁶", "10⁰", "10¹⁴"]);
+        assert_eq!(of(&[1e-6, 2e-6]), ["10⁻⁶", "2·10⁻⁶"]);
         assert_eq!(percent_label(1.0), "100 %");
         assert_eq!(percent_label(1e-5), "0.001 %");
     }

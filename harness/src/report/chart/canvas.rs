@@ -5,12 +5,12 @@ use std::sync::OnceLock;
 
 use plotters::coord::Shift;
 use plotters::drawing::DrawingArea;
-use plotters::element::{PathElement, Polygon, Rectangle, Text};
+use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
 use plotters::prelude::{BitMapBackend, DrawingBackend, IntoDrawingArea, IntoFont, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, RGBColor, ShapeStyle, TextStyle, WHITE, register_font};
 
-use super::palette::Style;
+use super::palette::{Shape, Style};
 
 /// Backend pixels a point: plotters takes whole pixels only, so small ones make positions exact and PNGs sharp.
 const SCALE: f64 = 2.0;
@@ -110,21 +110,25 @@ impl<DB: DrawingBackend> Canvas<DB> {
 
     /// A filled marker with a thin white rim, which keeps markers apart where they overlap.
     pub(super) fn filled_marker(&self, centre: (f64, f64), radius: f64, style: Style) -> Drawn {
-        self.polygon(centre, radius + 0.9, style, WHITE)?;
-        self.polygon(centre, radius, style, style.colour)
+        self.shape(centre, radius + 0.9, style, WHITE)?;
+        self.shape(centre, radius, style, style.colour)
     }
 
-    /// The outline of a marker.
+    /// The outline of a marker over white.
     pub(super) fn hollow_marker(&self, centre: (f64, f64), radius: f64, style: Style) -> Drawn {
-        let mut corners = around(centre, style.shape.corners(radius));
-        // Past the start again, so that the corner there is joined like the others.
-        corners.extend_from_within(..2);
-        self.path(&corners, style.colour, 1.5)
+        // One shape on another: plotters joins the corners of thick lines badly.
+        self.shape(centre, radius, style, style.colour)?;
+        self.shape(centre, radius - style.shape.rim(1.4), style, WHITE)
     }
 
-    fn polygon(&self, centre: (f64, f64), radius: f64, style: Style, colour: RGBColor) -> Drawn {
-        let corners: Vec<_> = around(centre, style.shape.corners(radius)).into_iter().map(pixel).collect();
-        self.area.draw(&Polygon::new(corners, colour.filled())).map_err(DrawError::new)
+    fn shape(&self, centre: (f64, f64), radius: f64, style: Style, colour: RGBColor) -> Drawn {
+        if style.shape == Shape::Circle {
+            // Smoother than a polygon with its corners on whole pixels.
+            let circle = Circle::new(pixel(centre), (radius * SCALE).round() as i32, colour.filled());
+            return self.area.draw(&circle).map_err(DrawError::new);
+        }
+        let corners = style.shape.corners(radius).into_iter().map(|(x, y)| pixel((centre.0 + x, centre.1 + y)));
+        self.area.draw(&Polygon::new(corners.collect::<Vec<_>>(), colour.filled())).map_err(DrawError::new)
     }
 
     /// A line of text, level.
@@ -255,8 +259,4 @@ fn pixel((x, y): (f64, f64)) -> (i32, i32) {
 
 fn stroke(colour: RGBColor, width: f64) -> ShapeStyle {
     colour.stroke_width((width * SCALE).round() as u32)
-}
-
-fn around(centre: (f64, f64), offsets: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
-    offsets.into_iter().map(|(x, y)| (centre.0 + x, centre.1 + y)).collect()
 }

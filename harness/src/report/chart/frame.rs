@@ -8,7 +8,7 @@ use super::palette::{CONTROL, GREY, GRID, INK, Style};
 /// Room on the left of a panel, for the axis's name and tick labels.
 const LEFT: f64 = 70.0;
 /// Room on the right, for the names of controls.
-const RIGHT: f64 = 82.0;
+const RIGHT: f64 = 90.0;
 /// Height of the data's rectangle.
 const PLOT_HEIGHT: f64 = 300.0;
 /// Least width of the data's rectangle.
@@ -55,14 +55,22 @@ pub(super) struct Entry {
     pub label: String,
 }
 
+/// Entries in rows and columns.
+#[derive(Debug)]
+struct Block {
+    rows: Vec<Vec<Entry>>,
+    /// Left edges.
+    columns: Vec<f64>,
+}
+
 /// The frame of a figure.
 #[derive(Debug)]
 pub(super) struct Frame {
     title: String,
     subtitle: String,
     caption: Vec<String>,
-    /// Entries in rows, with the distance between columns; how to read first, then who is who.
-    legends: Vec<(Vec<Vec<Entry>>, f64)>,
+    /// Who is who, then how to read.
+    legends: Vec<Block>,
     columns: usize,
     panels: usize,
     width: f64,
@@ -124,10 +132,10 @@ impl Frame {
         canvas.text(&self.title, (MARGIN, 20.0), Align::Start, TITLE_SIZE, INK)?;
         canvas.text(&self.subtitle, (MARGIN, 41.0), Align::Start, SUBTITLE_SIZE, GREY)?;
         let mut y = self.legend_top();
-        for (rows, column) in &self.legends {
+        for Block { rows, columns } in &self.legends {
             for row in rows {
-                for (index, entry) in row.iter().enumerate() {
-                    let x = MARGIN + index as f64 * column;
+                for (entry, left) in row.iter().zip(columns) {
+                    let x = MARGIN + left;
                     draw_sample(canvas, entry.sample, (x + LEGEND_SAMPLE / 2.0 - 3.0, y))?;
                     canvas.text(&entry.label, (x + LEGEND_SAMPLE, y), Align::Start, LEGEND_SIZE, INK)?;
                 }
@@ -156,22 +164,33 @@ impl Frame {
     }
 
     fn legend_height(&self) -> f64 {
-        let rows = |(rows, _): &(Vec<Vec<Entry>>, f64)| {
+        let rows = |Block { rows, .. }: &Block| {
             if rows.is_empty() { 0.0 } else { rows.len() as f64 * LEGEND_LINE + 5.0 }
         };
         self.legends.iter().map(rows).sum()
     }
 }
 
-/// Entries in as many columns as the widest leaves room for.
-fn in_columns(mut entries: Vec<Entry>, width: f64) -> (Vec<Vec<Entry>>, f64) {
+/// Entries in as many columns as fit, each as wide as its widest.
+fn in_columns(mut entries: Vec<Entry>, width: f64) -> Block {
     for entry in &mut entries {
         entry.label = shorten(&entry.label, LEGEND_SIZE, width - LEGEND_SAMPLE);
     }
-    let widest = entries.iter().map(|entry| text_width(&entry.label, LEGEND_SIZE)).fold(0.0, f64::max);
-    let column = LEGEND_SAMPLE + widest + 16.0;
-    let count = ((width / column).floor() as usize).max(1);
-    (entries.chunks(count).map(<[Entry]>::to_vec).collect(), column)
+    let widths: Vec<f64> =
+        entries.iter().map(|entry| LEGEND_SAMPLE + text_width(&entry.label, LEGEND_SIZE) + 14.0).collect();
+    let columns_of = |count: usize| -> Vec<f64> {
+        let widest = |column: usize| widths.iter().skip(column).step_by(count).copied().fold(0.0, f64::max);
+        (0..count).map(widest).collect()
+    };
+    let fits = |count: &usize| columns_of(*count).iter().sum::<f64>() <= width + 14.0;
+    let count = (1..=entries.len().min(6)).rev().find(fits).unwrap_or(1);
+    let mut left = 0.0;
+    let mut columns = Vec::new();
+    for column in columns_of(count) {
+        columns.push(left);
+        left += column;
+    }
+    Block { rows: entries.chunks(count).map(<[Entry]>::to_vec).collect(), columns }
 }
 
 fn draw_sample<DB: DrawingBackend>(canvas: &Canvas<DB>, sample: Sample, (x, y): (f64, f64)) -> Drawn {

@@ -5,15 +5,24 @@ mod canvas;
 mod frame;
 mod palette;
 mod speed;
+#[cfg(test)]
+mod tests;
 mod tolerance;
 
 use tracebench_api::Query;
 
 use super::ReportError;
 use super::format;
-use super::group::Group;
+use super::group::{Group, RaySet};
 use crate::results::{Run, TracerRun};
 use canvas::{DrawError, Figure};
+
+/// The most characters of a scene's name in a title.
+const LONGEST_NAME: usize = 32;
+/// The most characters of a ray set's name in a panel's title.
+const LONGEST_SET: usize = 16;
+/// The most characters of a tracer's name in a legend.
+const LONGEST_TRACER: usize = 64;
 
 /// A chart's file.
 #[derive(Debug)]
@@ -54,8 +63,9 @@ fn draw(stem: &str, figure: &impl Figure, files: &mut Vec<ChartFile>) -> Result<
 fn titles(what: &str, group: &Group<'_>) -> [String; 2] {
     let [width, height] = group.viewpoint.ray_image;
     let triangles = format::thousands(group.scene.triangles);
+    let name = cut(&group.scene.name, LONGEST_NAME);
     [
-        format!("{what}: {} ({triangles} triangles)", group.scene.name),
+        format!("{what}: {name} ({triangles} triangles)"),
         format!("viewpoint {}; rays from the pixels of a {width} × {height} image", group.viewpoint.name),
     ]
 }
@@ -75,10 +85,12 @@ fn caption(run: &Run, group: &Group<'_>) -> String {
     let clocks = match clocks.as_slice() {
         [] => String::new(),
         [clock] => format!("; clock: {clock}"),
-        _ => "; clocks differ, see the legend: times of different clocks do not compare".to_owned(),
+        several => format!("; clocks: {} (times of different clocks do not compare)", several.join(", ")),
     };
     let commit = format::commit(&run.commit, run.dirty);
-    format!("{}. Commit {commit}; preset {}{smoke}; {samples}{clocks}.", run.machine.label(), run.preset)
+    // The machine last: its name is the one that can be too long for the page.
+    let machine = run.machine.label();
+    format!("Commit {commit}; preset {}{smoke}; {samples}{clocks}. Machine: {machine}.", run.preset)
 }
 
 /// The clocks that timed a group's contenders.
@@ -93,10 +105,26 @@ fn clocks(group: &Group<'_>) -> Vec<&'static str> {
     clocks
 }
 
+/// A panel's title.
+fn panel_title(set: &RaySet<'_>) -> String {
+    let (name, count) = (cut(&set.title, LONGEST_SET), format::thousands(set.count));
+    format!("{name}: {}, {count} rays", format::query(set.query))
+}
+
 /// A contender's name in a legend, with its clock where clocks differ.
 fn legend_label(run: &TracerRun, clocks: &[&str]) -> String {
+    let label = cut(&run.tracer.label(), LONGEST_TRACER);
     match run.traces.first() {
-        Some(trace) if clocks.len() > 1 => format!("{} ({} clock)", run.tracer.label(), format::clock(trace.clock)),
-        _ => run.tracer.label(),
+        Some(trace) if clocks.len() > 1 => format!("{label} [{}]", format::clock(trace.clock)),
+        _ => label,
     }
+}
+
+/// A name cut to so many characters, so that what must stand beside it has room.
+fn cut(name: &str, most: usize) -> String {
+    if name.chars().count() <= most {
+        return name.to_owned();
+    }
+    let kept: String = name.chars().take(most).collect();
+    format!("{}…", kept.trim_end())
 }

@@ -74,6 +74,18 @@ impl Shape {
         };
         (0..count).map(corner).collect()
     }
+
+    /// By how much a radius must shrink for an outline of a width.
+    pub(super) fn rim(self, width: f64) -> f64 {
+        match self {
+            Self::Circle => width,
+            Self::Polygon(3, _) => width * 1.6,
+            Self::Polygon(4, _) => width * 1.15,
+            Self::Polygon(..) => width * 1.1,
+            // Thin at the points, so that something of the inside is left.
+            Self::Star(..) => width * 1.7,
+        }
+    }
 }
 
 /// What a tracer looks like.

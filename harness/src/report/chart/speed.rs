@@ -3,12 +3,11 @@
 use plotters::prelude::DrawingBackend;
 use tracebench_api::Query;
 
-use super::axis::{LogAxis, label, log_range, percent_label};
+use super::axis::{LogAxis, labels, log_range, percent_label};
 use super::canvas::{Align, Canvas, Drawn, Figure, register};
 use super::frame::{Entry, Frame, Rect, Sample, TICK_SIZE};
 use super::palette::{CONTROL, GREY, SHADE, Shape, Style, Styles};
-use super::{caption, clocks, legend_label, titles};
-use crate::report::format;
+use super::{caption, clocks, legend_label, panel_title, titles};
 use crate::report::group::{Group, RaySet, Role};
 use crate::report::metrics;
 use crate::results::{Judgement, Run, TraceRecord};
@@ -19,6 +18,10 @@ const ZERO_ROW: f64 = 26.0;
 const DEEPEST: f64 = -9.0;
 const FILLED: f64 = 4.5;
 const HOLLOW: f64 = 6.5;
+/// Half the length of the caps at the ends of bars.
+const CAP: f64 = 3.0;
+/// Bars that end nearer than this to their marker get no cap: it would touch the marker.
+const CAPPED: f64 = 9.0;
 
 /// An error with its interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,7 +116,7 @@ fn panel(group: &Group<'_>, set: &RaySet<'_>, styles: &Styles) -> Panel {
         }
     }
     Panel {
-        title: format!("{}: {}, {} rays", set.title, format::query(set.query), format::thousands(set.count)),
+        title: panel_title(set),
         error_name: match set.query {
             Query::Closest => "wrong rays, 1 − agreement (%)",
             Query::Any => "1 − balanced accuracy (%)",
@@ -173,7 +176,7 @@ impl Figure for SpeedFigure {
                 rect,
                 x: LogAxis::new(self.speeds, rect.left, rect.right),
                 // A little above 100 %, so that markers there are whole.
-                y: LogAxis::new((self.floor, 0.12), rect.bottom - ZERO_ROW, rect.top),
+                y: LogAxis::new((self.floor, 0.3), rect.bottom - ZERO_ROW, rect.top),
                 zero: rect.bottom - ZERO_ROW / 2.0,
             };
             draw_panel(canvas, panel, &scales)?;
@@ -185,15 +188,15 @@ impl Figure for SpeedFigure {
 fn draw_panel<DB: DrawingBackend>(canvas: &Canvas<DB>, panel: &Panel, scales: &Scales) -> Drawn {
     let rect = scales.rect;
     canvas.fill((rect.left, rect.bottom - ZERO_ROW), (rect.right, rect.bottom), SHADE)?;
-    for tick in scales.x.ticks(6) {
-        let text = tick.labelled.then(|| label(tick.value));
+    let ticks = scales.x.ticks(8);
+    for (tick, text) in ticks.iter().zip(labels(&ticks)) {
         rect.tick_below(canvas, scales.x.at(tick.value), text.as_deref())?;
     }
     for tick in scales.y.ticks(9).into_iter().filter(|tick| tick.value <= 1.0 + 1e-9) {
         let text = tick.labelled.then(|| percent_label(tick.value));
         rect.tick_left(canvas, scales.y.at(tick.value), text.as_deref())?;
     }
-    canvas.text("none", (rect.left - 8.0, scales.zero), Align::End, TICK_SIZE, GREY)?;
+    canvas.text("0", (rect.left - 8.0, scales.zero), Align::End, TICK_SIZE, GREY)?;
     rect.title(canvas, &panel.title)?;
     rect.axis_names(canvas, &metrics::SPEED.axis(), panel.error_name)?;
     let controls: Vec<_> = panel.controls.iter().map(|(name, share)| (name.clone(), scales.error(*share))).collect();
@@ -208,12 +211,16 @@ fn draw_panel<DB: DrawingBackend>(canvas: &Canvas<DB>, panel: &Panel, scales: &S
             draw_bars(canvas, point, error, scales)?;
         }
     }
+    // Hollow ones first: they are larger, and where both rules agree the filled one sits inside.
     for point in &panel.points {
-        let x = scales.x.at(point.speed);
-        canvas.filled_marker((x, scales.error(point.filled.share)), FILLED, point.style)?;
         if let Some(tight) = point.hollow {
-            canvas.hollow_marker((x, scales.error(tight.share)), HOLLOW, point.style)?;
+            let place = (scales.x.at(point.speed), scales.error(tight.share));
+            canvas.hollow_marker(place, HOLLOW, point.style)?;
         }
+    }
+    for point in &panel.points {
+        let place = (scales.x.at(point.speed), scales.error(point.filled.share));
+        canvas.filled_marker(place, FILLED, point.style)?;
     }
     if panel.points.is_empty() {
         rect.note(canvas, "no contender was timed on these rays")?;
@@ -224,10 +231,18 @@ fn draw_panel<DB: DrawingBackend>(canvas: &Canvas<DB>, panel: &Panel, scales: &S
 fn draw_bars<DB: DrawingBackend>(canvas: &Canvas<DB>, point: &Point, error: Error, scales: &Scales) -> Drawn {
     let (x, y) = (scales.x.at(point.speed), scales.error(error.share));
     let [slow, fast] = point.speed_interval.map(|speed| scales.x.at(speed));
-    canvas.path(&[(slow, y), (fast, y)], point.style.colour, 1.0)?;
+    let colour = point.style.colour;
+    canvas.path(&[(slow, y), (fast, y)], colour, 1.0)?;
+    for end in [slow, fast].into_iter().filter(|end| (end - x).abs() > CAPPED) {
+        canvas.path(&[(end, y - CAP), (end, y + CAP)], colour, 1.0)?;
+    }
     let [least, most] = error.interval;
     // An error above zero whose interval reaches below the axis ends at the axis, not in the row for zero.
     let least = if error.share > 0.0 { scales.y.at(least) } else { y };
     let most = scales.error(most);
-    canvas.path(&[(x, least), (x, most)], point.style.colour, 1.0)
+    canvas.path(&[(x, least), (x, most)], colour, 1.0)?;
+    for end in [least, most].into_iter().filter(|end| (end - y).abs() > CAPPED) {
+        canvas.path(&[(x - CAP, end), (x + CAP, end)], colour, 1.0)?;
+    }
+    Ok(())
 }

@@ -3,12 +3,11 @@
 use plotters::prelude::DrawingBackend;
 use tracebench_api::Query;
 
-use super::axis::{LogAxis, label, log_range};
+use super::axis::{LogAxis, labels, log_range};
 use super::canvas::{Canvas, Drawn, Figure, register};
 use super::frame::{Entry, Frame, Rect, Sample};
 use super::palette::{CONTROL, Style, Styles};
-use super::{caption, clocks, legend_label, titles};
-use crate::report::format;
+use super::{caption, legend_label, panel_title, titles};
 use crate::report::group::{Group, RaySet, Role};
 use crate::report::metrics;
 use crate::results::Run;
@@ -44,11 +43,10 @@ impl ToleranceFigure {
         let contenders = panels.iter().flat_map(|panel| panel.contenders.iter().map(|(_, curve)| curve));
         let curves = contenders.chain(panels.iter().flat_map(|panel| panel.controls.iter().map(|(_, curve)| curve)));
         let tolerances = log_range(curves.flatten().map(|point| point[0]));
-        let clocks = clocks(group);
-        let legend = group.contenders.iter().map(|one| Entry {
-            sample: Sample::Line(styles.get(&one.tracer.label())),
-            label: legend_label(one, &clocks),
-        });
+        let legend = group
+            .contenders
+            .iter()
+            .map(|one| Entry { sample: Sample::Line(styles.get(&one.tracer.label())), label: legend_label(one, &[]) });
         let key = vec![Entry { sample: Sample::Dashes, label: "control".to_owned() }];
         let titles = titles("Agreement over tolerance", group);
         let frame = Frame::new(panels.len(), titles, &caption(run, group), key, legend.collect());
@@ -71,8 +69,7 @@ fn panel(group: &Group<'_>, set: &RaySet<'_>, styles: &Styles) -> Panel {
             Role::Contender => contenders.push((styles.get(&name), curve)),
         }
     }
-    let title = format!("{}: {}, {} rays", set.title, format::query(set.query), format::thousands(set.count));
-    Panel { title, contenders, controls }
+    Panel { title: panel_title(set), contenders, controls }
 }
 
 impl Figure for ToleranceFigure {
@@ -94,8 +91,8 @@ fn draw_panel<DB: DrawingBackend>(canvas: &Canvas<DB>, panel: &Panel, rect: Rect
     // Air above 100 % and below 0 %, where lines often run.
     let (top, bottom) = (rect.top + 10.0, rect.bottom - 10.0);
     let y = |share: f64| bottom + (top - bottom) * share.clamp(0.0, 1.0);
-    for tick in x.ticks(6) {
-        let text = tick.labelled.then(|| label(tick.value));
+    let ticks = x.ticks(6);
+    for (tick, text) in ticks.iter().zip(labels(&ticks)) {
         rect.tick_below(canvas, x.at(tick.value), text.as_deref())?;
     }
     for percent in (0..=100).step_by(20) {

@@ -2,10 +2,16 @@
 //!
 //! docs/results.md describes each field; the schema number changes whenever a field changes its meaning or goes.
 
+mod judgement;
+
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use tracebench_api::{AdapterListing, ClockKind, EndPoint, MemoryEntry, PhaseSample, Query};
+
+pub use judgement::{
+    AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Headline, Judgement, Occlusion, Percentiles, WrongRay,
+};
 
 /// The schema that this program writes and reads.
 pub const SCHEMA: u32 = 1;
@@ -316,163 +322,4 @@ pub struct CounterRecord {
     pub per_ray: f64,
     /// The largest of any one ray.
     pub greatest_per_ray: u64,
-}
-
-/// The verdict on one ray set.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
-#[expect(clippy::large_enum_variant, reason = "a few dozen exist at a time")]
-pub enum Judgement {
-    /// On a closest-hit set.
-    Closest(ClosestJudgement),
-    /// On an any-hit set.
-    Any(AnyJudgement),
-}
-
-impl Judgement {
-    /// The wrong rays that are kept.
-    pub fn wrong_rays_mut(&mut self) -> &mut Vec<WrongRay> {
-        match self {
-            Self::Closest(closest) => &mut closest.wrong_rays,
-            Self::Any(any) => &mut any.wrong_rays,
-        }
-    }
-}
-
-/// Counts of causes by rule: rule -> cause -> rays.
-pub type Causes = BTreeMap<String, BTreeMap<String, u64>>;
-
-/// The verdict on a closest-hit set.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ClosestJudgement {
-    /// Class counts under the two rules that look at t.
-    pub classes: ByRule<Classes>,
-    /// Rays whose truth hangs on rounding; left out of every share.
-    pub ties: u64,
-    /// Whether ties exceed 1e-3 of the set.
-    pub many_ties: bool,
-    /// Shares of right answers; `None` if every ray is a tie.
-    pub agreement: Headline<Option<f64>>,
-    /// 95 % Wilson intervals of the agreements.
-    pub interval: Headline<Option<[f64; 2]>>,
-    /// Pairs of tolerance (in scene diagonals) and agreement.
-    pub curve: Vec<[f64; 2]>,
-    /// |t - t*| of the rays that are rightly said to hit, scene units.
-    pub position_error: Percentiles,
-    /// Share of `tight` true hits that name the right triangle; `None` if the method names none.
-    pub identity: Option<f64>,
-    /// Why rays are wrong, under `tight` and `footprint`.
-    pub causes: Causes,
-    /// Wrong rays under `tight`, at most 128, evenly spaced among all of them; none of a control.
-    pub wrong_rays: Vec<WrongRay>,
-}
-
-/// The verdict on an any-hit set.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct AnyJudgement {
-    /// The 2x2 table.
-    pub occlusion: Occlusion,
-    /// Rays whose truth hangs on rounding.
-    pub ties: u64,
-    /// Whether ties exceed 1e-3 of the set.
-    pub many_ties: bool,
-    /// Why rays are wrong, under `occlusion`.
-    pub causes: Causes,
-    /// Wrong rays, at most 128, evenly spaced among all of them; none of a control.
-    pub wrong_rays: Vec<WrongRay>,
-}
-
-/// A value for each rule that looks at t.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ByRule<T> {
-    /// |t - t*| <= 1e-4 t* + 1e-6 diagonal.
-    pub tight: T,
-    /// Within one pixel of the common reference camera.
-    pub footprint: T,
-}
-
-/// A value for each headline rule.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Headline<T> {
-    /// Only hit or miss must be right.
-    pub hit_miss: T,
-    /// See [`ByRule::tight`].
-    pub tight: T,
-    /// See [`ByRule::footprint`].
-    pub footprint: T,
-}
-
-/// Class counts; ties are in none.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Classes {
-    /// Both hit, t within tolerance.
-    pub true_hit: u64,
-    /// Both miss.
-    pub true_miss: u64,
-    /// Truth misses.
-    pub false_hit: u64,
-    /// Truth hits.
-    pub false_miss: u64,
-    /// Both hit, t too small.
-    pub early: u64,
-    /// Both hit, t too large.
-    pub late: u64,
-}
-
-/// The 2x2 table of an any-hit set.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Occlusion {
-    /// Rightly occluded.
-    pub true_occluded: u64,
-    /// Rightly free.
-    pub true_free: u64,
-    /// Truth is free.
-    pub false_occluded: u64,
-    /// Truth is occluded.
-    pub false_free: u64,
-    /// Mean of the shares of right answers among occluded and among free rays; where truth has only one of the two, the
-    /// share of that one; `None` if every ray is a tie.
-    pub balanced_accuracy: Option<f64>,
-    /// 95 % interval of the balanced accuracy, from the Wilson intervals of its two shares.
-    pub balanced_accuracy_interval: Option<[f64; 2]>,
-}
-
-/// Percentiles, `None` without a single value.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Percentiles {
-    /// Median.
-    pub p50: Option<f64>,
-    /// 95th percentile.
-    pub p95: Option<f64>,
-    /// 99th percentile.
-    pub p99: Option<f64>,
-}
-
-/// A ray that was answered wrongly.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct WrongRay {
-    /// Its index in the set.
-    pub index: u64,
-    /// Origin.
-    pub origin: [f32; 3],
-    /// Direction.
-    pub direction: [f32; 3],
-    /// Least t.
-    pub t_min: f32,
-    /// Greatest t.
-    pub t_max: f32,
-    /// Truth: t, `None` for a miss.
-    pub true_t: Option<f64>,
-    /// Truth: triangle.
-    pub true_primitive: Option<u32>,
-    /// Answer: t, `None` for a miss.
-    pub answered_t: Option<f32>,
-    /// Answer: triangle, where named.
-    pub answered_primitive: Option<u32>,
-    /// Status of the answer.
-    pub status: String,
-    /// Class of the answer.
-    pub class: String,
-    /// Cause of the error.
-    pub cause: String,
 }

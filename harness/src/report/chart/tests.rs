@@ -1,0 +1,191 @@
+//! Charts of ordinary and of odd runs: they are drawn, show something, and no text meets another or the edge.
+
+use std::collections::BTreeSet;
+
+use tracebench_api::{ClockKind, Query};
+
+use super::canvas::text_width;
+use super::*;
+use crate::report::fixture::{self, Quality};
+use crate::report::group::groups;
+use crate::results::Judgement;
+
+/// A text of an SVG that lies level: its box and what it says.
+#[derive(Debug)]
+struct Label {
+    text: String,
+    left: f64,
+    right: f64,
+    y: f64,
+    size: f64,
+}
+
+fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
+    let start = tag.find(&format!(" {name}=\""))? + name.len() + 3;
+    tag[start..].split('"').next()
+}
+
+fn labels(svg: &str) -> Vec<Label> {
+    let mut labels = Vec::new();
+    for part in svg.split("<text").skip(1) {
+        let (tag, rest) = part.split_once('>').unwrap();
+        let text = rest.split("</text>").next().unwrap().trim().replace("&apos;", "'").replace("&amp;", "&");
+        if attribute(tag, "transform").is_some() || text.is_empty() {
+            continue;
+        }
+        let number = |name: &str| attribute(tag, name).unwrap().parse::<f64>().unwrap();
+        // Backend pixels throughout, as the coordinates are.
+        let size = number("font-size");
+        let width = text_width(&text, size);
+        let left = number("x")
+            - match attribute(tag, "text-anchor").unwrap() {
+                "start" => 0.0,
+                "middle" => width / 2.0,
+                _ => width,
+            };
+        labels.push(Label { text, left, right: left + width, y: number("y"), size });
+    }
+    labels
+}
+
+/// Draws every chart of a run and looks at each.
+fn check(run: &Run) -> Vec<String> {
+    let files = charts(run, &groups(run)).unwrap();
+    for file in &files {
+        if file.name.ends_with(".svg") {
+            check_svg(&file.name, std::str::from_utf8(&file.contents).unwrap());
+        } else {
+            check_png(&file.name, &file.contents);
+        }
+    }
+    files.into_iter().map(|file| file.name).collect()
+}
+
+fn check_svg(name: &str, svg: &str) {
+    assert!(svg.trim_end().ends_with("</svg>") && !svg.contains("NaN") && !svg.contains("inf,"), "{name}");
+    let page: Vec<f64> = attribute(svg, "viewBox").unwrap().split(' ').map(|number| number.parse().unwrap()).collect();
+    let labels = labels(svg);
+    assert!(labels.iter().any(|label| label.text.contains("triangles")), "{name}");
+    for (index, one) in labels.iter().enumerate() {
+        assert!(one.left >= 0.0 && one.right <= page[2], "{name}: {one:?} leaves the page");
+        assert!(one.y >= one.size / 2.0 && one.y + one.size / 2.0 <= page[3], "{name}: {one:?} leaves the page");
+        for other in &labels[..index] {
+            let apart = one.right <= other.left || other.right <= one.left;
+            let beside = (one.y - other.y).abs() >= 0.45 * (one.size + other.size);
+            assert!(apart || beside, "{name}: {one:?} meets {other:?}");
+        }
+    }
+}
+
+fn check_png(name: &str, png: &[u8]) {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut pixels).unwrap();
+    let colours: BTreeSet<[u8; 3]> = pixels.chunks_exact(3).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    assert!(colours.len() > 30, "{name} has only {} colours", colours.len());
+    let ink = pixels.chunks_exact(3).filter(|pixel| pixel.iter().any(|part| *part < 200)).count();
+    assert!(ink > pixels.len() / 3 / 200, "{name} is all but empty");
+}
+
+const FAIR: Quality = Quality { missed: 0.1, blur: 1e-4, speed: 3.0, clock: ClockKind::Host };
+
+#[test]
+fn ordinary_and_crowded_runs() {
+    let names = check(&fixture::typical());
+    let wanted = ["error_vs_speed_room", "agreement_over_tolerance_room"];
+    assert_eq!(
+        names,
+        wanted.iter().flat_map(|stem| [format!("{stem}.svg"), format!("{stem}.png")]).collect::<Vec<_>>()
+    );
+    check(&fixture::crowded());
+}
+
+#[test]
+fn few_panels_and_few_tracers() {
+    check(&fixture::run(&[("bvh-cpu", FAIR)], &[("primary", Query::Closest)]));
+    assert_eq!(check(&fixture::run(&[("bvh-cpu", FAIR)], &[("ao", Query::Any)])).len(), 2);
+    check(&fixture::run(&[], &fixture::SETS));
+    assert_eq!(check(&fixture::run(&[("bvh-cpu", FAIR)], &[])).len(), 0);
+    let mut alone = fixture::typical();
+    alone.controls.clear();
+    check(&alone);
+}
+
+#[test]
+fn no_errors_and_nothing_but_errors() {
+    let perfect = Quality { missed: 0.0, blur: 0.0, ..FAIR };
+    check(&fixture::run(&[("a", perfect), ("b", perfect)], &fixture::SETS));
+    let hopeless = Quality { missed: 1.0, blur: 1.0, ..FAIR };
+    check(&fixture::run(&[("a", hopeless)], &fixture::SETS));
+}
+
+/// Four closest-hit sets take two rows of panels, and a second row of the legend.
+#[test]
+fn many_ray_sets() {
+    let sets = ["primary", "diffuse", "mirror", "second bounce of a set with a long name"];
+    let sets: Vec<_> = sets.iter().map(|name| (*name, Query::Closest)).chain([("ao", Query::Any)]).collect();
+    check(&fixture::run(&[("a", FAIR), ("b", FAIR)], &sets));
+}
+
+/// Figures that no run should have, and texts longer than any page.
+#[test]
+fn odd_figures_and_long_texts() {
+    let mut run = fixture::typical();
+    run.machine.cpu = "a processor whose maker spared no word ".repeat(20);
+    run.runs[0].scene.name = "scene & <name> ".repeat(30);
+    run.runs[1].scene = run.runs[0].scene.clone();
+    run.runs[1].tracer.name = "tracer".repeat(60);
+    let oddities = [f64::NAN, f64::INFINITY, 0.0, -1.0];
+    for (odd, trace) in oddities.into_iter().zip(run.runs.iter_mut().flat_map(|one| &mut one.traces)) {
+        trace.mrays_per_s = odd;
+        trace.interval_ms = [odd, odd];
+        if let Judgement::Closest(judgement) = &mut trace.judgement {
+            judgement.curve.push([odd, odd]);
+            judgement.interval.tight = None;
+        }
+    }
+    check(&run);
+    let mut ties = fixture::typical();
+    for trace in ties.runs.iter_mut().flat_map(|one| &mut one.traces) {
+        match &mut trace.judgement {
+            Judgement::Closest(judgement) => {
+                (judgement.agreement, judgement.interval) = Default::default();
+                judgement.curve.clear();
+            }
+            Judgement::Any(judgement) => {
+                judgement.occlusion.balanced_accuracy = None;
+                judgement.occlusion.balanced_accuracy_interval = None;
+            }
+        }
+    }
+    check(&ties);
+}
+
+/// Where clocks differ, the chart says whose is whose.
+#[test]
+fn clocks_are_named() {
+    let run = fixture::typical();
+    let files = charts(&run, &groups(&run)).unwrap();
+    let svg = std::str::from_utf8(&files[0].contents).unwrap();
+    for wanted in ["bvh-cpu [host clock]", "screen-dda [submit to done, host clock]", "do not compare"] {
+        assert!(svg.contains(wanted), "{wanted}");
+    }
+}
+
+/// Twelve tracers have twelve looks, and so have a hundred and more.
+#[test]
+fn looks_differ() {
+    let mut run = fixture::run(&[("t", FAIR)], &[]);
+    let template = run.runs[0].clone();
+    run.runs = (0..144)
+        .map(|index| {
+            let mut one = template.clone();
+            one.tracer.name = format!("t{index}");
+            one
+        })
+        .collect();
+    let styles = palette::Styles::of(&run);
+    let look = |index: usize| format!("{:?}", styles.get(&format!("t{index}")));
+    let looks: BTreeSet<_> = (0..144).map(look).collect();
+    assert_eq!(looks.len(), 144);
+}

@@ -1,0 +1,114 @@
+//! What the tests across crates share: the device, tiny scenes, seeded numbers.
+
+use std::cell::OnceCell;
+use std::sync::Arc;
+
+use tracebench_api::glam::{DVec3, Vec3};
+use tracebench_api::{AdapterChoice, Geometry, Gpu, Ray, ViewSet, Viewpoint};
+
+/// A device for the calling test. Tests run side by side and a device's clock serves one sample at a time, so each
+/// thread has its own.
+///
+/// # Panics
+/// Without an adapter: these tests cannot vouch for device code on a machine that runs none of it.
+pub fn gpu() -> Arc<Gpu> {
+    thread_local! {
+        static GPU: OnceCell<Arc<Gpu>> = const { OnceCell::new() };
+    }
+    let open = || match Gpu::open(&AdapterChoice::default()) {
+        Ok(gpu) => Arc::new(gpu),
+        Err(error) => {
+            panic!("this test needs a graphics adapter, software or hardware; setup.sh installs one: {error}")
+        }
+    };
+    GPU.with(|gpu| Arc::clone(gpu.get_or_init(open)))
+}
+
+/// A generator of numbers that are the same on every machine (SplitMix64).
+#[derive(Clone, Debug)]
+pub struct Numbers(u64);
+
+impl Numbers {
+    /// Numbers of a seed.
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut mixed = self.0;
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+
+    /// A real number in [-1, 1).
+    pub fn signed(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    /// A real number in [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        f64::midpoint(self.signed(), 1.0)
+    }
+
+    /// A point in the cube [-1, 1)^3.
+    pub fn point(&mut self) -> DVec3 {
+        DVec3::new(self.signed(), self.signed(), self.signed())
+    }
+
+    /// A unit vector, evenly spread.
+    pub fn direction(&mut self) -> DVec3 {
+        loop {
+            let point = self.point();
+            if (0.01..1.0).contains(&point.length()) {
+                return point.normalize();
+            }
+        }
+    }
+}
+
+/// A viewpoint at `eye` that looks at `target` with y up.
+pub fn viewpoint(eye: Vec3, target: Vec3, near: f32, far: f32, frame: [u32; 2]) -> Viewpoint {
+    let forward = (target - eye).normalize();
+    let right = forward.cross(if forward.y.abs() < 0.99 { Vec3::Y } else { Vec3::Z }).normalize();
+    Viewpoint {
+        eye,
+        forward,
+        up: right.cross(forward).normalize(),
+        vertical_fov: 1.0,
+        near,
+        far,
+        frame,
+        face: 16,
+        view_set: ViewSet::Frame,
+    }
+}
+
+/// A ray with a unit direction, without an end.
+pub fn ray(origin: DVec3, direction: DVec3) -> Ray {
+    Ray {
+        origin: origin.as_vec3().into(),
+        t_min: 0.0,
+        direction: direction.normalize().as_vec3().into(),
+        t_max: Ray::UNBOUNDED,
+    }
+}
+
+/// Geometry of triangles that share no vertices, on the device as well if there is one.
+///
+/// # Panics
+/// If the device cannot hold it.
+pub fn soup(triangles: &[[[f32; 3]; 3]], gpu: Option<&Gpu>) -> Geometry {
+    let indices = (0..triangles.len() as u32).map(|first| [3 * first, 3 * first + 1, 3 * first + 2]).collect();
+    match Geometry::new(triangles.as_flattened().to_vec(), indices, gpu) {
+        Ok(geometry) => geometry,
+        Err(error) => panic!("the test's scene was refused: {error}"),
+    }
+}
+
+/// A rectangle as two triangles: `corner`, and the two edges that start there.
+pub fn rectangle(corner: [f32; 3], first: [f32; 3], second: [f32; 3]) -> [[[f32; 3]; 3]; 2] {
+    let at = |a: f32, b: f32| std::array::from_fn(|axis| corner[axis] + a * first[axis] + b * second[axis]);
+    [[at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0)], [at(0.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)]]
+}

@@ -1,0 +1,358 @@
+//! One body for every tracer in the registry: what the contract promises, over tiny hostile scenes.
+
+use std::sync::Arc;
+
+use tracebench_api::glam::{DVec3, Vec3};
+use tracebench_api::{
+    Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency,
+    Status, Structure, TraceJob, Tracer, TracerError, Viewpoint,
+};
+use tracebench_harness::registry::{Registration, TRACERS};
+use tracebench_tests::{Numbers, gpu, ray, rectangle, soup, viewpoint};
+
+/// A tracer under test.
+struct Subject {
+    name: &'static str,
+    residency: Residency,
+    names_primitives: bool,
+    parameters: Parameters,
+    tracer: Box<dyn Tracer>,
+    gpu: Arc<Gpu>,
+}
+
+impl Subject {
+    fn new(registration: &Registration, preset: Preset) -> Self {
+        let description = (registration.describe)();
+        let gpu = gpu();
+        let tracer = registration.create(Some(&gpu)).unwrap_or_else(|error| panic!("{}: {error}", description.name));
+        Self {
+            name: description.name,
+            residency: description.residency,
+            names_primitives: description.names_primitives,
+            parameters: Parameters::preset(&description.parameters, preset),
+            tracer,
+            gpu,
+        }
+    }
+
+    fn build(&self, geometry: &Geometry, viewpoint: &Viewpoint) -> Box<dyn Structure> {
+        let mut clock = PhaseClock::new(Some(&self.gpu));
+        let built = self.tracer.build(geometry, viewpoint, &self.parameters, &mut clock);
+        let structure = built.unwrap_or_else(|error| panic!("{}: {error}", self.name));
+        let timing = clock.finish().unwrap_or_else(|error| panic!("{}: {error}", self.name));
+        assert!(timing.total_ms >= 0.0 && timing.total_ms.is_finite());
+        structure
+    }
+
+    fn rays(&self, rays: &[Ray], query: Query) -> RayBuffer {
+        RayBuffer::new(Arc::new(rays.to_vec()), query, Some(&self.gpu))
+    }
+
+    fn poisoned(&self, count: usize) -> HitBuffer {
+        let mut hits = HitBuffer::new(count, self.residency, Some(&self.gpu)).unwrap();
+        hits.poison(Some(&self.gpu)).unwrap();
+        hits
+    }
+
+    fn job<'a>(&'a self, rays: &'a RayBuffer) -> TraceJob<'a> {
+        TraceJob { rays, end: EndPoint::Hit, parameters: &self.parameters }
+    }
+
+    fn try_trace(&self, structure: &dyn Structure, rays: &RayBuffer, hits: &mut HitBuffer) -> Result<(), TracerError> {
+        let mut clock = PhaseClock::new(Some(&self.gpu));
+        structure.trace(self.job(rays), hits, &mut clock)?;
+        clock.finish().map(|_| ())
+    }
+
+    fn trace(&self, structure: &dyn Structure, rays: &RayBuffer) -> Vec<Hit> {
+        let mut hits = self.poisoned(rays.host.len());
+        self.try_trace(structure, rays, &mut hits).unwrap_or_else(|error| panic!("{}: {error}", self.name));
+        hits.read(Some(&self.gpu)).unwrap()
+    }
+
+    fn count(&self, structure: &dyn Structure, rays: &RayBuffer) -> (Vec<Hit>, Vec<Counter>) {
+        let mut hits = self.poisoned(rays.host.len());
+        let counted = structure.trace_counted(self.job(rays), &mut hits);
+        let counters = counted.unwrap_or_else(|error| panic!("{}: {error}", self.name));
+        (hits.read(Some(&self.gpu)).unwrap(), counters)
+    }
+}
+
+/// Every tracer with every preset.
+fn subjects() -> Vec<Subject> {
+    let presets = |registration| Preset::ALL.map(|preset| Subject::new(registration, preset));
+    TRACERS.iter().flat_map(presets).collect()
+}
+
+/// A scene with two viewpoints and rays that suit it.
+struct Hostile {
+    name: &'static str,
+    geometry: Geometry,
+    viewpoints: [Viewpoint; 2],
+    rays: Vec<Ray>,
+}
+
+fn hostile(name: &'static str, geometry: Geometry, eyes: [Vec3; 2], target: Vec3, seed: u64) -> Hostile {
+    let diagonal = geometry.diagonal();
+    let view = |eye: Vec3| viewpoint(eye, target, (1e-3 * diagonal) as f32, (4.0 * diagonal) as f32, [48, 32]);
+    let mut numbers = Numbers::new(seed);
+    let centre = target.as_dvec3();
+    let mut rays = Vec::new();
+    for index in 0..300 {
+        let origin = eyes[index % 2].as_dvec3() + numbers.point() * (1e-3 * diagonal);
+        let aim = centre + numbers.point() * (0.3 * diagonal);
+        rays.push(ray(origin, if index % 3 == 0 { numbers.direction() } else { aim - origin }));
+    }
+    // Through the eye, along axes, from a surface, bounded, empty in span, and far from everything.
+    rays.push(ray(eyes[0].as_dvec3(), centre - eyes[0].as_dvec3()));
+    for axis in [DVec3::X, DVec3::NEG_Y, DVec3::Z] {
+        rays.push(ray(centre, axis));
+        rays.push(ray(centre + axis * diagonal, -axis));
+    }
+    rays.push(Ray { t_max: (0.01 * diagonal) as f32, ..rays[1] });
+    rays.push(Ray { t_min: (0.4 * diagonal) as f32, ..rays[1] });
+    rays.push(Ray { t_max: 0.0, ..rays[1] });
+    rays.push(ray(centre + DVec3::splat(50.0 * diagonal), DVec3::ONE));
+    Hostile { name, geometry, viewpoints: eyes.map(view), rays }
+}
+
+fn scenes() -> Vec<Hostile> {
+    let gpu = gpu();
+    let make = |triangles: &[[[f32; 3]; 3]]| soup(triangles, Some(&gpu));
+    let one = make(&[[[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.25]]]);
+    let two = make(&rectangle([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.5]));
+    let mut numbers = Numbers::new(31);
+    let needles: Vec<_> = (0..200)
+        .map(|_| {
+            let (start, along) = (numbers.point(), numbers.point());
+            [start, start + along, start + along * 0.5 + numbers.direction() * 1e-5].map(|at| at.as_vec3().into())
+        })
+        .collect();
+    let far = |scale: f32, shift: f32| -> Vec<[[f32; 3]; 3]> {
+        let [first, second] = rectangle([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.5]);
+        let third = [[-0.5, -0.5, 0.5], [0.5, -0.5, 0.5], [0.0, 0.5, 0.75]];
+        [first, second, third].map(|triangle| triangle.map(|corner| corner.map(|x| x * scale + shift))).to_vec()
+    };
+    let room = tracebench_scenes::procedural("room", 0.02).unwrap();
+    let camera = &room.cameras[0];
+    let (eye, target) = (Vec3::from(camera.eye), Vec3::from(camera.target));
+    let room = Geometry::new(room.mesh.positions, room.mesh.triangles, Some(&gpu)).unwrap();
+    let eyes = [Vec3::new(0.3, 0.2, 3.0), Vec3::new(-2.0, 1.0, 2.0)];
+    vec![
+        hostile("one triangle", one, eyes, Vec3::ZERO, 41),
+        hostile("two triangles", two, eyes, Vec3::ZERO, 42),
+        hostile("needles", make(&needles), eyes, Vec3::ZERO, 43),
+        hostile("huge", make(&far(1e12, 0.0)), eyes.map(|eye| eye * 1e12), Vec3::ZERO, 44),
+        hostile("tiny", make(&far(1e-6, 0.0)), eyes.map(|eye| eye * 1e-6), Vec3::ZERO, 45),
+        hostile("far away", make(&far(8.0, 40_000.0)), eyes.map(|eye| eye * 8.0 + 40_000.0), Vec3::splat(40_000.0), 46),
+        hostile("room", room, [eye, eye.lerp(target, 0.3)], target, 47),
+    ]
+}
+
+fn bytes(hits: &[Hit]) -> &[u8] {
+    bytemuck::cast_slice(hits)
+}
+
+/// What the contract says of every answer by itself; gives what is wrong with it.
+fn wrong_by_itself(subject: &Subject, geometry: &Geometry, ray: &Ray, hit: &Hit) -> Option<&'static str> {
+    match Status::from_code(hit.status) {
+        None => Some("a status that does not exist"),
+        Some(Status::Unwritten) => Some("poison is left"),
+        Some(Status::Hit) if !(ray.t_min..=ray.t_max).contains(&hit.t) => Some("t is outside of the ray's span"),
+        Some(Status::Hit) if subject.names_primitives => {
+            let exists = (hit.primitive as usize) < geometry.triangles.len();
+            let weights = hit.u >= -1e-3 && hit.v >= -1e-3 && hit.u + hit.v <= 1.001;
+            if exists && weights { None } else { Some("no such triangle, or barycentrics outside of it") }
+        }
+        Some(Status::Hit) => (hit.primitive != tracebench_api::NO_PRIMITIVE).then_some("a triangle is named"),
+        Some(_) => {
+            (hit.t != 0.0 || hit.primitive != tracebench_api::NO_PRIMITIVE).then_some("a miss with a hit's fields")
+        }
+    }
+}
+
+/// Proves for every tracer, preset, scene and query: every ray is answered, with a status, t and triangle that can be;
+/// two traces and two builds give the same bits; the counting variant gives the same hits and counts something; the
+/// structure validates.
+#[test]
+fn answers_are_whole_and_repeatable() {
+    let scenes = scenes();
+    for subject in subjects() {
+        for scene in &scenes {
+            let structures = [0, 1].map(|_| subject.build(&scene.geometry, &scene.viewpoints[0]));
+            for query in [Query::Closest, Query::Any] {
+                let context = format!("{} {:?} on {}, {query:?}", subject.name, subject.parameters, scene.name);
+                let rays = subject.rays(&scene.rays, query);
+                let first = subject.trace(&*structures[0], &rays);
+                assert_eq!(first.len(), scene.rays.len());
+                for (index, (ray, hit)) in scene.rays.iter().zip(&first).enumerate() {
+                    let wrong = wrong_by_itself(&subject, &scene.geometry, ray, hit);
+                    assert_eq!(wrong, None, "{context}: ray {index} {ray:?} {hit:?}");
+                }
+                assert_eq!(bytes(&subject.trace(&*structures[0], &rays)), bytes(&first), "{context}: second trace");
+                assert_eq!(bytes(&subject.trace(&*structures[1], &rays)), bytes(&first), "{context}: second build");
+                let (counted, counters) = subject.count(&*structures[0], &rays);
+                assert_eq!(bytes(&counted), bytes(&first), "{context}: counted");
+                assert!(!counters.is_empty(), "{context}");
+                for counter in counters {
+                    let Counter { name, total, greatest_per_ray } = counter;
+                    assert!(total > 0 && greatest_per_ray <= total, "{context}: {name} {total} {greatest_per_ray}");
+                    assert!(greatest_per_ray * scene.rays.len() as u64 >= total, "{context}: {name}");
+                }
+            }
+            let statistics = structures[0].validate().unwrap_or_else(|error| panic!("{}: {error}", subject.name));
+            assert!(statistics.iter().all(|(_, value)| value.is_finite()));
+        }
+    }
+}
+
+/// Proves for every tracer that something is hit and something missed in the ordinary scenes, so that the test above
+/// did not compare nothing with nothing.
+#[test]
+fn hits_and_misses_occur() {
+    for subject in subjects() {
+        for scene in scenes() {
+            let structure = subject.build(&scene.geometry, &scene.viewpoints[0]);
+            let hits = subject.trace(&*structure, &subject.rays(&scene.rays, Query::Closest));
+            let found = hits.iter().filter(|hit| hit.is_hit()).count();
+            // Needles are thin: a sampled method may well find none.
+            let least = if scene.name == "needles" { 0 } else { hits.len() / 20 };
+            assert!(found >= least && found < hits.len(), "{} on {}: {found}", subject.name, scene.name);
+        }
+    }
+}
+
+/// Negative control: each way in which an answer can be wrong by itself is noticed.
+#[test]
+fn wrong_answers_are_noticed() {
+    let scene = &scenes()[0];
+    let ray = Ray { t_min: 1.0, t_max: 2.0, ..scene.rays[0] };
+    for subject in subjects() {
+        let primitive = if subject.names_primitives { 0 } else { tracebench_api::NO_PRIMITIVE };
+        let good = Hit { t: 1.5, primitive, u: 0.25, v: 0.25, status: Status::Hit as u32 };
+        let wrong = |hit: Hit| wrong_by_itself(&subject, &scene.geometry, &ray, &hit).is_some();
+        assert!(!wrong(good) && !wrong(Hit::miss(Status::Miss)));
+        assert!(wrong(Hit { status: 0, ..good }) && wrong(Hit { status: 77, ..good }));
+        assert!(wrong(Hit { t: 0.5, ..good }) && wrong(Hit { t: 2.5, ..good }) && wrong(Hit { t: f32::NAN, ..good }));
+        assert!(wrong(Hit { primitive: 1, ..good }));
+        assert!(wrong(Hit { t: 1.0, ..Hit::miss(Status::Miss) }));
+    }
+}
+
+/// Proves that structures live side by side: built at another viewpoint and over another scene in between, the first
+/// still gives the same hits; a tracer that depends on the viewpoint says so and has views, one that does not has none.
+#[test]
+fn structures_live_side_by_side() {
+    let scenes = scenes();
+    for subject in subjects() {
+        for pair in scenes.windows(2) {
+            let [scene, other] = pair else { continue };
+            let rays = subject.rays(&scene.rays, Query::Closest);
+            let first = subject.build(&scene.geometry, &scene.viewpoints[0]);
+            let before = subject.trace(&*first, &rays);
+            let second = subject.build(&scene.geometry, &scene.viewpoints[1]);
+            let third = subject.build(&other.geometry, &other.viewpoints[0]);
+            let from_second = subject.trace(&*second, &rays);
+            subject.trace(&*third, &subject.rays(&other.rays, Query::Any));
+            assert_eq!(bytes(&subject.trace(&*first, &rays)), bytes(&before), "{} on {}", subject.name, scene.name);
+            drop(first);
+            assert_eq!(bytes(&subject.trace(&*second, &rays)), bytes(&from_second), "{}", subject.name);
+            let depends = TRACERS.iter().map(|registration| (registration.describe)()).any(|description| {
+                description.name == subject.name
+                    && description.invalidated_by.contains(&tracebench_api::Invalidation::Viewpoint)
+            });
+            assert_eq!(!second.views().is_empty(), depends, "{}", subject.name);
+            if !depends {
+                assert_eq!(bytes(&from_second), bytes(&before), "{} on {}", subject.name, scene.name);
+            }
+        }
+    }
+}
+
+/// Proves the memory report: something is held, used never exceeds allocated, the sum is that of the parts, the peak is
+/// at least the sum, names are unique, and more triangles or pixels never take less.
+#[test]
+fn memory_adds_up() {
+    let scenes = scenes();
+    for subject in subjects() {
+        let mut held = Vec::new();
+        for scene in &scenes {
+            let structure = subject.build(&scene.geometry, &scene.viewpoints[0]);
+            let report = structure.memory();
+            let sum: u64 = report.structure.iter().map(|entry| entry.allocated_bytes).sum();
+            assert!(sum > 0 && report.structure_bytes() == sum && report.build_peak_bytes >= sum, "{report:?}");
+            assert!(report.structure.iter().all(|entry| entry.used_bytes <= entry.allocated_bytes), "{report:?}");
+            let mut names: Vec<&str> = report.structure.iter().map(|entry| entry.name.as_str()).collect();
+            names.sort_unstable();
+            names.dedup();
+            assert_eq!(names.len(), report.structure.len(), "{report:?}");
+            assert_eq!(structure.scratch_bytes(0).min(structure.scratch_bytes(1000)), structure.scratch_bytes(0));
+            held.push(sum);
+        }
+        assert!(held[0] <= held[6], "{}: {held:?}", subject.name);
+    }
+}
+
+/// Proves that hits or rays of the other residency are an error that says so, and that the device is usable afterwards.
+#[test]
+fn the_other_residency_is_an_error() {
+    let scene = &scenes()[1];
+    for subject in subjects() {
+        let structure = subject.build(&scene.geometry, &scene.viewpoints[0]);
+        let rays = subject.rays(&scene.rays, Query::Closest);
+        let expected = subject.trace(&*structure, &rays);
+        let other = match subject.residency {
+            Residency::Host => Residency::Device,
+            Residency::Device => Residency::Host,
+        };
+        let mut hits = HitBuffer::new(scene.rays.len(), other, Some(&subject.gpu)).unwrap();
+        let error = subject.try_trace(&*structure, &rays, &mut hits).unwrap_err();
+        assert!(error.to_string().len() > 10, "{}: {error}", subject.name);
+        assert!(structure.trace_counted(subject.job(&rays), &mut hits).is_err(), "{}", subject.name);
+        if subject.residency == Residency::Device {
+            let on_host = RayBuffer::new(Arc::clone(&rays.host), Query::Closest, None);
+            let mut hits = subject.poisoned(scene.rays.len());
+            assert!(subject.try_trace(&*structure, &on_host, &mut hits).is_err(), "{}", subject.name);
+            let host_only = Geometry::new(scene.geometry.positions.to_vec(), scene.geometry.triangles.to_vec(), None);
+            let mut clock = PhaseClock::new(Some(&subject.gpu));
+            let built =
+                subject.tracer.build(&host_only.unwrap(), &scene.viewpoints[0], &subject.parameters, &mut clock);
+            assert!(built.is_err(), "{}", subject.name);
+        }
+        assert_eq!(bytes(&subject.trace(&*structure, &rays)), bytes(&expected), "{}", subject.name);
+    }
+}
+
+/// Proves that no rays at all do not panic, whatever is answered, and that the device is usable afterwards.
+#[test]
+fn no_rays_do_not_panic() {
+    let scene = &scenes()[1];
+    for subject in subjects() {
+        let structure = subject.build(&scene.geometry, &scene.viewpoints[0]);
+        let none = subject.rays(&[], Query::Closest);
+        let mut hits = subject.poisoned(0);
+        let traced = subject.try_trace(&*structure, &none, &mut hits);
+        if traced.is_ok() {
+            assert!(hits.read(Some(&subject.gpu)).is_ok_and(|hits| hits.is_empty()), "{}", subject.name);
+        }
+        let _ = structure.trace_counted(subject.job(&none), &mut hits);
+        let rays = subject.rays(&scene.rays[..1], Query::Closest);
+        assert_eq!(subject.trace(&*structure, &rays).len(), 1);
+    }
+}
+
+/// Proves that a hit buffer of another length than the rays is an error, not a silent part of the answers.
+#[test]
+fn another_number_of_hits_is_an_error() {
+    let scene = &scenes()[1];
+    for subject in subjects() {
+        let structure = subject.build(&scene.geometry, &scene.viewpoints[0]);
+        let rays = subject.rays(&scene.rays, Query::Closest);
+        for count in [1, scene.rays.len() - 1, scene.rays.len() + 1] {
+            let mut hits = subject.poisoned(count);
+            assert!(subject.try_trace(&*structure, &rays, &mut hits).is_err(), "{} {count}", subject.name);
+            let mut hits = subject.poisoned(count);
+            assert!(structure.trace_counted(subject.job(&rays), &mut hits).is_err(), "{} {count}", subject.name);
+        }
+    }
+}

@@ -1,0 +1,342 @@
+//! The WGSL as composed: layouts, constants and entry points against the Rust side, and the shared projection on the
+//! device against f64.
+
+use std::collections::BTreeMap;
+use std::mem::{offset_of, size_of};
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{Module, ShaderStage, TypeInner};
+use tracebench_api::glam::{DVec3, Vec3};
+use tracebench_api::wgpu::BufferUsages;
+use tracebench_api::{Hit, NO_PRIMITIVE, Ray, Status, View, Viewpoint};
+use tracebench_kit::{ViewUniform, bind_group, compute_pipeline, dispatch_linear};
+use tracebench_shaders::{ALL, Shader, TEST_VIEW_FUNCTIONS};
+use tracebench_tests::{Numbers, gpu, viewpoint};
+
+fn parse(source: &str) -> Module {
+    naga::front::wgsl::parse_str(source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(source)))
+}
+
+/// naga_oil appends the module's name, encoded, to every imported name.
+fn plain(name: &str) -> &str {
+    name.split("X_naga_oil").next().unwrap_or(name)
+}
+
+/// Names with offsets in bytes, in order, and the whole size.
+type Layout = (Vec<(String, u32)>, u32);
+
+fn layouts(module: &Module) -> BTreeMap<String, Layout> {
+    let structs = module.types.iter().filter_map(|(_, each)| match (&each.name, &each.inner) {
+        (Some(name), TypeInner::Struct { members, span }) => {
+            let member = |member: &naga::StructMember| {
+                (plain(member.name.as_deref().unwrap_or_default()).to_owned(), member.offset)
+            };
+            Some((plain(name).to_owned(), (members.iter().map(member).collect(), *span)))
+        }
+        _ => None,
+    });
+    structs.collect()
+}
+
+fn layout(members: &[(&str, usize)], size: usize) -> Layout {
+    (members.iter().map(|(name, offset)| ((*name).to_owned(), *offset as u32)).collect(), size as u32)
+}
+
+/// Layouts of the Rust structs that shaders share. `Settings` of screen-dda is private to its crate: its six scalars
+/// stand in the order that the shader documents.
+fn shared() -> BTreeMap<&'static str, Layout> {
+    let ray = [
+        ("origin", offset_of!(Ray, origin)),
+        ("t_min", offset_of!(Ray, t_min)),
+        ("direction", offset_of!(Ray, direction)),
+        ("t_max", offset_of!(Ray, t_max)),
+    ];
+    let hit = [
+        ("t", offset_of!(Hit, t)),
+        ("primitive", offset_of!(Hit, primitive)),
+        ("u", offset_of!(Hit, u)),
+        ("v", offset_of!(Hit, v)),
+        ("status", offset_of!(Hit, status)),
+    ];
+    let view = [
+        ("eye", offset_of!(ViewUniform, eye)),
+        ("tan_half_width", offset_of!(ViewUniform, tan_half_width)),
+        ("right", offset_of!(ViewUniform, right)),
+        ("tan_half_height", offset_of!(ViewUniform, tan_half_height)),
+        ("up", offset_of!(ViewUniform, up)),
+        ("near", offset_of!(ViewUniform, near)),
+        ("forward", offset_of!(ViewUniform, forward)),
+        ("far", offset_of!(ViewUniform, far)),
+        ("size", offset_of!(ViewUniform, size)),
+        ("padding", offset_of!(ViewUniform, padding)),
+    ];
+    let settings =
+        [("ray_count", 0), ("max_steps", 4), ("hit_point", 8), ("stride", 12), ("thickness", 16), ("start_bias", 20)];
+    BTreeMap::from([
+        ("Ray", layout(&ray, size_of::<Ray>())),
+        ("Hit", layout(&hit, size_of::<Hit>())),
+        ("View", layout(&view, size_of::<ViewUniform>())),
+        ("Settings", layout(&settings, 24)),
+    ])
+}
+
+/// The shared structs that a shader lays out otherwise than Rust, and how many it has.
+fn misfits(module: &Module) -> (Vec<String>, Vec<String>) {
+    let shared = shared();
+    let found = layouts(module);
+    let present: Vec<String> = found.keys().filter(|name| shared.contains_key(name.as_str())).cloned().collect();
+    let wrong = present.iter().filter(|name| shared[name.as_str()] != found[*name]).cloned().collect();
+    (present, wrong)
+}
+
+/// Proves that Ray, Hit, View and Settings have the same member names at the same offsets in every shader and in Rust.
+#[test]
+fn layouts_are_those_of_rust() {
+    let mut seen = BTreeMap::new();
+    for shader in ALL {
+        let (present, wrong) = misfits(&parse(shader.source));
+        assert!(wrong.is_empty(), "{}: {wrong:?}", shader.name);
+        for name in present {
+            *seen.entry(name).or_insert(0) += 1;
+        }
+    }
+    assert!(["Ray", "Hit", "View", "Settings"].into_iter().all(|name| seen.contains_key(name)), "{seen:?}");
+}
+
+/// Negative control: swapped members, another type and a member that is missing are each noticed.
+#[test]
+fn another_layout_is_noticed() {
+    for (name, members) in [
+        ("Hit", "primitive: u32, t: f32, u: f32, v: f32, status: u32"),
+        ("Hit", "t: f32, primitive: u32, u: f32, status: u32"),
+        ("RayX_naga_oil_mod_ABCX", "origin: vec3<f32>, direction: vec3<f32>, t_min: f32, t_max: f32"),
+        ("Ray", "origin: vec4<f32>, t_min: f32, direction: vec3<f32>, t_max: f32"),
+    ] {
+        let source = format!("struct {name} {{ {members} }} @group(0) @binding(0) var<storage> all: array<{name}>;");
+        assert_eq!(misfits(&parse(&source)).1, [plain(name)], "{source}");
+    }
+}
+
+/// Proves that every shader validates on its own, without any extension of WGSL.
+#[test]
+fn every_shader_validates() {
+    for shader in ALL {
+        let module = parse(shader.source);
+        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+        if let Err(error) = validator.validate(&module) {
+            panic!("{}: {}", shader.name, error.emit_to_string(shader.source));
+        }
+        assert!(!module.entry_points.is_empty(), "{} has no entry point", shader.name);
+    }
+    // Negative control: the validator does refuse.
+    let wrong = parse("@compute @workgroup_size(0) fn main() {}");
+    assert!(Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&wrong).is_err());
+}
+
+/// Proves that the entry points that host code asks for exist, with their stages and workgroup sizes.
+#[test]
+fn entry_points_exist() {
+    let entry_points = |shader: &Shader| -> Vec<(String, ShaderStage, u32)> {
+        let module = parse(shader.source);
+        let points = module.entry_points.iter();
+        points.map(|point| (point.name.clone(), point.stage, point.workgroup_size[0])).collect()
+    };
+    let expected: BTreeMap<&str, Vec<(&str, ShaderStage, u32)>> = BTreeMap::from([
+        ("EYE_DEPTH_RASTER", vec![("vertex", ShaderStage::Vertex, 0), ("fragment", ShaderStage::Fragment, 0)]),
+        ("SCREEN_DDA_TRACE", vec![("trace", ShaderStage::Compute, 64)]),
+        ("SCREEN_DDA_TRACE_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
+        ("TEST_VIEW_FUNCTIONS", vec![("project", ShaderStage::Compute, 64)]),
+    ]);
+    for shader in ALL {
+        let found = entry_points(shader);
+        let Some(expected) = expected.get(shader.name) else { continue };
+        let found: Vec<_> = found.iter().map(|(name, stage, size)| (name.as_str(), *stage, *size)).collect();
+        assert_eq!(&found, expected, "{}", shader.name);
+    }
+    assert!(expected.keys().all(|name| ALL.iter().any(|shader| shader.name == *name)));
+}
+
+fn constants(module: &Module) -> BTreeMap<String, u32> {
+    let values = module.constants.iter().filter_map(|(_, constant)| {
+        let value = match module.global_expressions[constant.init] {
+            naga::Expression::Literal(naga::Literal::U32(value)) => value,
+            _ => return None,
+        };
+        Some((plain(constant.name.as_deref()?).to_owned(), value))
+    });
+    values.collect()
+}
+
+/// Proves that every status constant in every shader is the code of the Rust status of that name, and that no primitive
+/// is what Rust says it is.
+#[test]
+fn constants_are_those_of_rust() {
+    let mut statuses = 0;
+    for shader in ALL {
+        for (name, value) in constants(&parse(shader.source)) {
+            if let Some(status) = name.strip_prefix("STATUS_") {
+                let code = Status::ALL.iter().find(|known| known.name().to_uppercase() == status);
+                assert_eq!(code.map(|code| *code as u32), Some(value), "{}: {name}", shader.name);
+                statuses += 1;
+            } else if name == "NO_PRIMITIVE" {
+                assert_eq!(value, NO_PRIMITIVE);
+            }
+        }
+    }
+    assert!(statuses >= 5, "only {statuses} status constants were found");
+    // Negative control: a constant is read as what it is.
+    assert_eq!(constants(&parse("const STATUS_MISSX_naga_oil_mod_QX: u32 = 3u;"))["STATUS_MISS"], 3);
+}
+
+/// `Projection` of shaders/test/view_functions.wgsl.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct Projection {
+    eye_point: [f32; 4],
+    clip: [f32; 4],
+    pixel: [f32; 4],
+}
+
+fn project_on_device(view: &View, points: &[Vec3]) -> Vec<Projection> {
+    let gpu = gpu();
+    let pipeline = compute_pipeline(&gpu, TEST_VIEW_FUNCTIONS, "project").unwrap();
+    let padded: Vec<[f32; 4]> = points.iter().map(|point| [point.x, point.y, point.z, 0.0]).collect();
+    let buffer = |name: &str, contents: &[u8], usage| gpu.buffer_with(name, contents, usage, "nothing").unwrap();
+    let uniform = buffer("view", bytemuck::bytes_of(&ViewUniform::from(view)), BufferUsages::UNIFORM);
+    let input = buffer("points", bytemuck::cast_slice(&padded), BufferUsages::STORAGE);
+    let bytes = (points.len() * size_of::<Projection>()) as u64;
+    let output = gpu.buffer("projections", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "nothing").unwrap();
+    let bindings = bind_group(
+        &gpu,
+        &pipeline.get_bind_group_layout(0),
+        &[uniform.as_entire_binding(), input.as_entire_binding(), output.as_entire_binding()],
+    );
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    dispatch_linear(&mut encoder, &pipeline, &bindings, points.len() as u32, 64);
+    gpu.queue.submit([encoder.finish()]);
+    bytemuck::pod_collect_to_vec(&gpu.read(&output, bytes).unwrap())
+}
+
+/// Roundings of half an ulp that lie between a point and its projection, with room for a driver that contracts or
+/// reorders: the difference to the eye, three products and two sums with axes that were themselves rounded.
+const ROUNDINGS: f64 = 16.0;
+const HALF_ULP: f64 = f32::EPSILON as f64 / 2.0;
+
+/// Points whose projection on the device is farther from f64 than rounding explains, and the number compared in pixels.
+///
+/// A point at offset o has eye coordinates off by at most `ROUNDINGS` half ulps of |o|; a pixel position inherits that
+/// over the depth, times half the frame over the tangent, and a few roundings of its own. Behind the eye, and where the
+/// depth is lost in its own rounding, there is no pixel to compare.
+fn strays(view: &View, points: &[Vec3], found: &[Projection]) -> (Vec<String>, usize) {
+    let (mut strays, mut in_pixels) = (Vec::new(), 0);
+    for (point, found) in points.iter().zip(found) {
+        let offset = point.as_dvec3() - view.eye;
+        let expected = DVec3::new(offset.dot(view.right), offset.dot(view.up), offset.dot(view.forward));
+        let slack = ROUNDINGS * HALF_ULP * offset.length() + f64::from(f32::MIN_POSITIVE);
+        let eye_point = DVec3::from_slice(&found.eye_point[..3].iter().copied().map(f64::from).collect::<Vec<_>>());
+        let mut right = (eye_point - expected).abs().max_element() <= slack;
+        let clip = [
+            expected.x / view.tan_half_width,
+            expected.y / view.tan_half_height,
+            view.near * (view.far - expected.z) / (view.far - view.near),
+            expected.z,
+        ];
+        let stretch = [1.0 / view.tan_half_width, 1.0 / view.tan_half_height, view.near / (view.far - view.near), 1.0];
+        for axis in 0..4 {
+            let own = ROUNDINGS * HALF_ULP * (clip[axis].abs() + if axis == 2 { view.near } else { 0.0 });
+            right &= (f64::from(found.clip[axis]) - clip[axis]).abs() <= slack * stretch[axis] + own;
+        }
+        if let Some(at) = view.project(point.as_dvec3()).filter(|at| at.depth > 4.0 * slack) {
+            let relative = slack / at.depth;
+            for (axis, (position, tangent)) in
+                [(at.x, view.tan_half_width), (at.y, view.tan_half_height)].into_iter().enumerate()
+            {
+                let half = f64::from(view.size[axis]) / 2.0;
+                let across = (position / half - 1.0).abs();
+                let limit = half * (2.0 * relative * (1.0 / tangent + across) + ROUNDINGS * HALF_ULP * (1.0 + across));
+                right &= (f64::from(found.pixel[axis]) - position).abs() <= limit;
+            }
+            in_pixels += 1;
+        }
+        if !right {
+            strays.push(format!("{point} of {view:?}: {found:?}, expected eye {expected} clip {clip:?}"));
+        }
+    }
+    (strays, in_pixels)
+}
+
+/// Views over seven decades of scale, wide and narrow, near their eye's origin and far from it.
+fn views() -> Vec<View> {
+    let mut numbers = Numbers::new(21);
+    let mut views = Vec::new();
+    for scale in [1e-3_f32, 1.0, 37.0, 1e4] {
+        for (fov, frame) in [(1.0, [512, 256]), (0.02, [64, 64]), (2.9, [1920, 1]), (1.5, [1, 777])] {
+            let eye = numbers.point().as_vec3() * scale;
+            let target = eye + numbers.direction().as_vec3() * scale;
+            let pose = viewpoint(eye, target, 1e-3 * scale, 50.0 * scale, frame);
+            views.push(Viewpoint { vertical_fov: fov, ..pose }.frame_view());
+        }
+    }
+    views
+}
+
+/// Points on the frame's edges and corners, at near and far, just before and beyond, behind the eye, in the eye, close to
+/// it and far away.
+fn hostile_points(view: &View) -> Vec<Vec3> {
+    let mut numbers = Numbers::new(22);
+    let [width, height] = view.size.map(f64::from);
+    let mut points = vec![view.eye.as_vec3()];
+    for depth in [view.near, view.near * 0.999, view.near * 1.001, view.far, view.far * 1.01, 0.1 * view.far] {
+        for (x, y) in [
+            (0.0, 0.0),
+            (width, 0.0),
+            (0.0, height),
+            (width, height),
+            (width / 2.0, height / 2.0),
+            (0.5, 0.5),
+            (-0.25, height + 3.0),
+            (width - 1e-4, 1e-4),
+        ] {
+            let direction = view.direction_through(x, y);
+            points.push((view.eye + direction * depth).as_vec3());
+            points.push((view.eye - direction * depth).as_vec3());
+        }
+    }
+    for exponent in -6..=6 {
+        for _ in 0..12 {
+            let distance = view.far * 10_f64.powi(exponent);
+            points.push((view.eye + numbers.direction() * distance).as_vec3());
+        }
+    }
+    points
+}
+
+/// Proves that the projection that every shader shares is f64's to within f32 rounding over hostile points and views.
+#[test]
+fn projection_is_that_of_f64() {
+    let mut in_pixels = 0;
+    for view in views() {
+        let points = hostile_points(&view);
+        let (strays, compared) = strays(&view, &points, &project_on_device(&view, &points));
+        assert!(strays.is_empty(), "{} of {}: {}", strays.len(), points.len(), strays[0]);
+        in_pixels += compared;
+    }
+    assert!(in_pixels > 1000, "{in_pixels}");
+}
+
+/// Negative control: an eye moved by a ten-thousandth of the view's depth, a field of view a ten-thousandth wider, and a
+/// frame one pixel larger are each noticed.
+#[test]
+fn another_projection_is_noticed() {
+    let view = views()[4];
+    let points = hostile_points(&view);
+    let found = project_on_device(&view, &points);
+    assert!(strays(&view, &points, &found).0.is_empty());
+    let moved = View { eye: view.eye + view.forward * (1e-4 * view.far), ..view };
+    let wider = View { tan_half_width: view.tan_half_width * 1.0001, ..view };
+    let larger = View { size: [view.size[0] + 1, view.size[1]], ..view };
+    let upside_down = View { up: -view.up, ..view };
+    for other in [moved, wider, larger, upside_down] {
+        assert!(!strays(&other, &points, &found).0.is_empty(), "{other:?}");
+    }
+}
