@@ -1,0 +1,192 @@
+//! What is refused, and with which status.
+
+use super::*;
+
+/// Proves that wrong arguments end with status 2, name what is wrong and the nearest thing that is right, and touch no
+/// file.
+#[test]
+fn wrong_arguments() {
+    let bench = Bench::new();
+    let out = bench.text("out");
+    let run = |arguments: &[&str]| {
+        [&["run", "--out", &out], arguments].concat().iter().map(|x| (*x).to_owned()).collect::<Vec<_>>()
+    };
+    for (arguments, parts) in [
+        (vec!["--scene", "rooom"], vec!["rooom", "'room'"]),
+        (vec!["--tracer", "bvh-cpo"], vec!["bvh-cpo", "'bvh-cpu'"]),
+        (vec!["--tracer", "screendda"], vec!["'screen-dda'"]),
+        (vec!["--tracer", "bvh-cpu:improvd"], vec!["'improved'"]),
+        (vec!["--rays", "primry"], vec!["'primary'"]),
+        (vec!["--rays", "primary,,ao"], vec!["empty name"]),
+        (vec!["--preset", "quik"], vec!["quick"]),
+        (vec!["--size", "0x0"], vec!["--size", "0x0"]),
+        (vec!["--size", "0x16"], vec!["--size"]),
+        (vec!["--size", "16"], vec!["--size"]),
+        (vec!["--size", "-4x4"], vec![]),
+        (vec!["--size", "99999999999x99999999999"], vec!["--size"]),
+        (vec!["--size", "16384x16384"], vec!["--size", "the most"]),
+        (vec!["--frame", "0x0"], vec!["--frame"]),
+        (vec!["--frame", "100000x1"], vec!["--frame", "16384"]),
+        (vec!["--face", "0"], vec!["--face"]),
+        (vec!["--face", "1000000"], vec!["--face"]),
+        (vec!["--samples", "0"], vec!["--samples"]),
+        (vec!["--samples", "-1"], vec![]),
+        (vec!["--seed", "x"], vec!["--seed"]),
+        (vec!["--time", "NaN"], vec!["--time"]),
+        (vec!["--time", "inf"], vec!["--time"]),
+        (vec!["--view", "1,2,3"], vec!["--view"]),
+        (vec!["--view", "1,2,3:1,2,3"], vec!["--view"]),
+        (vec!["--view", "NaN,0,0:1,1,1"], vec!["--view"]),
+        (vec!["--set", "screen-dda.stride=0"], vec!["stride", "1 to 256"]),
+        (vec!["--set", "screen-dda.thickness=NaN"], vec!["thickness", "0 to 10"]),
+        (vec!["--set", "screen-dda.thickness=-1"], vec!["thickness"]),
+        (vec!["--set", "screen-dda.strid=1"], vec!["'stride'"]),
+        (vec!["--set", "screendda.stride=1"], vec!["'screen-dda'"]),
+        (vec!["--set", "bvh-cpu.build=quickly"], vec!["very_fast"]),
+        (vec!["--set", "stride=1"], vec!["tracer.parameter=value"]),
+        (vec!["--tracer", "bvh-cpu", "--set", "screen-dda.stride=1"], vec!["not in --tracer"]),
+        (vec!["--nonsense"], vec!["--nonsense"]),
+    ] {
+        bench.fails(&run(&arguments), 2, &parts);
+    }
+    bench.fails(&["repot"], 2, &["report"]);
+    bench.fails(&["list", "tracer"], 2, &["tracers"]);
+    let picture = ["picture", "--scene", "room", "--tracer", "all", "--out", "p.png"];
+    bench.fails(&picture, 2, &["one tracer"]);
+    bench.fails(
+        &["picture", "--scene", "room", "--tracer", "bvh-cpu", "--what", "shadd", "--out", "p.png"],
+        2,
+        &["shaded"],
+    );
+    assert!(names(bench.folder.path()).is_empty(), "{:?}", names(bench.folder.path()));
+}
+
+/// Proves that a viewpoint which the scene does not have is an argument's fault, with those that it has.
+#[test]
+fn unknown_viewpoints() {
+    let bench = Bench::new();
+    let out = bench.text("out");
+    let arguments = [&SMOKE[..], &["--tracer", "bvh-cpu", "--view", "atic", "--out", &out]].concat();
+    let known = bench.call(&["list", "scenes", "--json"]);
+    let known: Value = serde_json::from_str(&known.stdout).unwrap();
+    let first = known[0]["viewpoints"][0].as_str().unwrap().to_owned();
+    bench.fails(&arguments, 2, &["atic", "room", &first]);
+    assert!(names(&bench.path("out")).is_empty());
+}
+
+/// Proves that scenes which are missing, cut off, no glTF, empty or not finite end with status 1, are named, and leave
+/// no results behind.
+#[test]
+fn bad_scenes() {
+    let bench = Bench::new();
+    let good = glb(&TRIANGLE);
+    let mut not_finite = TRIANGLE;
+    not_finite[1][2] = f32::NAN;
+    let with_buffer = gltf(3, 36, Some("gone.bin")).to_string().into_bytes();
+    let mut extended = gltf(3, 36, Some("gone.bin"));
+    extended["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);
+    extended["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
+    let mut empty = gltf(3, 36, Some("gone.bin"));
+    empty["nodes"] = json!([{}]);
+    for (name, bytes, part) in [
+        ("cut.glb", &good[..good.len() - 20], ""),
+        ("head.glb", &good[..8], ""),
+        ("nothing.glb", &[][..], ""),
+        ("noise.glb", b"this is no model at all, not even JSON", ""),
+        ("noise.gltf", b"{\"asset\": ", ""),
+        ("array.gltf", b"[]", ""),
+        ("buffer.gltf", &with_buffer, "gone.bin"),
+        ("draco.gltf", extended.to_string().as_bytes(), "KHR_draco_mesh_compression"),
+        ("empty.gltf", empty.to_string().as_bytes(), "no triangles"),
+        ("nan.glb", &glb(&not_finite), "not finite"),
+        ("flat.glb", &glb(&[[0.0; 3]; 3]), "zero area"),
+        ("absent.glb", b"-", "absent.glb"),
+        ("sub/absent.gltf", b"-", "absent.gltf"),
+    ] {
+        if bytes != b"-" {
+            std::fs::write(bench.path(name), bytes).unwrap();
+        }
+        let out = bench.text("out");
+        let arguments = [&SMOKE[..], &["--tracer", "bvh-cpu", "--scene", name, "--out", &out]].concat();
+        bench.fails(&arguments, 1, &[part]);
+        assert!(names(&bench.path("out")).is_empty(), "{name}: {:?}", names(&bench.path("out")));
+        let picture = ["picture", "--scene", name, "--tracer", "bvh-cpu", "--size", "8x8", "--out", "p.png"];
+        bench.fails(&picture, 1, &[part]);
+        assert!(!bench.path("p.png").exists());
+    }
+    // A bad scene after a good one spoils the run, and leaves nothing of the good one either.
+    std::fs::write(bench.path("good.glb"), &good).unwrap();
+    let out = bench.text("out");
+    let arguments = [&SMOKE[..], &["--tracer", "bvh-cpu", "--scene", "good.glb,cut.glb", "--out", &out]].concat();
+    bench.fails(&arguments, 1, &["cut.glb"]);
+    assert!(names(&bench.path("out")).is_empty());
+}
+
+/// Proves that a place that cannot be written to is said before the work is done, with status 1.
+#[test]
+fn outputs_that_cannot_be_written() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("file"), b"in the way").unwrap();
+    for out in ["file", "file/below"] {
+        let arguments = [&SMOKE[..], &["--tracer", "bvh-cpu", "--out", out]].concat();
+        bench.fails(&arguments, 1, &["file", "--out"]);
+    }
+    let picture = ["picture", "--scene", "room", "--tracer", "bvh-cpu", "--size", "8x8", "--out", "no/such/p.png"];
+    bench.fails(&picture, 1, &["no/such/p.png"]);
+    assert_eq!(std::fs::read(bench.path("file")).unwrap(), b"in the way");
+    for (name, text, part) in [
+        ("cut.json", "{\"schema\": 1, \"mach", "JSON"),
+        ("other.json", "{\"schema\": 99}", "99"),
+        ("none.json", "{}", "schema"),
+        ("fields.json", "{\"schema\": 1}", "machine"),
+    ] {
+        std::fs::write(bench.path(name), text).unwrap();
+        bench.fails(&["report", name], 1, &[name, part]);
+    }
+    bench.fails(&["report", "nowhere"], 1, &["nowhere"]);
+    assert!(!bench.path("summary.md").exists());
+}
+
+/// Proves that an adapter which does not exist is an error with those that do.
+#[test]
+fn unknown_adapters() {
+    let bench = Bench::new();
+    let out = bench.text("out");
+    let arguments = [&SMOKE[..], &["--adapter", "Voodoo 2", "--out", &out]].concat();
+    bench.fails(&arguments, 1, &["Voodoo 2", "there are"]);
+    assert!(names(&bench.path("out")).is_empty());
+}
+
+/// Proves a machine without an adapter: with `all`, device tracers are skipped with the reason; named, they are an
+/// error; host tracers run; lists and `adapters` work.
+#[test]
+fn without_an_adapter() {
+    let bench = Bench::new();
+    let run = |tracer: &str, out: &str| {
+        let out = bench.text(out);
+        bench.call_without_adapter(&[&SMOKE[..], &["--rays", "primary", "--tracer", tracer, "--out", &out]].concat())
+    };
+    let all = run("all", "all");
+    assert_eq!(all.status, 0, "{all:?}");
+    let result = bench.result("all");
+    assert_eq!(result["runs"].as_array().unwrap().len(), 1);
+    assert_eq!(result["runs"][0]["tracer"]["name"], "bvh-cpu");
+    assert_eq!(result["skipped"].as_array().unwrap().len(), 1);
+    assert_eq!(result["skipped"][0]["tracer"], "screen-dda");
+    assert!(result["skipped"][0]["reason"].as_str().unwrap().contains("adapter"));
+    assert!(result["machine"]["adapter"].is_null());
+    assert!(all.stderr.contains("skipped screen-dda"), "{all:?}");
+
+    for tracer in ["screen-dda", "bvh-cpu,screen-dda", "all,screen-dda"] {
+        let named = run(tracer, "named");
+        assert_eq!((named.status, named.stdout.as_str()), (1, ""), "{named:?}");
+        assert!(named.stderr.contains("adapter"), "{named:?}");
+        assert!(names(&bench.path("named")).is_empty());
+    }
+    let host = run("bvh-cpu", "host");
+    assert_eq!(host.status, 0, "{host:?}");
+    assert!(bench.result("host")["skipped"].as_array().unwrap().is_empty());
+    let list = bench.call_without_adapter(&["adapters", "--json"]);
+    assert_eq!((list.status, list.stdout.trim()), (0, "[]"), "{list:?}");
+    assert_eq!(bench.call_without_adapter(&["list", "tracers"]).status, 0);
+}

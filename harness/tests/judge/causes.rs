@@ -1,0 +1,159 @@
+//! A cause from the smallest scene that shows it.
+
+use super::*;
+
+/// A view from z = 2 down onto the plane z = 0, of 64 x 64 pixels and 90 degrees: it shows |x|, |y| < 2 there, a pixel
+/// is 1/16 wide.
+fn view() -> View {
+    Viewpoint {
+        eye: Vec3::new(0.0, 0.0, 2.0),
+        forward: Vec3::NEG_Z,
+        up: Vec3::Y,
+        vertical_fov: std::f32::consts::FRAC_PI_2,
+        near: 0.5,
+        far: 50.0,
+        frame: [64, 64],
+        face: 64,
+        view_set: ViewSet::Frame,
+    }
+    .frame_view()
+}
+
+fn seen(triangles: Vec<[[f32; 3]; 3]>, ray: Ray) -> Case {
+    let mut case = Case::new(framed(triangles), vec![ray], Query::Closest);
+    assert!(!case.answers[0].tie);
+    case.views = vec![view()];
+    case
+}
+
+fn status(status: Status) -> Hit {
+    Hit::miss(status)
+}
+
+/// A plate of side `2 * half` at a height.
+fn plate_at(z: f32, half: f32) -> Vec<[[f32; 3]; 3]> {
+    rectangle([-half, -half, z], [2.0 * half, 0.0, 0.0], [0.0, 2.0 * half, 0.0]).to_vec()
+}
+
+/// Proves `within_footprint`: the right surface, off by less than a reference pixel, is wrong under `tight` only.
+#[test]
+fn cause_within_footprint() {
+    let case = seen(plate(), down(0.25, 0.5, 1.0));
+    assert_eq!(case.cause("tight", &[hit(1.002)]), "within_footprint");
+    assert!(case.closest(&[hit(1.002)]).causes["footprint"].is_empty());
+    assert_ne!(case.cause("tight", &[hit(1.2)]), "within_footprint");
+}
+
+/// Proves `off_view`: what was missed lies beside the view, behind its eye, or before its near plane.
+#[test]
+fn cause_off_view() {
+    let beside = rectangle([3.0, -1.0, -1.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]).to_vec();
+    let rays = [
+        (beside, ray([0.0, 0.25, 0.0], [1.0, 0.0, 0.0])),
+        (plate_at(3.0, 1.0), ray([0.25, 0.125, 1.0], [0.0, 0.0, 1.0])),
+        (plate_at(1.75, 1.0), ray([0.1, 0.05, 0.5], [0.0, 0.0, 1.0])),
+    ];
+    for (triangles, ray) in rays {
+        let case = seen(triangles, ray);
+        assert!(case.answers[0].hit.is_some());
+        // The cause is the judge's own finding: no status of the tracer's changes it.
+        for said in [Status::LeftViews, Status::Miss, Status::StepCap, Status::ThicknessRejected] {
+            assert_eq!(case.cause("tight", &[status(said)]), "off_view");
+        }
+    }
+}
+
+/// Proves `hidden_layer`: what was missed lies behind another surface, and is none once that surface is gone.
+#[test]
+fn cause_hidden_layer() {
+    let mut triangles = plate_at(-1.0, 1.0);
+    triangles.extend(plate_at(0.5, 1.0));
+    let ray = ray([0.25, 0.125, 0.0], [0.0, 0.0, -1.0]);
+    let case = seen(triangles, ray);
+    assert_eq!(case.cause("tight", &[status(Status::ThicknessRejected)]), "hidden_layer");
+    assert_ne!(seen(plate_at(-1.0, 1.0), ray).cause("tight", &[miss()]), "hidden_layer");
+}
+
+/// Proves `step_cap`: what was missed is in plain sight, and the tracer gave up before.
+#[test]
+fn cause_step_cap() {
+    let case = seen(plate_at(0.0, 1.0), ray([-0.75, 0.1, 0.5], [0.8, 0.0, -0.6]));
+    assert_eq!(case.cause("tight", &[status(Status::StepCap)]), "step_cap");
+    // The same without any view, for methods that have steps and no views.
+    let mut case = case;
+    case.views.clear();
+    assert_eq!(case.cause("tight", &[status(Status::StepCap)]), "step_cap");
+    assert_eq!(case.cause("tight", &[miss()]), "unexplained");
+}
+
+/// Proves `thickness_rejected` and `unexplained`: what was missed is in plain sight, on a pixel's centre, far from the
+/// ray's start, and only the first says a reason.
+#[test]
+fn cause_thickness_rejected_or_unexplained() {
+    let case = seen(plate_at(0.0, 1.0), ray([-0.75, 0.1, 0.5], [0.8, 0.0, -0.6]));
+    assert_eq!(case.cause("tight", &[status(Status::ThicknessRejected)]), "thickness_rejected");
+    for said in [Status::Miss, Status::LeftViews] {
+        assert_eq!(case.cause("tight", &[status(said)]), "unexplained");
+    }
+}
+
+/// Proves `between_samples`: a sliver that falls between pixel centres is missed; a hit a pixel beside the right place
+/// is off; a surface that a pixel's centre shows is hit beside it.
+#[test]
+fn cause_between_samples() {
+    // Pixel centres lie at odd multiples of 1/32 in the plane z = 0; this sliver lies between two of them.
+    let sliver = rectangle([0.0625 + 0.01, -1.0, 0.0], [0.02, 0.0, 0.0], [0.0, 2.0, 0.0]).to_vec();
+    let mut triangles = sliver;
+    triangles.extend(plate_at(-1.5, 3.0));
+    let case = seen(triangles, down(0.0625 + 0.02, 0.3, 1.0));
+    assert_eq!(case.answers[0].hit.map(|hit| hit.t), Some(1.0));
+    assert_eq!(case.cause("tight", &[status(Status::Miss)]), "between_samples");
+    assert_eq!(case.cause("tight", &[hit(2.5)]), "between_samples");
+    // A slanted ray over a plate: 0.1 too late along it is 0.08 aside, less than two pixels (0.125).
+    let case = seen(plate_at(0.0, 1.0), ray([-0.75, 0.1, 0.5], [0.8, 0.0, -0.6]));
+    let truth = case.answers[0].hit.unwrap().t as f32;
+    assert_eq!(case.cause("tight", &[hit(truth + 0.1)]), "between_samples");
+    assert_ne!(case.cause("tight", &[hit(truth + 0.5)]), "between_samples");
+    // Beside the edge of a plate whose pixel's centre still shows the plate: a false hit at the plate's depth.
+    let edge = 0.5 + 1.0 / 32.0 + 0.005;
+    let case = seen(plate_at(0.0, edge), down(0.5 + 0.05, 0.1, 1.0));
+    assert!(case.answers[0].hit.is_none());
+    assert_eq!(case.cause("tight", &[hit(1.0)]), "between_samples");
+}
+
+/// Proves `near_start`: what was missed lies within two pixels of the ray's start.
+#[test]
+fn cause_near_start() {
+    let triangles = plate_at(0.0, 1.0);
+    let near = seen(triangles.clone(), ray([0.21, 0.1, 0.06], [0.8, 0.0, -0.6]));
+    assert_eq!(near.cause("tight", &[miss()]), "near_start");
+    let far = seen(triangles, ray([0.21, 0.1, 0.3], [0.8, 0.0, -0.6]));
+    assert_eq!(far.cause("tight", &[miss()]), "unexplained");
+}
+
+/// Proves `self_hit`: an invented hit within four reference pixels of the ray's start, and none farther along.
+#[test]
+fn cause_self_hit() {
+    let case = seen(plate_at(0.0, 1.0), ray([0.25, 0.125, 0.001], [0.0, 0.0, 1.0]));
+    assert!(case.answers[0].hit.is_none());
+    // The start is 2 from the eye: a reference pixel there is 2 * 2 / 1024.
+    assert_eq!(case.cause("tight", &[hit(0.015)]), "self_hit");
+    assert_ne!(case.cause("tight", &[hit(0.1)]), "self_hit");
+    // Any-hit sets have the same causes.
+    let mut any = case;
+    any.query = Query::Any;
+    assert_eq!(any.cause("occlusion", &[hit(0.015)]), "self_hit");
+}
+
+/// Proves `assumed_thickness`: a hit was invented behind what the view shows there.
+#[test]
+fn cause_assumed_thickness() {
+    let case = seen(plate_at(0.0, 1.0), ray([-1.5, 0.1, -0.25], [1.0, 0.0, 0.0]));
+    assert!(case.answers[0].hit.is_none());
+    assert_eq!(case.cause("tight", &[hit(1.0)]), "assumed_thickness");
+    // Off the view no view explains it.
+    assert_eq!(case.cause("tight", &[hit(100.0)]), "unexplained");
+    // In front of everything it is no thickness.
+    let before = seen(plate_at(0.0, 1.0), ray([-1.5, 0.1, 0.25], [1.0, 0.0, 0.0]));
+    assert_ne!(before.cause("tight", &[hit(1.5)]), "assumed_thickness");
+}
