@@ -5,7 +5,6 @@ use std::sync::Arc;
 use glam::{UVec2, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::cwbvh::CwBvh;
-use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 use obvhs::cwbvh::node::CwBvhNode;
 use obvhs::ray::Ray as ObvhsRay;
 use obvhs::rt_triangle::RtTriangle;
@@ -16,6 +15,8 @@ use tracebench_api::{
     ParameterScope, Parameters, PhaseClock, Query, Ray, Residency, Status, Structure, TraceJob, Tracer, TracerError,
     Value, Viewpoint,
 };
+
+use crate::hierarchy;
 
 const BUILDS: &[&str] = &["fastest", "very_fast", "fast", "medium", "slow", "very_slow"];
 
@@ -102,16 +103,13 @@ impl Tracer for BvhCpu {
             let gather = |&[a, b, c]: &[u32; 3]| Triangle { v0: corner(a), v1: corner(b), v2: corner(c) };
             geometry.triangles.par_iter().map(gather).collect()
         });
-        let bvh = clock.host_phase("build hierarchy", || {
-            build_cwbvh_from_tris(&triangles, config, &mut std::time::Duration::default())
-        });
+        let mut ledger = Ledger::new();
+        ledger.borrow_transient(size_of_val(triangles.as_slice()) as u64);
+        let bvh = hierarchy::build(&triangles, config, &mut ledger, clock);
         let ordered: Vec<RtTriangle> = clock.host_phase("order triangles", || {
             bvh.primitive_indices.par_iter().map(|index| RtTriangle::from(&triangles[*index as usize])).collect()
         });
 
-        let mut ledger = Ledger::new();
-        // The builder's own boxes and binary nodes are not seen from here.
-        ledger.borrow_transient(size_of_val(triangles.as_slice()) as u64);
         let mut keep = |name: &str, element: usize, capacity: usize, used: usize| {
             ledger.keep(name, (capacity * element) as u64, (used * element) as u64);
         };

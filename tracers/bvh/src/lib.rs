@@ -5,5 +5,6 @@
 //! is not watertight; its answers are judged like anyone's.
 
 mod cpu;
+mod hierarchy;
 
 pub use cpu::{BvhCpu, description};
