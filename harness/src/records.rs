@@ -7,7 +7,7 @@ use tracebench_scenes::{Origin, Scene};
 
 use crate::plan::Plan;
 use crate::results::{
-    BuildRecord, CounterRecord, Judgement, MemoryRecord, PhaseRecord, SceneRecord, TraceRecord, ViewpointRecord,
+    BuildRecord, CounterRecord, Judgement, MemoryRecord, PhaseRecord, SceneRecord, Times, TraceRecord, ViewpointRecord,
 };
 use crate::session::{PreparedRays, Session};
 use crate::statistics::{median, median_interval};
@@ -40,7 +40,7 @@ pub(crate) struct Traced<'a> {
 
 pub(crate) fn trace_record(traced: Traced<'_>) -> TraceRecord {
     let Traced { rays, timings, hits, counters, scratch_bytes, judgement } = traced;
-    let times = Times::of(timings);
+    let times = times(timings);
     let mut statuses = BTreeMap::new();
     for hit in hits {
         let name = Status::from_code(hit.status).unwrap_or(Status::Unwritten).name();
@@ -52,13 +52,8 @@ pub(crate) fn trace_record(traced: Traced<'_>) -> TraceRecord {
         query: rays.set.query,
         count: hits.len() as u64,
         end: EndPoint::Hit,
-        clock: times.clock,
         mrays_per_s: hits.len() as f64 / times.median_ms.max(LEAST_MS) / 1e3,
-        median_ms: times.median_ms,
-        interval_ms: times.interval_ms,
-        interval_coverage: times.coverage,
-        phases: times.phases,
-        samples_ms: times.samples_ms,
+        times,
         per_trace_bytes: (hits.len() * (size_of::<Ray>() + size_of::<Hit>())) as u64 + scratch_bytes,
         hits_sha256: crate::hash::sha256_of(hits),
         counters: counters.iter().map(|counter| counter_record(counter, hits.len())).collect(),
@@ -67,43 +62,22 @@ pub(crate) fn trace_record(traced: Traced<'_>) -> TraceRecord {
     }
 }
 
-/// Samples of one kind of work, summed up.
-struct Times {
-    clock: ClockKind,
-    samples_ms: Vec<f64>,
-    median_ms: f64,
-    interval_ms: [f64; 2],
-    coverage: f64,
-    phases: Vec<PhaseRecord>,
-}
-
-impl Times {
-    fn of(timings: &[Timing]) -> Self {
-        let samples_ms: Vec<f64> = timings.iter().map(|timing| timing.total_ms).collect();
-        let phases: Vec<_> = timings.iter().map(|timing| timing.phases.clone()).collect();
-        let (interval_ms, coverage) = median_interval(&samples_ms);
-        Self {
-            clock: timings.first().map_or(ClockKind::Host, |timing| timing.clock),
-            median_ms: median(&samples_ms),
-            samples_ms,
-            interval_ms,
-            coverage,
-            phases: PhaseRecord::collect(&phases),
-        }
+fn times(timings: &[Timing]) -> Times {
+    let samples_ms: Vec<f64> = timings.iter().map(|timing| timing.total_ms).collect();
+    let phases: Vec<_> = timings.iter().map(|timing| timing.phases.clone()).collect();
+    let (interval_ms, interval_coverage) = median_interval(&samples_ms);
+    Times {
+        clock: timings.first().map_or(ClockKind::Host, |timing| timing.clock),
+        median_ms: median(&samples_ms),
+        samples_ms,
+        interval_ms,
+        interval_coverage,
+        phases: PhaseRecord::collect(&phases),
     }
 }
 
 pub(crate) fn build_record(timings: &[Timing], setup_ms: f64) -> BuildRecord {
-    let times = Times::of(timings);
-    BuildRecord {
-        clock: times.clock,
-        samples_ms: times.samples_ms,
-        median_ms: times.median_ms,
-        interval_ms: times.interval_ms,
-        interval_coverage: times.coverage,
-        phases: times.phases,
-        setup_ms,
-    }
+    BuildRecord { times: times(timings), setup_ms }
 }
 
 pub(crate) fn memory_record(memory: MemoryReport) -> MemoryRecord {

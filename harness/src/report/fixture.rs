@@ -6,8 +6,8 @@ use tracebench_api::{AdapterListing, ClockKind, EndPoint, MemoryEntry, Query};
 
 use crate::results::{
     AnyJudgement, BuildRecord, ByRule, Classes, ClosestJudgement, CounterRecord, Headline, Judgement, Machine,
-    MemoryRecord, Occlusion, Percentiles, PhaseRecord, Run, SCHEMA, SceneRecord, Skipped, TraceRecord, TracerRecord,
-    TracerRun, ViewpointRecord, WrongRay,
+    MemoryRecord, Occlusion, Percentiles, PhaseRecord, Run, SCHEMA, SceneRecord, Skipped, Times, TraceRecord,
+    TracerRecord, TracerRun, ViewpointRecord, WrongRay,
 };
 use crate::statistics::{median, median_interval, wilson};
 
@@ -144,9 +144,9 @@ fn control(name: &str, missed: f64, blur: f64, sets: &[(&str, Query)]) -> Tracer
     let quality = Quality { missed, blur, speed: 1.0, clock: ClockKind::Host };
     let mut run = contender(name, quality, sets);
     run.tracer.preset = "control".to_owned();
-    run.build.samples_ms.clear();
+    run.build.times.samples_ms.clear();
     for trace in &mut run.traces {
-        trace.samples_ms.clear();
+        trace.times.samples_ms.clear();
         trace.counters.clear();
         if name == "always-hit" {
             answer_hit(&mut trace.judgement);
@@ -178,7 +178,6 @@ fn answer_hit(judgement: &mut Judgement) {
 fn contender(name: &str, quality: Quality, sets: &[(&str, Query)]) -> TracerRun {
     let (name, preset) = name.split_once(':').unwrap_or((name, "published"));
     let samples: Vec<f64> = (0..10).map(|index| 40.0 + f64::from(index * 7 % 10)).collect();
-    let (interval_ms, interval_coverage) = median_interval(&samples);
     let phase = |name: &str| PhaseRecord {
         name: name.to_owned(),
         median_ms: median(&samples) / 2.0,
@@ -200,16 +199,20 @@ fn contender(name: &str, quality: Quality, sets: &[(&str, Query)]) -> TracerRun 
             geometry_bytes: 3_500_000,
             build_peak_bytes: 11 << 20,
         },
-        build: BuildRecord {
-            clock: quality.clock,
-            median_ms: median(&samples),
-            interval_ms,
-            interval_coverage,
-            phases: vec![phase("sort"), phase("collapse")],
-            samples_ms: samples,
-            setup_ms: 12.5,
-        },
+        build: BuildRecord { times: times(quality, &samples, vec![phase("sort"), phase("collapse")]), setup_ms: 12.5 },
         traces: sets.iter().enumerate().map(|(index, (rays, query))| trace(rays, *query, index, quality)).collect(),
+    }
+}
+
+fn times(quality: Quality, samples: &[f64], phases: Vec<PhaseRecord>) -> Times {
+    let (interval_ms, interval_coverage) = median_interval(samples);
+    Times {
+        clock: quality.clock,
+        samples_ms: samples.to_vec(),
+        median_ms: median(samples),
+        interval_ms,
+        interval_coverage,
+        phases,
     }
 }
 
@@ -217,8 +220,6 @@ fn trace(rays: &str, query: Query, index: usize, quality: Quality) -> TraceRecor
     let speed = quality.speed / (1.0 + 0.6 * index as f64);
     let jitter = |sample: i32| 1.0 + 0.02 * f64::from(sample * 3 % 10 - 5);
     let samples: Vec<f64> = (0..10).map(|sample| COUNT as f64 / (speed * 1e3) * jitter(sample)).collect();
-    let median_ms = median(&samples);
-    let (interval_ms, interval_coverage) = median_interval(&samples);
     let counter = CounterRecord { total: COUNT * 37, per_ray: 37.0, greatest_per_ray: 412 };
     TraceRecord {
         rays: rays.to_owned(),
@@ -226,13 +227,8 @@ fn trace(rays: &str, query: Query, index: usize, quality: Quality) -> TraceRecor
         query,
         count: COUNT,
         end: EndPoint::Hit,
-        clock: quality.clock,
-        samples_ms: samples,
-        median_ms,
-        interval_ms,
-        interval_coverage,
-        phases: Vec::new(),
-        mrays_per_s: COUNT as f64 / (median_ms * 1e3),
+        times: times(quality, &samples, Vec::new()),
+        mrays_per_s: COUNT as f64 / (median(&samples) * 1e3),
         per_trace_bytes: COUNT * 52,
         hits_sha256: format!("{:064x}", index + 7),
         counters: BTreeMap::from([("nodes".to_owned(), counter)]),

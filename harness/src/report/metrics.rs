@@ -70,10 +70,10 @@ const fn column(name: &'static str, value: fn(&TracerRun, &TraceRecord) -> Optio
 pub(super) const SPEED: Metric = metric("mrays_per_s", "speed", "Mrays/s", Better::Higher, |_, trace| speed(trace));
 /// Time of a trace.
 pub(super) const TRACE_TIME: Metric =
-    metric("median_ms", "median time", "ms", Better::Lower, |_, trace| timed(trace, trace.median_ms));
+    metric("median_ms", "median time", "ms", Better::Lower, |_, trace| timed(trace, trace.times.median_ms));
 /// Time of a build.
 pub(super) const BUILD_TIME: Metric = metric("build_median_ms", "build time", "ms", Better::Lower, |run, _| {
-    (!run.build.samples_ms.is_empty()).then_some(run.build.median_ms)
+    (!run.build.times.samples_ms.is_empty()).then_some(run.build.times.median_ms)
 });
 /// Right about hit or miss.
 pub(super) const HIT_MISS: Metric =
@@ -120,14 +120,14 @@ pub(super) const COLUMNS: &[Column] = &[
     column("mrays_per_s_low", |_, trace| Some(speed_interval(trace)?[0])),
     column("mrays_per_s_high", |_, trace| Some(speed_interval(trace)?[1])),
     TRACE_TIME.column,
-    column("median_low_ms", |_, trace| timed(trace, trace.interval_ms[0])),
-    column("median_high_ms", |_, trace| timed(trace, trace.interval_ms[1])),
-    column("interval_coverage_share", |_, trace| timed(trace, trace.interval_coverage)),
-    column("samples", |_, trace| Some(trace.samples_ms.len() as f64)),
+    column("median_low_ms", |_, trace| timed(trace, trace.times.interval_ms[0])),
+    column("median_high_ms", |_, trace| timed(trace, trace.times.interval_ms[1])),
+    column("interval_coverage_share", |_, trace| timed(trace, trace.times.interval_coverage)),
+    column("samples", |_, trace| Some(trace.times.samples_ms.len() as f64)),
     column("per_trace_bytes", |_, trace| Some(trace.per_trace_bytes as f64)),
     BUILD_TIME.column,
-    column("build_low_ms", |run, _| Some(built(run)?.interval_ms[0])),
-    column("build_high_ms", |run, _| Some(built(run)?.interval_ms[1])),
+    column("build_low_ms", |run, _| Some(built(run)?.times.interval_ms[0])),
+    column("build_high_ms", |run, _| Some(built(run)?.times.interval_ms[1])),
     column("setup_ms", |run, _| Some(run.build.setup_ms)),
     STRUCTURE.column,
     GEOMETRY.column,
@@ -203,16 +203,16 @@ pub(super) fn speed(trace: &TraceRecord) -> Option<f64> {
 /// The interval of the speed: of the median time, turned over.
 pub(super) fn speed_interval(trace: &TraceRecord) -> Option<[f64; 2]> {
     let of = |ms: f64| trace.count as f64 / (ms * 1e3);
-    let [fast, slow] = trace.interval_ms;
+    let [fast, slow] = trace.times.interval_ms;
     let interval = [of(slow), of(fast)];
     let whole = speed(trace).is_some() && interval.iter().all(|end| end.is_finite() && *end > 0.0);
     whole.then_some(interval)
 }
 
 fn timed(trace: &TraceRecord, value: f64) -> Option<f64> {
-    (!trace.samples_ms.is_empty()).then_some(value)
+    (!trace.times.samples_ms.is_empty()).then_some(value)
 }
 
 fn built(run: &TracerRun) -> Option<&crate::results::BuildRecord> {
-    (!run.build.samples_ms.is_empty()).then_some(&run.build)
+    (!run.build.times.samples_ms.is_empty()).then_some(&run.build)
 }

@@ -133,17 +133,21 @@ fn build_table(group: &Group<'_>) -> String {
     ]);
     for run in &group.contenders {
         let build = &run.build;
-        let time = match build.samples_ms.is_empty() {
+        let time = match build.times.samples_ms.is_empty() {
             true => NONE.to_owned(),
-            false => with_interval(build.median_ms, build.interval_ms, 4),
+            false => with_interval(build.times.median_ms, build.times.interval_ms, 4),
         };
-        let phases: Vec<_> =
-            build.phases.iter().map(|phase| format!("{} {}", phase.name, significant(phase.median_ms, 3))).collect();
+        let phases: Vec<_> = build
+            .times
+            .phases
+            .iter()
+            .map(|phase| format!("{} {}", phase.name, significant(phase.median_ms, 3)))
+            .collect();
         table.row(&[
             run.tracer.label(),
             run.tracer.residency.clone(),
             format!("{}, {}", size(run.viewpoint.frame), run.viewpoint.face),
-            clock(build.clock).to_owned(),
+            clock(build.times.clock).to_owned(),
             time,
             phases.join("; "),
             mib(run.memory.structure_bytes),
@@ -174,12 +178,12 @@ fn ray_set(group: &Group<'_>, set: &RaySet<'_>) -> String {
 
 /// The intervals' coverage, which few samples cannot bring to 95 %.
 fn coverage(rows: &[Row<'_>]) -> String {
-    let timed = rows.iter().filter(|(role, _, trace)| *role == Role::Contender && !trace.samples_ms.is_empty());
+    let timed = rows.iter().filter(|(role, _, trace)| *role == Role::Contender && !trace.times.samples_ms.is_empty());
     let (mut low, mut high, mut samples) = (f64::INFINITY, 0.0_f64, u64::MAX);
     for (_, _, trace) in timed {
-        low = low.min(trace.interval_coverage);
-        high = high.max(trace.interval_coverage);
-        samples = samples.min(trace.samples_ms.len() as u64);
+        low = low.min(trace.times.interval_coverage);
+        high = high.max(trace.times.interval_coverage);
+        samples = samples.min(trace.times.samples_ms.len() as u64);
     }
     if !low.is_finite() {
         return String::new();
@@ -294,13 +298,13 @@ fn any_tables(text: &mut String, rows: &[Row<'_>]) {
 fn speed_cells(role: Role, run: &TracerRun, trace: &TraceRecord, judged: bool) -> Vec<String> {
     let mut cells = vec![label(role, run)];
     let speed = metrics::speed(trace).filter(|_| judged && role == Role::Contender);
-    cells.push(if role == Role::Control { NONE.to_owned() } else { clock(trace.clock).to_owned() });
+    cells.push(if role == Role::Control { NONE.to_owned() } else { clock(trace.times.clock).to_owned() });
     cells.push(thousands(trace.count));
     match speed {
         Some(speed) => {
             let interval = metrics::speed_interval(trace).unwrap_or([speed, speed]);
             cells.push(with_interval(speed, interval, 4));
-            cells.push(with_interval(trace.median_ms, trace.interval_ms, 4));
+            cells.push(with_interval(trace.times.median_ms, trace.times.interval_ms, 4));
         }
         None => cells.extend([NONE.to_owned(), NONE.to_owned()]),
     }

@@ -195,9 +195,9 @@ pub struct MemoryRecord {
     pub build_peak_bytes: u64,
 }
 
-/// Times of the builds.
+/// Samples of one kind of work, and what is made of them; its fields stand among those of what was timed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BuildRecord {
+pub struct Times {
     /// Which clock.
     pub clock: ClockKind,
     /// Every counted sample, in order.
@@ -210,6 +210,14 @@ pub struct BuildRecord {
     pub interval_coverage: f64,
     /// Phases in order.
     pub phases: Vec<PhaseRecord>,
+}
+
+/// Times of the builds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BuildRecord {
+    /// Its times.
+    #[serde(flatten)]
+    pub times: Times,
     /// Creating pipelines and everything else that is made once, host clock; without the warm-up.
     pub setup_ms: f64,
 }
@@ -253,18 +261,9 @@ pub struct TraceRecord {
     pub count: u64,
     /// How far it went.
     pub end: EndPoint,
-    /// Which clock.
-    pub clock: ClockKind,
-    /// Every counted sample, in order.
-    pub samples_ms: Vec<f64>,
-    /// Their median.
-    pub median_ms: f64,
-    /// Order-statistic interval of the median.
-    pub interval_ms: [f64; 2],
-    /// Probability that the interval covers the median of the distribution.
-    pub interval_coverage: f64,
-    /// Phases in order.
-    pub phases: Vec<PhaseRecord>,
+    /// Its times.
+    #[serde(flatten)]
+    pub times: Times,
     /// Million rays a second at the median.
     pub mrays_per_s: f64,
     /// Rays, hits and scratch buffers.
@@ -293,7 +292,7 @@ impl TraceRecord {
             ),
             Judgement::Any(any) => format!("balanced accuracy {}", percent(any.occlusion.balanced_accuracy)),
         };
-        let clock = match self.clock {
+        let clock = match self.times.clock {
             ClockKind::Host => "host clock",
             ClockKind::DeviceTimestamps => "device timestamps",
             ClockKind::SubmitToDone => "submit to done",

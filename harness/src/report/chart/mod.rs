@@ -72,7 +72,7 @@ fn titles(what: &str, group: &Group<'_>) -> [String; 2] {
 
 /// Where, from what and how often a group was measured.
 fn caption(run: &Run, group: &Group<'_>) -> String {
-    let samples = group.contenders.iter().flat_map(|one| &one.traces).map(|trace| trace.samples_ms.len());
+    let samples = group.contenders.iter().flat_map(|one| &one.traces).map(|trace| trace.times.samples_ms.len());
     let (fewest, most) = samples.fold((usize::MAX, 0), |(low, high), count| (low.min(count), high.max(count)));
     let samples = match (fewest, most) {
         (_, 0) => "nothing timed".to_owned(),
@@ -97,7 +97,7 @@ fn caption(run: &Run, group: &Group<'_>) -> String {
 fn clocks(group: &Group<'_>) -> Vec<&'static str> {
     let mut clocks = Vec::new();
     for trace in group.contenders.iter().flat_map(|run| &run.traces) {
-        let name = format::clock(trace.clock);
+        let name = format::clock(trace.times.clock);
         if !clocks.contains(&name) {
             clocks.push(name);
         }
@@ -115,7 +115,7 @@ fn panel_title(set: &RaySet<'_>) -> String {
 fn legend_label(run: &TracerRun, clocks: &[&str]) -> String {
     let label = cut(&run.tracer.label(), LONGEST_TRACER);
     match run.traces.first() {
-        Some(trace) if clocks.len() > 1 => format!("{label} [{}]", format::clock(trace.clock)),
+        Some(trace) if clocks.len() > 1 => format!("{label} [{}]", format::clock(trace.times.clock)),
         _ => label,
     }
 }

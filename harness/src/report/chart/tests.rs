@@ -138,7 +138,7 @@ fn odd_figures_and_long_texts() {
     let oddities = [f64::NAN, f64::INFINITY, 0.0, -1.0];
     for (odd, trace) in oddities.into_iter().zip(run.runs.iter_mut().flat_map(|one| &mut one.traces)) {
         trace.mrays_per_s = odd;
-        trace.interval_ms = [odd, odd];
+        trace.times.interval_ms = [odd, odd];
         if let Judgement::Closest(judgement) = &mut trace.judgement {
             judgement.curve.push([odd, odd]);
             judgement.interval.tight = None;
