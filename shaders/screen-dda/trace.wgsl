@@ -8,7 +8,7 @@
 struct Settings {
     ray_count: u32,
     max_steps: u32,
-    // 0: t at the sampled eye depth, held within the step; 1: t at the step's own position (listing 1).
+    // 0: t at the step's own position (listing 1); 1: t at the stored eye depth, held within the step.
     hit_point: u32,
     // Pixels along the major axis.
     stride: f32,
@@ -104,7 +104,8 @@ fn march(ray: Ray) -> Answer {
             let t_low = mix(t_over_z.x, t_over_z.y, low) / k_low;
             let t_high = mix(t_over_z.x, t_over_z.y, high) / k_high;
             var t = mix(t_over_z.x, t_over_z.y, s) / mix(k.x, k.y, s);
-            if (settings.hit_point == 0u && direction.z != 0.0) {
+            // A ray that falls on one pixel has no other position than the stored depth.
+            if ((settings.hit_point == 1u || step == 1.0) && direction.z != 0.0) {
                 t = (stored - origin.z) / direction.z;
             }
             t = clamp(clamp(t, t_low, t_high), ray.t_min, ray.t_max);

@@ -270,7 +270,7 @@ fn crossings_need_no_thickness() {
             ([0.3, 0.2, -1.0], [0.1, 0.05, -1.0]),
         ] {
             let ray = from(origin, direction);
-            let hit = scene.one(ray, &[("thickness", thickness)]);
+            let hit = scene.one(ray, &[("thickness", thickness), ("hit_point", "depth")]);
             let expected = (-4.0 - f64::from(ray.origin[2])) / f64::from(ray.direction[2]);
             assert_eq!(status(&hit), Status::Hit, "{origin:?}");
             assert!((f64::from(hit.t) - expected).abs() < 1e-4, "{hit:?} {expected}");
@@ -360,7 +360,7 @@ fn rays_in_special_positions() {
         ([0.1, 0.1, -0.01], [0.0, 0.0, -1.0], 3.99),
         ([0.1, 0.1, 0.05], [0.0, 0.0, -1.0], 4.05),
     ] {
-        let hit = scene.one(from(origin, direction), &[]);
+        let hit = scene.one(from(origin, direction), &[("hit_point", "depth")]);
         assert_eq!(status(&hit), Status::Hit, "{origin:?} {direction:?}");
         assert!((f64::from(hit.t) - expected).abs() < 1e-4, "{origin:?} {direction:?}: {} not {expected}", hit.t);
     }

@@ -3,7 +3,7 @@
 use tracebench_api::{Description, Domain, Invalidation, ParameterDescription, ParameterScope, Residency, Value};
 
 /// The names of the ways to place a hit, in the order of the shader's codes.
-pub(crate) const HIT_POINTS: &[&str] = &["depth", "step"];
+pub(crate) const HIT_POINTS: &[&str] = &["step", "depth"];
 
 /// What `screen-dda` is and takes.
 pub fn description() -> Description {
@@ -65,8 +65,9 @@ pub fn description() -> Description {
                 "hit_point",
                 "",
                 Domain::Choice(HIT_POINTS),
-                choice("depth"),
-                "where in its step a hit is placed: at the stored eye depth, or at the step's position (listing 1)",
+                choice("step"),
+                "where in its step a hit is placed: at the step's position (listing 1), or at the stored eye depth; rays that \
+                 fall on one pixel always at the stored depth",
                 HIT_POINTS.iter().map(|name| choice(name)).collect(),
             ),
         ],

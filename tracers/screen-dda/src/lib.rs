@@ -8,8 +8,9 @@
 //! Deviations from the paper, each chosen so that the suite can compare methods:
 //! - Rays are clipped to the whole frustum, not only to the near plane, and depth intervals are held within the ray, so
 //!   that rays that fall on one pixel (every primary ray does) are answered too.
-//! - A hit's `t` is the ray's parameter at the stored eye depth, held within the ray's span in the step. With
-//!   `hit_point = step` it is that of the step's own position, as in listing 1.
+//! - Such a ray has no position along its walk: its hit is placed at the ray's parameter at the stored eye depth. Every
+//!   other hit is placed at its step's position, as in listing 1, or with `hit_point = depth` at the stored depth too,
+//!   held within the ray's span in the step.
 //! - The paper leaves thickness, step limit and jitter to the user. The defaults here are written in the parameters'
 //!   descriptions; thickness is told in scene diagonals, so that it means the same in every scene.
 
