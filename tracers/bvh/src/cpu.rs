@@ -6,6 +6,7 @@ use glam::{UVec2, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::node::CwBvhNode;
+use obvhs::faststack::{FastStack, HeapStack, StackStack};
 use obvhs::ray::Ray as ObvhsRay;
 use obvhs::rt_triangle::RtTriangle;
 use obvhs::triangle::Triangle;
@@ -23,8 +24,9 @@ const BUILDS: &[&str] = &["fastest", "very_fast", "fast", "medium", "slow", "ver
 /// Rays handed to a core at a time: large against the cost of handing over, small against the ray sets.
 const RAYS_PER_TASK: usize = 512;
 
-/// Depth of obvhs's traversal stack, which overwrites its top in silence when full; a node pushes once at most.
-const DEEPEST: usize = 31;
+/// Entries of obvhs's traversal stack, which overwrites its top in silence when full. A level pushes once at most; deeper
+/// hierarchies (thousands of equal triangles give them) are traversed with a stack of their depth.
+const STACK: usize = 32;
 
 /// Power of two to which a scene's diagonal is scaled. obvhs's CWBVH nodes drop everything nearer than 1e-4 whatever the
 /// scene's size; at this size that is less than 1e-9 of the diagonal. Powers of two lose no bit.
@@ -81,6 +83,8 @@ struct BvhCpuStructure {
     /// Factor from scene units to those of the hierarchy, a power of two.
     scale: f32,
     bvh: CwBvh,
+    /// Levels of nodes.
+    depth: usize,
     /// In the order of the leaves, so that a leaf's triangles are neighbours.
     triangles: Vec<RtTriangle>,
     triangle_count: usize,
@@ -116,20 +120,15 @@ impl Tracer for BvhCpu {
         keep("CWBVH nodes", size_of::<CwBvhNode>(), bvh.nodes.capacity(), bvh.nodes.len());
         keep("primitive indices", 4, bvh.primitive_indices.capacity(), bvh.primitive_indices.len());
         keep("triangles in leaf order", size_of::<RtTriangle>(), ordered.capacity(), ordered.len());
-        let structure = BvhCpuStructure {
+        let depth = depth(&bvh)?;
+        Ok(Box::new(BvhCpuStructure {
             scale,
             bvh,
+            depth,
             triangles: ordered,
             triangle_count: triangles.len(),
             memory: ledger.report(0),
-        };
-        let depth = structure.depth()?;
-        if depth > DEEPEST {
-            return Err(TracerError::Failed(format!(
-                "the hierarchy is {depth} levels deep, traversal can keep {DEEPEST}: choose another bvh-cpu.build"
-            )));
-        }
-        Ok(Box::new(structure))
+        }))
     }
 }
 
@@ -140,10 +139,28 @@ struct Work {
     tests: u64,
 }
 
+/// obvhs's `Traversal`, with a stack of one's own choice.
+struct Traversal<S> {
+    stack: S,
+    current_group: UVec2,
+    primitive_group: UVec2,
+    oct_inv4: u32,
+    primitive_id: u32,
+    hitmask: u32,
+}
+
 impl BvhCpuStructure {
     /// Closest hit or, with `any`, the first found. Equal t goes to the lower primitive. `COUNTED` is a constant so that
     /// the timed variant has no counting in it.
-    fn search<const COUNTED: bool>(&self, ray: &Ray, any: bool) -> (Hit, Work) {
+    fn answer<const COUNTED: bool>(&self, ray: &Ray, any: bool) -> (Hit, Work) {
+        if self.depth < STACK {
+            self.search::<COUNTED, _>(ray, any, StackStack::<UVec2, STACK>::default())
+        } else {
+            self.search::<COUNTED, _>(ray, any, HeapStack::<UVec2>::new_with_capacity(self.depth + 1))
+        }
+    }
+
+    fn search<const COUNTED: bool, S: FastStack<UVec2>>(&self, ray: &Ray, any: bool, stack: S) -> (Hit, Work) {
         let mut work = Work::default();
         let mut obvhs_ray = ObvhsRay::new(
             Vec3A::from(ray.origin) * self.scale,
@@ -152,7 +169,15 @@ impl BvhCpuStructure {
             (ray.t_max * self.scale).min(f32::MAX),
         );
         let mut found: Option<(usize, u32)> = None;
-        let mut state = self.bvh.new_traversal(obvhs_ray.direction);
+        let start = self.bvh.new_traversal(obvhs_ray.direction);
+        let mut state = Traversal {
+            stack,
+            current_group: start.current_group,
+            primitive_group: start.primitive_group,
+            oct_inv4: start.oct_inv4,
+            primitive_id: 0,
+            hitmask: 0,
+        };
         let mut node;
         'search: {
             obvhs::traverse!(
@@ -200,27 +225,27 @@ impl BvhCpuStructure {
         };
         (hit, work)
     }
+}
 
-    /// Levels of nodes from the root down.
-    fn depth(&self) -> Result<usize, TracerError> {
-        let mut deepest = 0;
-        let mut open = vec![(0_usize, 1_usize)];
-        let mut visited = 0;
-        while let Some((index, level)) = open.pop() {
-            let Some(node) = self.bvh.nodes.get(index) else {
-                return Err(TracerError::Failed(format!("node {index} does not exist")));
-            };
-            visited += 1;
-            if visited > self.bvh.nodes.len() {
-                return Err(TracerError::Failed("a node is reached twice".to_owned()));
-            }
-            deepest = deepest.max(level);
-            for child in 0..node.imask.count_ones() {
-                open.push(((node.child_base_idx + child) as usize, level + 1));
-            }
+/// Levels of nodes from the root down.
+fn depth(bvh: &CwBvh) -> Result<usize, TracerError> {
+    let mut deepest = 0;
+    let mut open = vec![(0_usize, 1_usize)];
+    let mut visited = 0;
+    while let Some((index, level)) = open.pop() {
+        let Some(node) = bvh.nodes.get(index) else {
+            return Err(TracerError::Failed(format!("node {index} does not exist")));
+        };
+        visited += 1;
+        if visited > bvh.nodes.len() {
+            return Err(TracerError::Failed("a node is reached twice".to_owned()));
         }
-        Ok(deepest)
+        deepest = deepest.max(level);
+        for child in 0..node.imask.count_ones() {
+            open.push(((node.child_base_idx + child) as usize, level + 1));
+        }
     }
+    Ok(deepest)
 }
 
 impl Structure for BvhCpuStructure {
@@ -230,7 +255,7 @@ impl Structure for BvhCpuStructure {
         clock.host_phase("traverse", || {
             hits.par_chunks_mut(RAYS_PER_TASK).zip(job.rays.host.par_chunks(RAYS_PER_TASK)).for_each(|(hits, rays)| {
                 for (hit, ray) in hits.iter_mut().zip(rays) {
-                    *hit = self.search::<false>(ray, any).0;
+                    *hit = self.answer::<false>(ray, any).0;
                 }
             });
         });
@@ -239,7 +264,7 @@ impl Structure for BvhCpuStructure {
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let any = job.rays.query == Query::Any;
-        let found: Vec<(Hit, Work)> = job.rays.host.par_iter().map(|ray| self.search::<true>(ray, any)).collect();
+        let found: Vec<(Hit, Work)> = job.rays.host.par_iter().map(|ray| self.answer::<true>(ray, any)).collect();
         for (slot, (hit, _)) in hits.host_mut(found.len())?.iter_mut().zip(&found) {
             *slot = *hit;
         }
@@ -254,7 +279,7 @@ impl Structure for BvhCpuStructure {
     }
 
     fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
-        let depth = self.depth()?;
+        let depth = depth(&self.bvh)?;
         let mut seen = vec![0_u32; self.triangle_count];
         for index in &self.bvh.primitive_indices {
             match seen.get_mut(*index as usize) {
