@@ -28,6 +28,10 @@ pub const TIGHT_ABSOLUTE: f64 = 1e-6;
 /// Ulps of the largest origin coordinate by which an origin is moved to see whether a ray is a tie.
 const TIE_ULPS: f64 = 4.0;
 
+/// The least coordinate, in scene diagonals, whose ulps count: next to the coordinates' origin the ulps of an origin's
+/// own coordinates shrink to nothing, while the scene around it is no finer than elsewhere.
+const TIE_LEAST_COORDINATE_DIAGONALS: f64 = 1.0 / 16.0;
+
 /// Rays of each set that are audited by brute force, at most; fewer in large scenes, but never fewer than four.
 const AUDITED_RAYS: usize = 32;
 /// Triangle tests that an audit may cost.
@@ -47,8 +51,8 @@ pub struct TrueHit {
 pub struct Answer {
     /// The nearest hit within the ray's span, of any-hit rays too.
     pub hit: Option<TrueHit>,
-    /// Whether the answer hangs on rounding: it changes when the origin moves by 4 ulp of its largest coordinate in any
-    /// of four directions square to the ray. A property of ray and scene, never of a candidate.
+    /// Whether the answer hangs on rounding: it changes when the origin moves by 4 ulp of its largest coordinate (or of a
+    /// sixteenth of the scene's diagonal, if that is more) in any of four directions square to the ray. A property of ray and scene, never of a candidate.
     pub tie: bool,
 }
 
@@ -198,7 +202,8 @@ impl Truth {
     /// Answers one ray and finds whether it is a tie.
     pub fn answer_one(&self, ray: &Ray64, query: Query) -> Answer {
         let hit = self.closest(ray);
-        let largest = ray.origin.abs().max_element() as f32;
+        let least = TIE_LEAST_COORDINATE_DIAGONALS * self.diagonal;
+        let largest = ray.origin.abs().max_element().max(least) as f32;
         let step = TIE_ULPS * f64::from(largest.next_up() - largest);
         let (across, upward) = ray.direction.normalize_or_zero().any_orthonormal_pair();
         let moves = [across, -across, upward, -upward];

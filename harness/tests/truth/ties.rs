@@ -110,3 +110,27 @@ fn ties_do_not_depend_on_the_order_of_triangles() {
     }
     assert!(ties[0] > 500 && ties[1] > 50, "{ties:?}");
 }
+
+/// Proves that a tie stays one when ray and scene are moved together, wherever the coordinates' origin lies: an eye on a
+/// floor that is the plane of a coordinate hangs on rounding no less than one on a floor beside it. An eye above the
+/// floor by more than the move is no tie in any place.
+#[test]
+fn ties_do_not_depend_on_where_zero_is() {
+    // All of these are whole numbers of the ulps of 16, so that moving loses nothing.
+    let step = 1.0 / f64::from(1 << 18);
+    for by in [[0.0, 0.0, 0.0], [0.5, 0.25, 1.0], [-8.0, 4.0, 8.0], [0.0, 0.0, 0.5]] {
+        let moved = |[x, y, z]: [f32; 3]| [x + by[0], y + by[1], z + by[2]];
+        let floor: Vec<_> = square(0.0).into_iter().map(|triangle| triangle.map(moved)).collect();
+        let truth = truth_of(&floor);
+        for direction in [DVec3::new(0.6, 0.0, -0.8), DVec3::new(0.0, -0.8, -0.6)] {
+            let from = |height: f64| {
+                let origin = DVec3::from(by.map(f64::from)) + DVec3::new(0.0, 0.25, height);
+                Ray64 { origin, direction, t_min: 0.0, t_max: f64::INFINITY }
+            };
+            assert!(truth.answer_one(&from(0.0), Query::Closest).tie, "{by:?} {direction}");
+            assert!(truth.answer_one(&from(0.0), Query::Any).tie, "{by:?} {direction}");
+            assert!(!truth.answer_one(&from(16.0 * step), Query::Any).tie, "{by:?} {direction}");
+            assert!(!truth.answer_one(&from(-16.0 * step), Query::Any).tie, "{by:?} {direction}");
+        }
+    }
+}
