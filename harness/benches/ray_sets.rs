@@ -14,7 +14,7 @@ use tracebench_api::{AdapterChoice, Gpu, Parameters, Preset, Timing};
 use tracebench_harness::plan::{Plan, RunPreset, SceneSource, TracerRequest, ViewRequest};
 use tracebench_harness::progress::Progress;
 use tracebench_harness::rays::RAY_SETS;
-use tracebench_harness::registry::TRACERS;
+use tracebench_harness::registry::{Device, TRACERS};
 use tracebench_harness::session::{Contender, Session};
 use tracebench_harness::truth::Cache;
 use tracebench_harness::{report, runner};
@@ -32,16 +32,20 @@ fn main() -> Result<(), Failure> {
         .warm_up_time(Duration::from_millis(300))
         .measurement_time(Duration::from_secs(1))
         .configure_from_args();
-    let gpu = Gpu::open(&AdapterChoice::default()).map(Arc::new);
-    if let Err(error) = &gpu {
+    let choice = AdapterChoice::from_environment(None)?;
+    let device = Gpu::open(&choice).map(Arc::new);
+    if let Err(error) = &device {
+        // Named in the environment, it is wanted.
+        if choice.wanted.is_some() {
+            return Err(error.clone().into());
+        }
         eprintln!("{error}");
     }
-    let gpu = gpu.ok();
-    let plan = plan(gpu.as_deref())?;
+    let plan = plan(device.as_deref().ok())?;
     if !std::env::args().any(|argument| argument == "--list") {
-        measure(&plan, gpu.as_ref())?;
+        measure(&plan, &device)?;
     }
-    sample(&plan, gpu.as_ref(), &mut criterion)?;
+    sample(&plan, &device, &mut criterion)?;
     criterion.final_summary();
     Ok(())
 }
@@ -70,9 +74,9 @@ fn plan(gpu: Option<&Gpu>) -> Result<Plan, Failure> {
 }
 
 /// The harness's own measurement, interleaved and judged.
-fn measure(plan: &Plan, gpu: Option<&Arc<Gpu>>) -> Result<(), Failure> {
+fn measure(plan: &Plan, device: &Device) -> Result<(), Failure> {
     let folder = folder();
-    let run = runner::execute(plan, gpu, &Cache::of_user(), &Progress::new(false))?;
+    let run = runner::execute(plan, device, &Cache::of_user(), &Progress::new(false))?;
     report::write_run(&run, &folder)?;
     for skipped in &run.skipped {
         println!("skipped {}: {}", skipped.tracer.as_deref().unwrap_or("all tracers"), skipped.reason);
@@ -91,13 +95,16 @@ fn folder() -> PathBuf {
 }
 
 /// Criterion's statistics over the same work, by the same clock.
-fn sample(plan: &Plan, gpu: Option<&Arc<Gpu>>, criterion: &mut Criterion) -> Result<(), Failure> {
-    let loaded = runner::prepare(plan, &plan.scenes[0], gpu, &Cache::of_user(), &Progress::new(true))?;
+fn sample(plan: &Plan, device: &Device, criterion: &mut Criterion) -> Result<(), Failure> {
+    let quiet = Progress::new(true);
+    let scene = runner::load_scene(&plan.scenes[0], plan.preset.scene_scale)?;
+    let loaded = runner::prepare(plan, scene, device, &Cache::of_user(), &quiet)?;
     let session = &loaded.session;
     let mut contenders = Vec::new();
     for request in &plan.tracers {
         let description = (request.registration.describe)();
-        let created = Contender::create(description, request.parameters.clone(), || request.registration.create(gpu));
+        let created =
+            Contender::create(description, request.parameters.clone(), || request.registration.create(device));
         // What this machine cannot run has been named as skipped by the measurement.
         let Ok(mut contender) = created else { continue };
         session.sample_build(&mut contender)?;

@@ -1,16 +1,16 @@
 //! Pictures of what a tracer answers to primary rays.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use clap::ValueEnum;
 use glam::DVec3;
-use tracebench_api::{Gpu, Hit, NO_PRIMITIVE, Query};
+use tracebench_api::{Hit, NO_PRIMITIVE, Query};
 use tracebench_scenes::Mesh;
 
 use crate::judge::{Class, Judge, Rule};
 use crate::plan::Plan;
 use crate::progress::Progress;
+use crate::registry::Device;
 use crate::report::{ReportError, files};
 use crate::runner::{self, LoadedScene, RunError};
 use crate::session::{Contender, PreparedRays};
@@ -62,20 +62,23 @@ const BACKGROUND: Rgb = [32, 36, 48];
 pub fn draw(
     plan: &Plan,
     what: What,
-    gpu: Option<&Arc<Gpu>>,
+    device: &Device,
     path: &Path,
     progress: &Progress,
 ) -> Result<Vec<String>, PictureError> {
+    // Said before the work is done, not after.
+    files::check_writable(path)?;
     let (source, request) = (&plan.scenes[0], &plan.tracers[0]);
     let scene = runner::load_scene(source, plan.preset.scene_scale).map_err(RunError::from)?;
     let mesh = scene.mesh.clone();
-    let loaded = runner::prepare_loaded(plan, scene, gpu, &Cache::of_user(), progress)?;
+    let loaded = runner::prepare(plan, scene, device, &Cache::of_user(), progress)?;
     let session = &loaded.session;
     let description = (request.registration.describe)();
     let name = description.name.to_owned();
     let failed = |error| RunError::Tracer { tracer: name.clone(), error };
-    let mut contender = Contender::create(description, request.parameters.clone(), || request.registration.create(gpu))
-        .map_err(failed)?;
+    let mut contender =
+        Contender::create(description, request.parameters.clone(), || request.registration.create(device))
+            .map_err(failed)?;
     session.sample_build(&mut contender).map_err(failed)?;
     let [width, height] = plan.preset.ray_image;
     let Some(rays) = session.rays.first() else {

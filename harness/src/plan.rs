@@ -104,3 +104,26 @@ pub struct Plan {
     /// Seed of the ray sets.
     pub seed: u64,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The presets are what the documentation says, given here as plain numbers.
+    #[test]
+    fn presets_are_the_documented_ones() {
+        let found = RUN_PRESETS.map(|preset| {
+            (preset.name, preset.ray_image, preset.frame, preset.face, preset.samples, preset.scene_scale)
+        });
+        assert_eq!(
+            found,
+            [
+                ("smoke", [64, 32], [128, 64], 64, 3, 0.05),
+                ("quick", [256, 128], [512, 256], 256, 10, 1.0),
+                ("paper", [1024, 512], [1024, 512], 512, 10, 1.0),
+            ]
+        );
+        assert_eq!(RunPreset::for_adapter(false).name, "quick");
+        assert_eq!(RunPreset::for_adapter(true).name, "paper");
+    }
+}

@@ -1,8 +1,14 @@
 //! Progress on stderr.
 
+use std::io::Write as _;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Writes a line to stderr. If nobody can read it any more, the work goes on.
+pub fn to_stderr(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
 
 /// Shows what takes long, unless told to be quiet. On a terminal as a bar, elsewhere as plain lines.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +25,7 @@ impl Progress {
     /// A line about what happens now.
     pub fn say(&self, message: &str) {
         if !self.quiet {
-            eprintln!("{message}");
+            to_stderr(message);
         }
     }
 

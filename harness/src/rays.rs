@@ -131,7 +131,31 @@ fn cosine_direction(normal: DVec3, generator: &mut Pcg64Mcg) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
+    use tracebench_api::Geometry;
+
     use super::*;
+    use crate::viewpoint::Pose;
+
+    /// A tenth of the diagonal for `ao`, no end for the rest, and origins lifted by what the documentation says: given
+    /// here as plain numbers, so that a changed constant is noticed.
+    #[test]
+    fn lengths_and_offsets_are_the_documented_ones() {
+        // A floor of 30 x 40: its diagonal is 50.
+        let corners = vec![[-15.0, 0.0, -20.0], [15.0, 0.0, -20.0], [15.0, 0.0, 20.0], [-15.0, 0.0, 20.0]];
+        let floor = Geometry::new(corners, vec![[0, 2, 1], [0, 3, 2]], None).unwrap();
+        let truth = Truth::new(&floor, "floor");
+        let viewpoint = Pose::parse("1,8,1:1,0,0.5").unwrap().viewpoint(&floor, [4, 4], 4);
+        assert!((f64::from(viewpoint.near) - 0.05).abs() < 1e-7);
+        let primary = Arc::new(primary_rays(&viewpoint, [4, 4]));
+        let answers: Vec<Answer> =
+            primary.iter().map(|ray| truth.answer_one(&Ray64::from(ray), Query::Closest)).collect();
+        for (set, t_max) in RAY_SETS.iter().zip([Ray::UNBOUNDED, Ray::UNBOUNDED, 5.0]) {
+            let rays = make(set, &truth, &primary, &answers, 7);
+            assert!(rays.iter().all(|ray| ray.t_max == t_max && ray.t_min == 0.0), "{}", set.name);
+            let height = if set.name == "primary" { 8.0 } else { 5e-4 };
+            assert!(rays.iter().all(|ray| (ray.origin[1] - height).abs() < 0.1 * height), "{}", set.name);
+        }
+    }
 
     /// The mean cosine of a cosine-distributed direction is 2/3, its mean square 1/2; streams differ.
     #[test]

@@ -4,7 +4,10 @@ use std::sync::Arc;
 
 use tracebench_api::{Description, Gpu, Residency, Tracer, TracerError};
 
-type Create = fn(Option<Arc<Gpu>>) -> Result<Box<dyn Tracer>, TracerError>;
+/// The device, or why there is none: what a tracer that needs one is skipped for.
+pub type Device = Result<Arc<Gpu>, TracerError>;
+
+type Create = fn(Device) -> Result<Box<dyn Tracer>, TracerError>;
 
 /// A tracer in the registry.
 #[derive(Clone, Copy)]
@@ -20,21 +23,17 @@ pub const TRACERS: &[Registration] = &[
     Registration { describe: tracebench_bvh::description, create: |_| Ok(Box::new(tracebench_bvh::BvhCpu)) },
     Registration {
         describe: tracebench_screen_dda::description,
-        create: |gpu| Ok(Box::new(tracebench_screen_dda::ScreenDda::new(need(gpu)?)?)),
+        create: |gpu| Ok(Box::new(tracebench_screen_dda::ScreenDda::new(gpu?)?)),
     },
 ];
-
-fn need(gpu: Option<Arc<Gpu>>) -> Result<Arc<Gpu>, TracerError> {
-    gpu.ok_or_else(|| TracerError::Unavailable("it runs on a graphics adapter and none was found".to_owned()))
-}
 
 impl Registration {
     /// Creates the tracer with its pipelines.
     ///
     /// # Errors
-    /// [`TracerError::Unavailable`] if this machine cannot run it.
-    pub fn create(&self, gpu: Option<&Arc<Gpu>>) -> Result<Box<dyn Tracer>, TracerError> {
-        (self.create)(gpu.cloned())
+    /// Why there is no device, if it needs one; [`TracerError::Unavailable`] if this machine cannot run it.
+    pub fn create(&self, device: &Device) -> Result<Box<dyn Tracer>, TracerError> {
+        (self.create)(device.clone())
     }
 
     /// Whether it needs a device.

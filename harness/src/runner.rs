@@ -1,8 +1,9 @@
 //! Runs a plan: builds and traces interleaved over the contenders, judges, and writes everything down.
 
-use std::sync::Arc;
+#[cfg(test)]
+mod tests;
 
-use tracebench_api::{Geometry, Gpu, HitBuffer, RayBuffer, Residency, Timing, TracerError};
+use tracebench_api::{Geometry, HitBuffer, RayBuffer, Residency, Timing, TracerError};
 use tracebench_scenes::{Camera, Scene, SceneError};
 
 use crate::controls::Control;
@@ -10,6 +11,7 @@ use crate::machine;
 use crate::plan::{Plan, SceneSource, TracerRequest, ViewRequest};
 use crate::progress::Progress;
 use crate::records::{self, Traced};
+use crate::registry::Device;
 use crate::results::{Run, SCHEMA, SceneRecord, Skipped, TraceRecord, TracerRecord, TracerRun, ViewpointRecord};
 use crate::session::{Contender, PreparedRays, RayRequest, Session, SessionError};
 use crate::truth::{Cache, Truth};
@@ -83,18 +85,20 @@ pub fn choose_pose(request: &ViewRequest, scene: &str, cameras: &[Camera], truth
     match request {
         ViewRequest::Given(pose) => Ok(pose.clone()),
         ViewRequest::Default => Ok(cameras.first().map_or_else(|| viewpoint::find(truth), Pose::from)),
-        ViewRequest::Named(name) => {
-            let camera = cameras.iter().find(|camera| camera.name == *name);
-            camera.map(Pose::from).ok_or_else(|| RunError::UnknownView {
-                scene: scene.to_owned(),
-                name: name.clone(),
-                known: match cameras {
-                    [] => "none".to_owned(),
-                    cameras => cameras.iter().map(|camera| camera.name.as_str()).collect::<Vec<_>>().join(", "),
-                },
-            })
-        }
+        ViewRequest::Named(name) => named_pose(name, scene, cameras),
     }
+}
+
+fn named_pose(name: &str, scene: &str, cameras: &[Camera]) -> Result<Pose, RunError> {
+    let camera = cameras.iter().find(|camera| camera.name == name);
+    camera.map(Pose::from).ok_or_else(|| RunError::UnknownView {
+        scene: scene.to_owned(),
+        name: name.to_owned(),
+        known: match cameras {
+            [] => "none".to_owned(),
+            cameras => cameras.iter().map(|camera| camera.name.as_str()).collect::<Vec<_>>().join(", "),
+        },
+    })
 }
 
 /// A scene that is ready to be measured.
@@ -107,33 +111,38 @@ pub struct LoadedScene {
     pub session: Session,
 }
 
-/// Loads a scene, chooses the viewpoint, makes rays and truth.
+/// Loads the plan's scenes and looks whether they have the viewpoint, so that what is wrong with the last one is said
+/// before the first is measured.
+///
+/// # Errors
+/// [`RunError`] as its variants say.
+pub fn load(plan: &Plan, progress: &Progress) -> Result<Vec<Scene>, RunError> {
+    let load = |source: &SceneSource| {
+        if let SceneSource::File(path) = source {
+            progress.say(&format!("loading {}", path.display()));
+        }
+        let scene = load_scene(source, plan.preset.scene_scale)?;
+        if let ViewRequest::Named(name) = &plan.view {
+            named_pose(name, &scene.name, &scene.cameras)?;
+        }
+        Ok(scene)
+    };
+    plan.scenes.iter().map(load).collect()
+}
+
+/// Chooses the viewpoint of a scene, makes rays and truth.
 ///
 /// # Errors
 /// [`RunError`] as its variants say.
 pub fn prepare(
     plan: &Plan,
-    source: &SceneSource,
-    gpu: Option<&Arc<Gpu>>,
-    cache: &Cache,
-    progress: &Progress,
-) -> Result<LoadedScene, RunError> {
-    let scene = load_scene(source, plan.preset.scene_scale)?;
-    prepare_loaded(plan, scene, gpu, cache, progress)
-}
-
-/// The same for a scene that is loaded already.
-///
-/// # Errors
-/// As [`prepare`].
-pub fn prepare_loaded(
-    plan: &Plan,
     scene: Scene,
-    gpu: Option<&Arc<Gpu>>,
+    device: &Device,
     cache: &Cache,
     progress: &Progress,
 ) -> Result<LoadedScene, RunError> {
     progress.say(&format!("scene {}: {} triangles", scene.name, scene.mesh.triangles.len()));
+    let gpu = device.as_ref().ok();
     let record = records::scene_record(&scene);
     progress.say("  ground truth");
     let geometry = Geometry::new(scene.mesh.positions, scene.mesh.triangles, gpu.map(AsRef::as_ref))?;
@@ -149,7 +158,8 @@ pub fn prepare_loaded(
 ///
 /// # Errors
 /// [`RunError`] as its variants say; nothing has been written then.
-pub fn execute(plan: &Plan, gpu: Option<&Arc<Gpu>>, cache: &Cache, progress: &Progress) -> Result<Run, RunError> {
+pub fn execute(plan: &Plan, device: &Device, cache: &Cache, progress: &Progress) -> Result<Run, RunError> {
+    let gpu = device.as_ref().ok();
     // Known before the truth is told, which takes long for many rays.
     if let Some(gpu) = gpu.filter(|_| plan.tracers.iter().any(TracerRequest::must_have_device)) {
         let [width, height] = plan.preset.ray_image.map(u64::from);
@@ -169,9 +179,9 @@ pub fn execute(plan: &Plan, gpu: Option<&Arc<Gpu>>, cache: &Cache, progress: &Pr
         runs: Vec::new(),
         skipped: Vec::new(),
     };
-    for source in &plan.scenes {
-        let loaded = prepare(plan, source, gpu, cache, progress)?;
-        measure_scene(plan, &loaded, gpu, progress, &mut run)?;
+    for scene in load(plan, progress)? {
+        let loaded = prepare(plan, scene, device, cache, progress)?;
+        measure_scene(plan, &loaded, device, progress, &mut run)?;
     }
     if run.runs.is_empty() {
         let reasons: Vec<_> = run.skipped.iter().map(|skipped| skipped.reason.as_str()).collect();
@@ -227,7 +237,7 @@ impl Entry {
 fn measure_scene(
     plan: &Plan,
     loaded: &LoadedScene,
-    gpu: Option<&Arc<Gpu>>,
+    device: &Device,
     progress: &Progress,
     run: &mut Run,
 ) -> Result<(), RunError> {
@@ -240,7 +250,8 @@ fn measure_scene(
     for request in &plan.tracers {
         let description = (request.registration.describe)();
         let name = description.name;
-        let created = Contender::create(description, request.parameters.clone(), || request.registration.create(gpu));
+        let created =
+            Contender::create(description, request.parameters.clone(), || request.registration.create(device));
         match created {
             Ok(contender) => entries.push(Entry::new(contender, Some(request.clone()), None)),
             Err(error) => refuse(run, scene, name, request.required, error)?,

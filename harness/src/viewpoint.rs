@@ -228,6 +228,25 @@ mod tests {
         assert!(look(&truth, object.eye.as_dvec3(), direction).is_some());
     }
 
+    /// How much of the surroundings makes an interior: from the middle of a room without a roof five sixths of all
+    /// directions hit a wall, which is enough; without a wall as well it is two thirds, which is not. Walls seen from
+    /// behind make no interior either.
+    #[test]
+    fn interiors_are_mostly_closed() {
+        let without = |sides: &[usize], inward: bool| {
+            let whole = boxed(inward);
+            let kept = |(index, triangle): (usize, &[u32; 3])| (!sides.contains(&(index / 2))).then_some(*triangle);
+            let triangles = whole.geometry().triangles.iter().enumerate().filter_map(kept).collect();
+            Truth::new(&Geometry::new(whole.geometry().positions.to_vec(), triangles, None).unwrap(), "open box")
+        };
+        // In the order of `boxed`, a pair of triangles each: z-, z+, y-, y+, x-, x+.
+        assert_eq!(find(&without(&[3], true)).name, "found: interior");
+        assert_eq!(find(&without(&[3], false)).name, "found: outside");
+        let centre = |truth: &Truth| interior_openness(truth, DVec3::splat(2.0));
+        assert!(centre(&without(&[3], true)).is_some());
+        assert!(centre(&without(&[1, 3], true)).is_none());
+    }
+
     /// Negative numbers are read; what is not two finite, separate points is refused.
     #[test]
     fn poses_are_parsed() {

@@ -24,7 +24,8 @@ impl Subject {
     fn new(registration: &Registration, preset: Preset) -> Self {
         let description = (registration.describe)();
         let gpu = gpu();
-        let tracer = registration.create(Some(&gpu)).unwrap_or_else(|error| panic!("{}: {error}", description.name));
+        let tracer =
+            registration.create(&Ok(Arc::clone(&gpu))).unwrap_or_else(|error| panic!("{}: {error}", description.name));
         Self {
             name: description.name,
             residency: description.residency,
@@ -238,6 +239,36 @@ fn wrong_answers_are_noticed() {
         assert!(wrong(Hit { t: 0.5, ..good }) && wrong(Hit { t: 2.5, ..good }) && wrong(Hit { t: f32::NAN, ..good }));
         assert!(wrong(Hit { primitive: 1, ..good }));
         assert!(wrong(Hit { t: 1.0, ..Hit::miss(Status::Miss) }));
+    }
+}
+
+/// Proves that of hits at equal t the lower primitive is named, whatever the structure's order: forty equal triangles
+/// among others, by every value of every choice that a build has.
+#[test]
+fn equal_hits_go_to_the_lower_primitive() {
+    let gpu = gpu();
+    let mut numbers = Numbers::new(31);
+    let plate = rectangle([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0])[0];
+    let mut triangles: Vec<[[f32; 3]; 3]> = Vec::new();
+    for index in 0..120 {
+        let aside = (numbers.point() * 0.2 + DVec3::new(1.5, -1.5, 0.3)).as_vec3();
+        let other = plate.map(|corner| (Vec3::from(corner) * 0.1 + aside).to_array());
+        triangles.push(if index % 3 == 1 { plate } else { other });
+    }
+    let geometry = soup(&triangles, Some(&gpu));
+    let view = viewpoint(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 0.01, 10.0, [32, 32]);
+    let rays: Vec<Ray> = (0..64).map(|i| ray(DVec3::new(0.7, -0.9 + 0.02 * f64::from(i), 2.0), DVec3::NEG_Z)).collect();
+    for mut subject in subjects().into_iter().filter(|subject| subject.names_primitives) {
+        let registration = tracebench_harness::registry::find(subject.name).unwrap();
+        let described = (registration.describe)().parameters;
+        let sweeps = described.iter().flat_map(|each| each.sweep.iter().map(|value| (each.name, value.to_string())));
+        for (name, value) in sweeps {
+            subject.parameters.set(&described, name, &value).unwrap();
+            let structure = subject.build(&geometry, &view);
+            for hit in subject.trace(&*structure, &subject.rays(&rays, Query::Closest)) {
+                assert!(hit.is_hit() && hit.primitive == 1, "{} {name}={value}: {hit:?}", subject.name);
+            }
+        }
     }
 }
 

@@ -21,7 +21,7 @@ pub(super) struct RunArguments {
     /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas.
     #[arg(long, default_value = "room")]
     pub scene: String,
-    /// Tracers: NAME[:PRESET] with commas, all, or all:improved. A plain name means the published preset.
+    /// Tracers: NAME or NAME:PRESET with commas, all, or all:improved. A plain name means the published preset.
     #[arg(long, default_value = "all")]
     pub tracer: String,
     /// Ray sets: names from `list rays` with commas, or all.
@@ -65,7 +65,7 @@ pub(super) struct CommonArguments {
     #[arg(long = "set", value_name = "T.P=V", allow_hyphen_values = true)]
     pub settings: Vec<String>,
     /// Adapter: part of its name, or its number in `adapters`.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = clap::builder::NonEmptyStringValueParser::new())]
     pub adapter: Option<String>,
 }
 
@@ -74,7 +74,7 @@ pub(super) struct PictureArguments {
     /// Scene: a name from `list scenes`, or a path to a .gltf or .glb file.
     #[arg(long)]
     pub scene: String,
-    /// Tracer, NAME[:PRESET].
+    /// Tracer, NAME or NAME:PRESET.
     #[arg(long)]
     pub tracer: String,
     /// What is drawn.

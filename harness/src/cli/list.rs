@@ -2,9 +2,11 @@
 
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
-use tracebench_api::{Domain, Preset};
+use tracebench_api::{AdapterChoice, AdapterListing, Description, Domain, ParameterDescription, Preset};
+use tracebench_scenes::CatalogueEntry;
 
 use super::CliError;
+use super::output::print;
 use crate::progress::Progress;
 use crate::rays::RAY_SETS;
 use crate::registry::TRACERS;
@@ -33,27 +35,26 @@ enum Kind {
     Rays,
 }
 
-fn print_json(value: &Value) {
-    println!("{value:#}");
+fn print_json(value: &Value) -> Result<(), CliError> {
+    print(&format!("{value:#}\n"))
 }
 
 pub(super) fn adapters(arguments: &AdapterArguments, progress: &Progress) -> Result<(), CliError> {
+    // A backend that does not exist is an error here too, not an empty list.
+    AdapterChoice::from_environment(None)?;
     let adapters = tracebench_api::list_adapters();
     if arguments.json {
         let value = serde_json::to_value(&adapters).map_err(|error| CliError::Other(error.to_string()))?;
-        print_json(&value);
-        return Ok(());
+        return print_json(&value);
     }
     if adapters.is_empty() {
         progress.say("no graphics adapter was found; setup.sh installs a software one on Debian and Ubuntu");
     }
-    for (number, adapter) in adapters.iter().enumerate() {
-        println!(
-            "{number}: {} ({}, {}, driver {} {})",
-            adapter.name, adapter.kind, adapter.backend, adapter.driver, adapter.driver_version
-        );
-    }
-    Ok(())
+    let line = |(number, adapter): (usize, &AdapterListing)| {
+        let AdapterListing { name, kind, backend, driver, driver_version, .. } = adapter;
+        format!("{number}: {name} ({kind}, {backend}, driver {driver} {driver_version})\n")
+    };
+    print(&adapters.iter().enumerate().map(line).collect::<String>())
 }
 
 pub(super) fn list(arguments: &ListArguments) -> Result<(), CliError> {
@@ -63,19 +64,13 @@ pub(super) fn list(arguments: &ListArguments) -> Result<(), CliError> {
         Kind::Rays => rays(),
     };
     if arguments.json {
-        print_json(&Value::Array(items));
-        return Ok(());
+        return print_json(&Value::Array(items));
     }
-    match arguments.what {
-        Kind::Tracers => print_tracers(),
-        Kind::Scenes => print_scenes(),
-        Kind::Rays => {
-            for set in RAY_SETS {
-                println!("{:<10} {}", set.name, set.summary);
-            }
-        }
-    }
-    Ok(())
+    print(&match arguments.what {
+        Kind::Tracers => TRACERS.iter().map(|registration| tracer_text(&(registration.describe)())).collect(),
+        Kind::Scenes => scenes_text(),
+        Kind::Rays => RAY_SETS.iter().map(|set| format!("{:<10} {}\n", set.name, set.summary)).collect::<String>(),
+    })
 }
 
 fn tracers() -> Vec<Value> {
@@ -87,23 +82,19 @@ fn tracers() -> Vec<Value> {
     TRACERS.iter().map(item).collect()
 }
 
-fn print_tracers() {
-    for registration in TRACERS {
-        let description = (registration.describe)();
-        println!("{:<12} {}\n{:12} {}", description.name, description.summary, "", description.citation);
-        for parameter in &description.parameters {
-            let range = match parameter.domain {
-                Domain::Integer { least, greatest } => format!("{least} to {greatest}"),
-                Domain::Real { least, greatest } => format!("{least} to {greatest}"),
-                Domain::Choice(names) => names.join(", "),
-            };
-            let unit = if parameter.unit.is_empty() { String::new() } else { format!(" {}", parameter.unit) };
-            println!(
-                "  {}.{} = {}{unit} ({range}; improved {}): {}",
-                description.name, parameter.name, parameter.published, parameter.improved, parameter.effect
-            );
-        }
-    }
+fn tracer_text(description: &Description) -> String {
+    let parameter = |parameter: &ParameterDescription| {
+        let range = match parameter.domain {
+            Domain::Integer { least, greatest } => format!("{least} to {greatest}"),
+            Domain::Real { least, greatest } => format!("{least} to {greatest}"),
+            Domain::Choice(names) => names.join(", "),
+        };
+        let unit = if parameter.unit.is_empty() { String::new() } else { format!(" {}", parameter.unit) };
+        let ParameterDescription { name, published, improved, effect, .. } = parameter;
+        format!("  {}.{name} = {published}{unit} ({range}; improved {improved}): {effect}\n", description.name)
+    };
+    let head = format!("{:<12} {}\n{:12} {}\n", description.name, description.summary, "", description.citation);
+    head + &description.parameters.iter().map(parameter).collect::<String>()
 }
 
 /// Names of a scene's cameras. They do not depend on its scale, so the smallest serves.
@@ -113,7 +104,7 @@ fn camera_names(scene: &str) -> Vec<String> {
 }
 
 fn scenes() -> Vec<Value> {
-    let item = |entry: &tracebench_scenes::CatalogueEntry| {
+    let item = |entry: &CatalogueEntry| {
         json!({
             "name": entry.name,
             "description": entry.description,
@@ -125,12 +116,14 @@ fn scenes() -> Vec<Value> {
     tracebench_scenes::catalogue().iter().map(item).collect()
 }
 
-fn print_scenes() {
-    for entry in tracebench_scenes::catalogue() {
-        println!("{:<10} {} ({} triangles)", entry.name, entry.description, entry.triangles_at_scale_1);
-        println!("{:10} viewpoints: {}", "", camera_names(entry.name).join(", "));
-    }
-    println!("Any .gltf or .glb file is a scene too, by its path.");
+fn scenes_text() -> String {
+    let entry = |entry: &CatalogueEntry| {
+        let CatalogueEntry { name, description, triangles_at_scale_1, .. } = entry;
+        let viewpoints = camera_names(name).join(", ");
+        format!("{name:<10} {description} ({triangles_at_scale_1} triangles)\n{:10} viewpoints: {viewpoints}\n", "")
+    };
+    let entries: String = tracebench_scenes::catalogue().iter().map(entry).collect();
+    entries + "Any .gltf or .glb file is a scene too, by its path.\n"
 }
 
 fn rays() -> Vec<Value> {

@@ -5,6 +5,7 @@
 mod arguments;
 mod list;
 mod names;
+mod output;
 mod run;
 
 use std::process::ExitCode;
@@ -14,13 +15,14 @@ use clap::{Parser, Subcommand};
 use tracebench_api::{AdapterChoice, Gpu, TracerError};
 
 use crate::picture::PictureError;
-use crate::progress::Progress;
+use crate::progress::{self, Progress};
+use crate::registry::Device;
 use crate::report::ReportError;
 use crate::runner::RunError;
 
 /// Comparative benchmark of image-space ray tracers: speed and accuracy of the same rays, side by side.
 #[derive(Parser)]
-#[command(name = "tracebench", version, about, max_term_width = 100)]
+#[command(name = "tracebench", version, max_term_width = 100)]
 struct CommandLine {
     /// Show no progress.
     #[arg(long, global = true)]
@@ -99,21 +101,23 @@ pub fn main() -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            progress::to_stderr(&format!("error: {error}"));
             error.exit_code()
         }
     }
 }
 
-/// Opens the device if any tracer can use it. With `wanted` or a tracer that must have it, not getting one is an error.
-fn open_device(wanted: Option<&str>, useful: bool, required: bool) -> Result<Option<Arc<Gpu>>, CliError> {
+/// Opens the device if any tracer can use it; else, and if there is none, says why. An adapter that is named (by
+/// `wanted` or by `WGPU_ADAPTER_NAME`) and a tracer that must have one make not getting one an error.
+fn open_device(wanted: Option<&str>, useful: bool, required: bool) -> Result<Device, CliError> {
     if !useful && wanted.is_none() {
-        return Ok(None);
+        return Ok(Err(TracerError::Unavailable("no tracer of this run uses a graphics adapter".to_owned())));
     }
-    let choice = AdapterChoice { wanted: wanted.map(str::to_owned) };
+    let choice = AdapterChoice::from_environment(wanted)?;
+    let required = required || choice.wanted.is_some();
     match Gpu::open(&choice) {
-        Ok(gpu) => Ok(Some(Arc::new(gpu))),
-        Err(error) if wanted.is_some() || required => Err(error.into()),
-        Err(_) => Ok(None),
+        Ok(gpu) => Ok(Ok(Arc::new(gpu))),
+        Err(error) if required => Err(error.into()),
+        Err(error) => Ok(Err(error)),
     }
 }

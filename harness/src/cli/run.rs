@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::arguments::{PictureArguments, RunArguments};
+use super::output::print;
 use super::{CliError, names, open_device};
 use crate::picture;
 use crate::plan::{Plan, RunPreset, TracerRequest};
@@ -28,45 +29,72 @@ pub(super) fn run(arguments: &RunArguments, progress: &Progress) -> Result<(), C
     // Arguments are checked before any device or file is touched.
     let requests = names::tracers(&arguments.tracer, &arguments.common.settings)?;
     arguments.plan(|| false)?;
-    let gpu = open_device(
+    let device = open_device(
         arguments.common.adapter.as_deref(),
         needs_device(&requests),
         requests.iter().any(TracerRequest::must_have_device),
     )?;
-    let plan = arguments.plan(|| gpu.as_ref().is_some_and(|gpu| !gpu.is_software()))?;
-    let out = arguments
-        .out
-        .clone()
-        .unwrap_or_else(|| Path::new("tracebench-out").join(crate::machine::utc_now().replace(':', "")));
-    let is_new = prepare_directory(&out)?;
-    say_plan(&plan, gpu.as_ref().map(|gpu| gpu.listing.name.as_str()), progress);
-    let run = runner::execute(&plan, gpu.as_ref(), &Cache::of_user(), progress).inspect_err(|_| {
-        // A run that failed leaves nothing; a folder that is not empty stays, whatever happens here.
-        if is_new {
-            let _ = std::fs::remove_dir(&out);
-        }
-    })?;
+    let plan = arguments.plan(|| device.as_ref().is_ok_and(|gpu| !gpu.is_software()))?;
+    let out = match &arguments.out {
+        Some(path) => OutputFolder::open(path)?,
+        None => OutputFolder::fresh()?,
+    };
+    say_plan(&plan, device.as_ref().ok().map(|gpu| gpu.listing.name.as_str()), progress);
+    let run = runner::execute(&plan, &device, &Cache::of_user(), progress).inspect_err(|_| out.abandon())?;
     say_skipped(&run, progress);
-    reports::write_run(&run, &out)?;
-    for line in run.headlines() {
-        println!("{line}");
-    }
-    println!("{}", out.join("summary.md").display());
-    Ok(())
+    reports::write_run(&run, &out.path)?;
+    let mut lines = run.headlines();
+    lines.push(out.path.join("summary.md").display().to_string());
+    print(&(lines.join("\n") + "\n"))
 }
 
-/// Refuses a folder that cannot be written before the work is done, not after. Says whether it was made just now.
-fn prepare_directory(path: &Path) -> Result<bool, CliError> {
-    let fail = |reason: std::io::Error| {
-        CliError::Other(format!(
-            "cannot write to the output folder {}: {reason}; choose another with --out",
-            path.display()
-        ))
-    };
-    let is_new = !path.exists();
-    std::fs::create_dir_all(path).map_err(fail)?;
-    tempfile::NamedTempFile::new_in(path).map_err(fail)?;
-    Ok(is_new)
+/// The folder for results, made before the work is done: one that cannot be written is refused then.
+struct OutputFolder {
+    path: PathBuf,
+    /// What was made for it, the outermost last; removed again, while empty, when the run fails.
+    made: Vec<PathBuf>,
+}
+
+impl OutputFolder {
+    fn open(path: &Path) -> Result<Self, CliError> {
+        let fail = |reason: std::io::Error| {
+            CliError::Other(format!(
+                "cannot write to the output folder {}: {reason}; choose another with --out",
+                path.display()
+            ))
+        };
+        let missing = |part: &&Path| !part.as_os_str().is_empty() && !part.exists();
+        let made = path.ancestors().take_while(missing).map(Path::to_owned).collect();
+        std::fs::create_dir_all(path).map_err(fail)?;
+        let folder = Self { path: path.to_owned(), made };
+        tempfile::NamedTempFile::new_in(path).map_err(fail).inspect_err(|_| folder.abandon())?;
+        Ok(folder)
+    }
+
+    /// A new folder, named after the time; two runs that begin in the same second get one each.
+    fn fresh() -> Result<Self, CliError> {
+        let parent = Self::open(Path::new("tracebench-out"))?;
+        let stamp = crate::machine::utc_now().replace(':', "");
+        for attempt in 1..1000 {
+            let name = if attempt == 1 { stamp.clone() } else { format!("{stamp}-{attempt}") };
+            let path = parent.path.join(name);
+            match std::fs::create_dir(&path) {
+                Ok(()) => return Ok(Self { made: [vec![path.clone()], parent.made].concat(), path }),
+                Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(CliError::Other(format!("cannot make {}: {error}", path.display()))),
+            }
+        }
+        Err(CliError::Other(format!("{} is full of runs of this second", parent.path.display())))
+    }
+
+    /// A run that failed leaves nothing; a folder that is not empty stays, whatever happens here.
+    fn abandon(&self) {
+        for path in &self.made {
+            if std::fs::remove_dir(path).is_err() {
+                break;
+            }
+        }
+    }
 }
 
 fn say_plan(plan: &Plan, adapter: Option<&str>, progress: &Progress) {
@@ -119,10 +147,7 @@ pub(super) fn picture(arguments: &PictureArguments, progress: &Progress) -> Resu
         seed: 1,
     };
     let needed = tracer.registration.needs_device();
-    let gpu = open_device(arguments.common.adapter.as_deref(), needed, needed)?;
-    let legend = picture::draw(&plan, arguments.what, gpu.as_ref(), &arguments.out, progress)?;
-    for line in legend {
-        println!("{line}");
-    }
-    Ok(())
+    let device = open_device(arguments.common.adapter.as_deref(), needed, needed)?;
+    let legend = picture::draw(&plan, arguments.what, &device, &arguments.out, progress)?;
+    print(&legend.iter().map(|line| format!("{line}\n")).collect::<String>())
 }

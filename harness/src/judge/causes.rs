@@ -131,10 +131,13 @@ impl Judge<'_> {
         })
     }
 
-    /// The eye depth at the centre of the pixel that a point falls on.
+    /// The eye depth at the centre of the pixel that a point falls on; on a border between pixels, to a rasterizer's
+    /// precision, of a neighbour if its own centre shows nothing.
     fn centre_depth(&self, view: &View, point: DVec3) -> Option<f64> {
         let at = view.project_inside(point)?;
-        self.shown(view, pixel_centre(at.x), pixel_centre(at.y)).map(|found| found.t)
+        let moves = [0.0, -RASTER_SNAP_PIXELS, RASTER_SNAP_PIXELS];
+        let mut centres = moves.iter().flat_map(|down| moves.iter().map(move |across| (at.x + across, at.y + down)));
+        centres.find_map(|(x, y)| self.shown(view, pixel_centre(x), pixel_centre(y))).map(|found| found.t)
     }
 
     /// What a view shows at a position in pixels; t is the eye depth.

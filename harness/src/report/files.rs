@@ -15,12 +15,26 @@ pub(crate) fn create_directory(path: &Path) -> Result<(), ReportError> {
     fs::create_dir_all(path).map_err(|source| ReportError::CreateDirectory { path: path.to_owned(), source })
 }
 
+/// Looks whether a file could be written, by one beside its place that is gone again at once.
+pub(crate) fn check_writable(path: &Path) -> Result<(), ReportError> {
+    let fail = |source| ReportError::Write { path: path.to_owned(), source };
+    if path.is_dir() {
+        return Err(fail(std::io::ErrorKind::IsADirectory.into()));
+    }
+    tempfile_beside(path).map(drop).map_err(fail)
+}
+
+/// A temporary file in the same folder: a rename does not cross file systems.
+fn tempfile_beside(path: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    // The system's word alone: the temporary file's name would only puzzle.
+    builder().tempfile_in(folder).map_err(|error| error.raw_os_error().map_or(error, std::io::Error::from_raw_os_error))
+}
+
 /// Writes a file beside its place and renames it, so that readers see the old contents or the new, never a part.
 pub(crate) fn write(path: &Path, contents: &[u8]) -> Result<(), ReportError> {
     let fail = |source| ReportError::Write { path: path.to_owned(), source };
-    // The same folder: a rename does not cross file systems.
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = builder().tempfile_in(folder).map_err(fail)?;
+    let mut file = tempfile_beside(path).map_err(fail)?;
     file.write_all(contents).map_err(fail)?;
     file.persist(path).map_err(|error| fail(error.error))?;
     Ok(())

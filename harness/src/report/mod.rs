@@ -66,7 +66,21 @@ pub fn write_derived(run: &Run, directory: &Path) -> Result<Vec<PathBuf>, Report
     for file in chart::charts(run, &groups)? {
         write(&file.name, &file.contents)?;
     }
+    remove_stale_charts(directory, &paths);
     Ok(paths)
+}
+
+/// Charts of scenes that only an older run in the same folder had would pass for this one's.
+fn remove_stale_charts(directory: &Path, written: &[PathBuf]) {
+    let entries = fs::read_dir(directory).into_iter().flatten().flatten();
+    for path in entries.map(|entry| entry.path()).filter(|path| !written.contains(path)) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let is_picture = [".svg", ".png"].iter().any(|ending| name.ends_with(ending));
+        if is_picture && chart::STEMS.iter().any(|stem| name.starts_with(stem)) {
+            // One that cannot be removed is in nobody's way.
+            let _ = fs::remove_file(&path);
+        }
+    }
 }
 
 /// Reads a run back from its folder or from the file itself.

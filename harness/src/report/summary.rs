@@ -36,7 +36,7 @@ pub(super) fn summary(run: &Run, groups: &[Group<'_>]) -> String {
 }
 
 fn head(run: &Run) -> String {
-    let mut text = format!("# tracebench on {}\n\n", inline(&run.machine.label()));
+    let mut text = "# tracebench: speed and accuracy of the same rays\n\n".to_owned();
     let mut item = |name: &str, value: String| {
         let _ = writeln!(text, "- {name}: {}", inline(&value));
     };
@@ -96,7 +96,7 @@ fn scene(group: &Group<'_>) -> String {
         ". Viewpoint {} at ({x}, {y}, {z}), {}° vertical field of view, time {} s; rays start from the pixels of a \
          {} image.",
         inline(&viewpoint.name),
-        viewpoint.vertical_fov_degrees,
+        significant(f64::from(viewpoint.vertical_fov_degrees), 4),
         viewpoint.time_s,
         size(viewpoint.ray_image)
     );

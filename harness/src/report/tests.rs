@@ -121,8 +121,26 @@ fn failing_controls_are_told() {
         bad.controls[control].traces.clone_from(&run.runs[1].traces);
         assert!(matches!(verdict::controls(&bad), verdict::Verdict::Void(failed) if failed.len() == 3));
     }
+    // A control that is missing, whole or from one ray set, vouches for nothing either.
+    let sets = run.runs[0].traces.len();
+    for control in 0..3 {
+        let mut bad = run.clone();
+        bad.controls.remove(control);
+        assert!(matches!(verdict::controls(&bad), verdict::Verdict::Void(failed) if failed.len() == sets));
+        let mut bad = run.clone();
+        bad.controls[control].traces.pop();
+        let verdict = verdict::controls(&bad);
+        assert!(verdict.sentence().contains("is missing on") && verdict.sentence().contains("void"), "{verdict:?}");
+        // A chart of such a run says so, one of a sound run does not.
+        let said = |run: &Run| {
+            let charts = chart::charts(run, &group::groups(run)).unwrap();
+            let svgs = charts.iter().filter(|file| file.name.ends_with(".svg"));
+            svgs.map(|file| String::from_utf8(file.contents.clone()).unwrap().contains("VOID")).collect::<Vec<_>>()
+        };
+        assert!(said(&bad).iter().all(|said| *said) && said(&run).iter().all(|said| !said));
+    }
     run.controls.clear();
-    assert_eq!(verdict::controls(&run), verdict::Verdict::Absent);
+    assert!(matches!(verdict::controls(&run), verdict::Verdict::Void(failed) if failed.len() == 3 * sets));
 }
 
 /// One row for each trace, one for each wrong ray, and the figures are those of the run.

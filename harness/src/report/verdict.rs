@@ -1,15 +1,14 @@
-//! Whether the controls scored what they must; a control that did not voids the run.
+//! Whether the controls of a run scored what they must; one that did not, or is not there, voids the run.
 
-use crate::results::{Judgement, Run, TraceRecord};
+use crate::controls::Control;
+use crate::results::{Classes, Judgement, Run, TraceRecord, TracerRun};
 
 /// What the controls say of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
-    /// There are none.
-    Absent,
-    /// All scored what they must.
+    /// All stand beside every contender and scored what they must.
     Sound,
-    /// Those that did not, as "name on rays of scene".
+    /// Those that did not, or are missing, as "name on rays of scene".
     Void(Vec<String>),
 }
 
@@ -17,51 +16,57 @@ impl Verdict {
     /// In words.
     pub(super) fn sentence(&self) -> String {
         match self {
-            Self::Absent => "none ran; nothing vouches for the judgement".to_owned(),
             Self::Sound => "all score what they must".to_owned(),
-            Self::Void(failed) => format!("**the run is void**, these fail: {}", failed.join("; ")),
+            Self::Void(failed) => format!("**the run is void**: {}", failed.join("; ")),
         }
     }
 }
 
-/// Looks at every control by name; names that are not known are not judged.
+/// Looks for every control beside everything that was traced, by the rule that the runner holds them to.
 pub(super) fn controls(run: &Run) -> Verdict {
-    if run.controls.is_empty() {
-        return Verdict::Absent;
-    }
-    let mut failed = Vec::new();
-    for control in &run.controls {
-        for trace in control.traces.iter().filter(|trace| !sound(&control.tracer.name, trace)) {
-            failed.push(format!("{} on {} of {}", control.tracer.name, trace.rays, control.scene.name));
+    let mut failed: Vec<String> = Vec::new();
+    for (contender, trace) in run.runs.iter().flat_map(|one| one.traces.iter().map(move |trace| (one, trace))) {
+        for control in Control::ALL {
+            if let Some(problem) = problem(run, control, contender, trace) {
+                let name = control.description().name;
+                let sentence = format!("{name} {problem} on {} of {}", trace.rays, contender.scene.name);
+                if !failed.contains(&sentence) {
+                    failed.push(sentence);
+                }
+            }
         }
     }
     if failed.is_empty() { Verdict::Sound } else { Verdict::Void(failed) }
 }
 
-/// The oracle is never wrong; the others never say what they must not.
-fn sound(name: &str, trace: &TraceRecord) -> bool {
-    match (name, &trace.judgement) {
-        ("oracle", Judgement::Closest(judgement)) => {
-            let wrong = [&judgement.classes.tight, &judgement.classes.footprint]
-                .map(|classes| classes.false_hit + classes.false_miss + classes.early + classes.late);
-            wrong == [0, 0]
+/// What is wrong with a control beside a contender's trace.
+fn problem(run: &Run, control: Control, contender: &TracerRun, trace: &TraceRecord) -> Option<&'static str> {
+    let beside = |one: &&TracerRun| {
+        one.tracer.name == control.description().name
+            && one.scene == contender.scene
+            && one.viewpoint == contender.viewpoint
+    };
+    let found = run
+        .controls
+        .iter()
+        .filter(beside)
+        .flat_map(|one| &one.traces)
+        .find(|one| one.rays == trace.rays && one.rays_sha256 == trace.rays_sha256 && one.count == trace.count);
+    let Some(found) = found else { return Some("is missing") };
+    let (occluded, free) = hits_and_misses(&trace.judgement);
+    control.check(&found.judgement, occluded, free).err().map(|_| "fails")
+}
+
+/// The numbers of rays, without ties, that truth says hit and miss: a property of the rays, whoever traced them.
+fn hits_and_misses(judgement: &Judgement) -> (u64, u64) {
+    match judgement {
+        Judgement::Closest(judgement) => {
+            let Classes { true_hit, true_miss, false_hit, false_miss, early, late } = judgement.classes.tight;
+            (true_hit + false_miss + early + late, true_miss + false_hit)
         }
-        ("oracle", Judgement::Any(judgement)) => {
-            judgement.occlusion.false_occluded + judgement.occlusion.false_free == 0
+        Judgement::Any(judgement) => {
+            let table = &judgement.occlusion;
+            (table.true_occluded + table.false_free, table.true_free + table.false_occluded)
         }
-        ("always-miss", Judgement::Closest(judgement)) => {
-            let classes = &judgement.classes.tight;
-            classes.true_hit + classes.false_hit + classes.early + classes.late == 0
-        }
-        ("always-miss", Judgement::Any(judgement)) => {
-            judgement.occlusion.true_occluded + judgement.occlusion.false_occluded == 0
-        }
-        ("always-hit", Judgement::Closest(judgement)) => {
-            judgement.classes.tight.true_miss + judgement.classes.tight.false_miss == 0
-        }
-        ("always-hit", Judgement::Any(judgement)) => {
-            judgement.occlusion.true_free + judgement.occlusion.false_free == 0
-        }
-        _ => true,
     }
 }

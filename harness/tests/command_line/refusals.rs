@@ -45,6 +45,7 @@ fn wrong_arguments() {
         (vec!["--set", "bvh-cpu.build=quickly"], vec!["very_fast"]),
         (vec!["--set", "stride=1"], vec!["tracer.parameter=value"]),
         (vec!["--tracer", "bvh-cpu", "--set", "screen-dda.stride=1"], vec!["not in --tracer"]),
+        (vec!["--adapter", ""], vec!["--adapter"]),
         (vec!["--nonsense"], vec!["--nonsense"]),
     ] {
         bench.fails(&run(&arguments), 2, &parts);
@@ -120,6 +121,20 @@ fn bad_scenes() {
     let arguments = [&SMOKE[..], &["--tracer", "bvh-cpu", "--scene", "good.glb,cut.glb", "--out", &out]].concat();
     bench.fails(&arguments, 1, &["cut.glb"]);
     assert!(names(&bench.path("out")).is_empty());
+    // Said before the good one is measured, and no folder made for the results is left.
+    let arguments = [&SMOKE[..], &["--tracer", "bvh-cpu", "--scene", "good.glb,cut.glb", "--out", "a/b/c"]].concat();
+    let outcome = bench.call(&arguments);
+    assert!(outcome.status == 1 && !outcome.stderr.contains("primary"), "{outcome:?}");
+    assert!(!bench.path("a").exists());
+    let mut default = arguments[..arguments.len() - 2].to_vec();
+    bench.fails(&default, 1, &["cut.glb"]);
+    assert!(!bench.path("tracebench-out").exists());
+    // Two runs in the same second keep apart.
+    default[8] = "good.glb";
+    for _ in 0..2 {
+        assert_eq!(bench.call(&default).status, 0);
+    }
+    assert_eq!(names(&bench.path("tracebench-out")).len(), 2);
 }
 
 /// Proves that a place that cannot be written to is said before the work is done, with status 1.
@@ -127,12 +142,15 @@ fn bad_scenes() {
 fn outputs_that_cannot_be_written() {
     let bench = Bench::new();
     std::fs::write(bench.path("file"), b"in the way").unwrap();
-    for out in ["file", "file/below"] {
+    for out in ["file", "file/below", "file/far/below"] {
         let arguments = [&SMOKE[..], &["--tracer", "bvh-cpu", "--out", out]].concat();
         bench.fails(&arguments, 1, &["file", "--out"]);
     }
     let picture = ["picture", "--scene", "room", "--tracer", "bvh-cpu", "--size", "8x8", "--out", "no/such/p.png"];
     bench.fails(&picture, 1, &["no/such/p.png"]);
+    // Refused before the scene is loaded: the message is of the file, not of the scene that is not there either.
+    let picture = ["picture", "--scene", "gone.glb", "--tracer", "bvh-cpu", "--size", "8x8", "--out", "no/such/p.png"];
+    bench.fails(&picture, 1, &["no/such/p.png: No such file"]);
     assert_eq!(std::fs::read(bench.path("file")).unwrap(), b"in the way");
     for (name, text, part) in [
         ("cut.json", "{\"schema\": 1, \"mach", "JSON"),
@@ -147,14 +165,54 @@ fn outputs_that_cannot_be_written() {
     assert!(!bench.path("summary.md").exists());
 }
 
-/// Proves that an adapter which does not exist is an error with those that do.
+/// Proves that an adapter which does not exist is an error with those that do, whether the option or the environment
+/// names it, and so is a backend that does not exist; empty variables are as good as none.
 #[test]
 fn unknown_adapters() {
     let bench = Bench::new();
     let out = bench.text("out");
     let arguments = [&SMOKE[..], &["--adapter", "Voodoo 2", "--out", &out]].concat();
     bench.fails(&arguments, 1, &["Voodoo 2", "there are"]);
-    assert!(names(&bench.path("out")).is_empty());
+    let run = [&SMOKE[..], &["--rays", "primary", "--out", &out]].concat();
+    for (variable, value, parts) in [
+        ("WGPU_ADAPTER_NAME", "Voodoo 2", ["Voodoo 2", "there are"]),
+        ("WGPU_BACKEND", "glide", ["WGPU_BACKEND=glide", "vulkan"]),
+    ] {
+        for verb in [&run[..], &["adapters"]] {
+            let outcome = Bench::finish(bench.command(verb).env(variable, value));
+            if variable == "WGPU_ADAPTER_NAME" && verb == ["adapters"] {
+                assert_eq!(outcome.status, 0, "{outcome:?}");
+                continue;
+            }
+            assert_eq!((outcome.status, outcome.stdout.as_str()), (1, ""), "{outcome:?}");
+            assert!(parts.iter().all(|part| outcome.stderr.contains(part)), "{outcome:?}");
+        }
+        assert!(!bench.path("out").exists());
+        let mut host = bench.command(&[&run[..], &["--tracer", "bvh-cpu"]].concat());
+        assert_eq!(Bench::finish(host.env(variable, value)).status, 0);
+        std::fs::remove_dir_all(bench.path("out")).unwrap();
+        assert_eq!(Bench::finish(bench.command(&run).env(variable, "")).status, 0);
+        std::fs::remove_dir_all(bench.path("out")).unwrap();
+    }
+}
+
+/// Proves that a reader who goes away ends the program quietly, and that a full disk is an error that says so.
+#[cfg(target_os = "linux")]
+#[test]
+fn standard_output_that_takes_nothing() {
+    let bench = Bench::new();
+    for verb in [&["list", "tracers", "--json"][..], &["list", "scenes"], &["adapters"], &["--help"]] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let closed = Bench::finish(bench.command(verb).stdout(writer));
+        assert_eq!((closed.status, closed.stderr.as_str()), (0, ""), "{verb:?}");
+    }
+    for verb in [&["list", "rays"][..], &["list", "tracers", "--json"]] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let full = Bench::finish(bench.command(verb).stdout(full));
+        assert_eq!(full.status, 1, "{verb:?}: {full:?}");
+        assert!(full.stderr.contains("standard output"), "{full:?}");
+    }
 }
 
 /// Proves a machine without an adapter: with `all`, device tracers are skipped with the reason; named, they are an
@@ -175,7 +233,7 @@ fn without_an_adapter() {
     assert_eq!(result["skipped"][0]["tracer"], "screen-dda");
     assert!(result["skipped"][0]["reason"].as_str().unwrap().contains("adapter"));
     assert!(result["machine"]["adapter"].is_null());
-    assert!(all.stderr.contains("skipped screen-dda"), "{all:?}");
+    assert!(all.stderr.contains("no graphics adapter was found"), "{all:?}");
 
     for tracer in ["screen-dda", "bvh-cpu,screen-dda", "all,screen-dda"] {
         let named = run(tracer, "named");

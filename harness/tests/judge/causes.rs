@@ -121,6 +121,21 @@ fn cause_between_samples() {
     assert_eq!(case.cause("tight", &[hit(1.0)]), "between_samples");
 }
 
+/// Proves that a hit on the corner between four pixels is explained by any of them: at a plate's corner only one of the
+/// four centres shows it. As a negative control, a hit that far from any such pixel is not.
+#[test]
+fn cause_between_samples_on_a_corner_of_pixels() {
+    // Pixel borders lie at multiples of 1/16 in the plane z = 0; the plate ends just beyond a pixel's centre.
+    let edge = 0.5 + 1.0 / 32.0 + 0.005;
+    for (x, y) in [(0.5625, 0.5625), (-0.5625, 0.5625), (0.5625, -0.5625), (-0.5625, -0.5625)] {
+        let case = seen(plate_at(0.0, edge), down(x, y, 1.0));
+        assert!(case.answers[0].hit.is_none());
+        assert_eq!(case.cause("tight", &[hit(1.0)]), "between_samples", "{x} {y}");
+        let aside = seen(plate_at(0.0, edge), down(x * 1.25, y, 1.0));
+        assert_eq!(aside.cause("tight", &[hit(1.0)]), "unexplained", "{x} {y}");
+    }
+}
+
 /// Proves `near_start`: what was missed lies within two pixels of the ray's start.
 #[test]
 fn cause_near_start() {

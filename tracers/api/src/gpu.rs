@@ -11,10 +11,29 @@ use crate::clock::Stamps;
 /// What a user may say about the adapter.
 #[derive(Clone, Debug, Default)]
 pub struct AdapterChoice {
-    /// Part of an adapter's name (case does not matter) or its number in [`list_adapters`]. Without one, the
-    /// environment's `WGPU_ADAPTER_NAME` counts, else the most capable kind of device is taken.
+    /// Part of an adapter's name (case does not matter) or its number in [`list_adapters`]. Without one the most capable
+    /// kind of device is taken.
     pub wanted: Option<String>,
 }
+
+impl AdapterChoice {
+    /// The adapter that is asked for, else the one that `WGPU_ADAPTER_NAME` names, if it does.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if `WGPU_BACKEND`, which limits the choice, is set and names no backend.
+    pub fn from_environment(wanted: Option<&str>) -> Result<Self, TracerError> {
+        let set = |name: &str| std::env::var(name).ok().filter(|value| !value.is_empty());
+        if let Some(value) = set(BACKEND_VARIABLE).filter(|value| Backends::from_comma_list(value).is_empty()) {
+            return Err(TracerError::Failed(format!(
+                "{BACKEND_VARIABLE}={value} names no backend: use vulkan, metal or dx12, or unset it"
+            )));
+        }
+        Ok(Self { wanted: wanted.map(str::to_owned).or_else(|| set("WGPU_ADAPTER_NAME")) })
+    }
+}
+
+/// Which backends adapters are looked for in; read by wgpu's own rules.
+const BACKEND_VARIABLE: &str = "WGPU_BACKEND";
 
 /// An adapter as users see it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,7 +82,8 @@ pub fn list_adapters() -> Vec<AdapterListing> {
 }
 
 fn enumerate() -> Vec<wgpu::Adapter> {
-    let backends = Backends::from_env().unwrap_or(Backends::VULKAN | Backends::METAL | Backends::DX12);
+    let from_environment = Backends::from_env().filter(|backends| !backends.is_empty());
+    let backends = from_environment.unwrap_or(Backends::VULKAN | Backends::METAL | Backends::DX12);
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     descriptor.backends = backends;
     let instance = wgpu::Instance::new(descriptor);
@@ -129,8 +149,7 @@ impl Gpu {
     pub fn open(choice: &AdapterChoice) -> Result<Self, TracerError> {
         let adapters = enumerate();
         let listings: Vec<_> = adapters.iter().map(listing).collect();
-        let from_environment = std::env::var("WGPU_ADAPTER_NAME").ok().filter(|name| !name.is_empty());
-        let chosen = choose(&listings, choice.wanted.as_deref().or(from_environment.as_deref()))?;
+        let chosen = choose(&listings, choice.wanted.as_deref())?;
         let (adapter, listing) = (&adapters[chosen], listings[chosen].clone());
         let limits = adapter.limits();
         let request = adapter.request_device(&wgpu::DeviceDescriptor {

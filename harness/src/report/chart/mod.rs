@@ -14,6 +14,7 @@ use tracebench_api::Query;
 use super::ReportError;
 use super::format;
 use super::group::{Group, RaySet};
+use super::verdict::{self, Verdict};
 use crate::results::{Run, TracerRun};
 use canvas::{DrawError, Figure};
 
@@ -23,6 +24,9 @@ const LONGEST_NAME: usize = 32;
 const LONGEST_SET: usize = 16;
 /// The most characters of a tracer's name in a legend.
 const LONGEST_TRACER: usize = 64;
+
+/// What the names of the charts' files begin with.
+pub(super) const STEMS: [&str; 2] = ["error_vs_speed_", "agreement_over_tolerance_"];
 
 /// A chart's file.
 #[derive(Debug)]
@@ -39,10 +43,10 @@ pub(super) fn charts(run: &Run, groups: &[Group<'_>]) -> Result<Vec<ChartFile>, 
     let styles = palette::Styles::of(run);
     for group in groups.iter().filter(|group| !group.ray_sets.is_empty()) {
         let figure = speed::SpeedFigure::new(run, group, &styles);
-        draw(&format!("error_vs_speed_{}", group.stem), &figure, &mut files)?;
+        draw(&format!("{}{}", STEMS[0], group.stem), &figure, &mut files)?;
         if group.ray_sets.iter().any(|set| set.query == Query::Closest) {
             let figure = tolerance::ToleranceFigure::new(run, group, &styles);
-            draw(&format!("agreement_over_tolerance_{}", group.stem), &figure, &mut files)?;
+            draw(&format!("{}{}", STEMS[1], group.stem), &figure, &mut files)?;
         }
     }
     Ok(files)
@@ -60,13 +64,14 @@ fn draw(stem: &str, figure: &impl Figure, files: &mut Vec<ChartFile>) -> Result<
 }
 
 /// The title of a group's chart, and the line under it.
-fn titles(what: &str, group: &Group<'_>) -> [String; 2] {
+fn titles(what: &str, run: &Run, group: &Group<'_>) -> [String; 2] {
     let [width, height] = group.viewpoint.ray_image;
     let triangles = format::thousands(group.scene.triangles);
     let name = cut(&group.scene.name, LONGEST_NAME);
+    let void = if verdict::controls(run) == Verdict::Sound { "" } else { "VOID, CONTROLS FAIL: " };
     [
         format!("{what}: {name} ({triangles} triangles)"),
-        format!("viewpoint {}; rays from the pixels of a {width} × {height} image", group.viewpoint.name),
+        format!("{void}viewpoint {}; rays from the pixels of a {width} × {height} image", group.viewpoint.name),
     ]
 }
 

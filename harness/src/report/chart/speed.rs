@@ -92,7 +92,7 @@ impl SpeedFigure {
             sample: Sample::Filled(styles.get(&one.tracer.label())),
             label: legend_label(one, &clocks),
         });
-        let titles = titles("Error against speed", group);
+        let titles = titles("Error against speed", run, group);
         let frame = Frame::new(panels.len(), titles, &caption(run, group), key, legend.collect());
         Self { frame, panels, speeds, floor }
     }

@@ -48,7 +48,7 @@ impl ToleranceFigure {
             .iter()
             .map(|one| Entry { sample: Sample::Line(styles.get(&one.tracer.label())), label: legend_label(one, &[]) });
         let key = vec![Entry { sample: Sample::Dashes, label: "control".to_owned() }];
-        let titles = titles("Agreement over tolerance", group);
+        let titles = titles("Agreement over tolerance", run, group);
         let frame = Frame::new(panels.len(), titles, &caption(run, group), key, legend.collect());
         Self { frame, panels, tolerances }
     }

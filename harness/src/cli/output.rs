@@ -1,0 +1,17 @@
+//! Standard output.
+
+use std::io::{ErrorKind, Write as _};
+
+use super::CliError;
+
+/// Writes a text that ends in a line break. A reader that has gone away (`| head`) has seen what it wanted; a full disk
+/// is an error.
+pub(super) fn print(text: &str) -> Result<(), CliError> {
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(CliError::Other(format!("cannot write to standard output: {error}; send it elsewhere")))
+        }
+        _ => Ok(()),
+    }
+}
