@@ -13,7 +13,9 @@ has_vulkan_loader() {
 # A Vulkan driver is a JSON manifest in one of the loader's folders, or named by the environment.
 drivers() {
     if [ -n "${VK_DRIVER_FILES:-${VK_ICD_FILENAMES:-}}" ]; then
-        printf '%s\n' "${VK_DRIVER_FILES:-$VK_ICD_FILENAMES}" | tr ':' '\n'
+        printf '%s\n' "${VK_DRIVER_FILES:-$VK_ICD_FILENAMES}" | tr ':' '\n' | while IFS= read -r file; do
+            if [ -e "$file" ]; then printf '%s\n' "$file"; fi
+        done
         return
     fi
     for folder in /etc/vulkan/icd.d /usr/share/vulkan/icd.d /usr/local/share/vulkan/icd.d \
@@ -36,6 +38,10 @@ has_adapter() {
 }
 
 command -v cargo >/dev/null 2>&1 || fail 'cargo is missing: install Rust 1.88 or later (https://rustup.rs), then run this again'
+
+if [ -n "${VK_DRIVER_FILES:-${VK_ICD_FILENAMES:-}}" ] && [ -z "$(drivers)" ]; then
+    fail "VK_DRIVER_FILES or VK_ICD_FILENAMES names no file that exists (${VK_DRIVER_FILES:-$VK_ICD_FILENAMES}), and the Vulkan loader looks nowhere else: unset it, then run this again"
+fi
 
 missing=''
 if ! command -v cc >/dev/null 2>&1; then

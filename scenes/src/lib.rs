@@ -2,9 +2,9 @@
 //!
 //! A [`Scene`] comes from one of two places:
 //!
-//! - the catalogue of procedural scenes ([`catalogue`], [`procedural`]), which are the same bit for bit on every
+//! - the catalogue of procedural scenes ([`catalogue()`], [`procedural()`]), which are the same bit for bit on every
 //!   machine and grow with a scale factor;
-//! - a glTF 2.0 file ([`import`], [`import_bytes`]), from which positions, indices and material factors are kept.
+//! - a glTF 2.0 file ([`import()`], [`import_bytes`]), from which positions, indices and material factors are kept.
 //!
 //! Space is right-handed, y up, in metres for the procedural scenes and in the file's own units for imported ones.
 //! Geometry is opaque and two-sided for every tracer; winding still tells the outside (counter-clockwise seen from
@@ -19,5 +19,5 @@ mod scene;
 
 pub use catalogue::{CatalogueEntry, SCALE_MAX, SCALE_MIN, catalogue, procedural};
 pub use error::SceneError;
-pub use import::{MAX_COORDINATE, MAX_TRIANGLES, import, import_bytes};
+pub use import::{MAX_COORDINATE, MAX_TRIANGLES, MIN_DIAGONAL, import, import_bytes};
 pub use scene::{Camera, ImportNotes, Material, Mesh, Origin, Scene};

@@ -107,6 +107,20 @@ fn positions_out_of_range() {
     assert!(doc.error().contains("zero area"), "{}", doc.error());
 }
 
+/// Proves that scenes too small for f32's products are refused with what to do, and ones just large enough are not.
+#[test]
+fn scenes_too_small() {
+    let side = Doc::square().import().unwrap().diagonal();
+    for (diagonal, fine) in [(1e-38, false), (9e-16, false), (1.1e-15, true), (1e-12, true)] {
+        let mut doc = Doc::square();
+        doc.json["nodes"][0]["scale"] = json!(vec![diagonal / side; 3]);
+        match doc.import() {
+            Ok(scene) => assert!(fine && scene.diagonal() >= 1e-15, "{diagonal}"),
+            Err(error) => assert!(!fine && error.to_string().contains("scale the scene up"), "{diagonal}: {error}"),
+        }
+    }
+}
+
 /// Proves that nodes that are no tree are refused rather than walked for ever.
 #[test]
 fn nodes_that_are_no_tree() {

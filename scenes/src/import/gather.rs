@@ -89,7 +89,7 @@ fn place(part: &Part<'_>, world: &DMat4, corner: u32) -> Result<[f32; 3], String
         )
     } else {
         format!(
-            "{label} vertex {corner} is at {point}, and coordinates beyond {:e} are refused because squared lengths overflow: scale the scene down",
+            "{label} vertex {corner} is at {point}, and coordinates beyond {:e} are refused because products of lengths overflow f32: scale the scene down",
             super::MAX_COORDINATE
         )
     })

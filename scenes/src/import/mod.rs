@@ -31,8 +31,13 @@ use crate::scene::{ImportNotes, Mesh, Origin, Scene};
 /// Most triangles of an imported scene, each mesh counted once for every node that holds it.
 pub const MAX_TRIANGLES: u64 = 50_000_000;
 
-/// Greatest magnitude of an imported coordinate in world space: beyond it, squared lengths come near the end of f32.
+/// Greatest magnitude of an imported coordinate in world space: the products of three lengths that tracers compute in
+/// f32 (a triangle's determinant) leave its range not far beyond, those of two at 1e19.
 pub const MAX_COORDINATE: f64 = 1e15;
+
+/// Least diagonal of an imported scene: areas and the products of lengths that tracers compute in f32 vanish not far
+/// below.
+pub const MIN_DIAGONAL: f64 = 1e-15;
 
 /// Imports a `.gltf` or `.glb` file; which of the two it is, its first bytes tell, not its name.
 ///
@@ -90,7 +95,15 @@ fn import_labelled(bytes: &[u8], base_dir: Option<&Path>, name: &str, label: &st
     let mesh = assemble_mesh(&root, &buffers, &placed, &used, &mut notes).map_err(invalid)?;
     let cameras = cameras::collect(&root, &placed, &mut notes.warnings);
     let origin = Origin::File { path: name.into() };
-    Ok(Scene::assemble(name.to_owned(), origin, mesh, cameras, notes))
+    let scene = Scene::assemble(name.to_owned(), origin, mesh, cameras, notes);
+    let diagonal = scene.diagonal();
+    if diagonal < MIN_DIAGONAL {
+        return Err(invalid(format!(
+            "the scene's diagonal is {diagonal:e}, and below {MIN_DIAGONAL:e} the areas of its triangles vanish in f32: \
+             scale the scene up"
+        )));
+    }
+    Ok(scene)
 }
 
 fn warn_facts(facts: &Facts, warnings: &mut Vec<String>) {
