@@ -64,7 +64,7 @@ fn preset(name: &str) -> Result<Preset, CliError> {
     Preset::ALL.into_iter().find(|preset| preset.name() == name).ok_or_else(|| unknown("preset", name, &known))
 }
 
-/// Tracers: `NAME[:PRESET]`,... or all[:PRESET], with `--set` values on top.
+/// Tracers: `NAME[:PRESET]`,... or `all[:PRESET]`, with `--set` values on top.
 pub(super) fn tracers(list: &str, settings: &[String]) -> Result<Vec<TracerRequest>, CliError> {
     let mut requests: Vec<TracerRequest> = Vec::new();
     for part in parts(list, "--tracer")? {
