@@ -20,4 +20,4 @@ mod scene;
 pub use catalogue::{CatalogueEntry, SCALE_MAX, SCALE_MIN, catalogue, procedural};
 pub use error::SceneError;
 pub use import::{MAX_COORDINATE, MAX_TRIANGLES, import, import_bytes};
-pub use scene::{Camera, ImportNotes, Material, Mesh, Origin, Scene};
+pub use scene::{Animation, Camera, CameraKey, CameraPath, ImportNotes, Material, Mesh, Origin, Scene};
