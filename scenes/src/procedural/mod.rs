@@ -9,6 +9,9 @@ mod math;
 pub(crate) mod room;
 mod shapes;
 
+#[cfg(test)]
+pub(crate) use math::Random;
+
 use crate::scene::{Camera, CameraKey, CameraPath, Mesh};
 
 /// What the builder of a procedural scene hands over.
