@@ -1,8 +1,10 @@
 //! The catalogue of procedural scenes.
 
+use std::sync::Arc;
+
 use crate::error::SceneError;
 use crate::procedural::{Built, room};
-use crate::scene::{ImportNotes, Origin, Scene};
+use crate::scene::{Animation, ImportNotes, Origin, Scene};
 
 /// Least scale factor of a procedural scene.
 pub const SCALE_MIN: f64 = 0.001;
@@ -20,8 +22,12 @@ pub struct CatalogueEntry {
     pub triangles_at_scale_1: u64,
     /// Whether every ray from any of its cameras hits something.
     pub closed: bool,
-    /// Makes the scene for a valid scale factor.
-    build: fn(f64) -> Built,
+    /// Whether every surface is closed ([`Scene::is_watertight`]).
+    pub watertight: bool,
+    /// Length of the animation in seconds; `None` for a scene that stands still.
+    pub animation_s: Option<f64>,
+    /// Makes the scene for a valid scale factor at a time in seconds. The time moves vertices, never anything else.
+    build: fn(f64, f64) -> Built,
 }
 
 static CATALOGUE: [CatalogueEntry; 1] = [CatalogueEntry {
@@ -29,6 +35,8 @@ static CATALOGUE: [CatalogueEntry; 1] = [CatalogueEntry {
     description: "a closed furnished room with a mirror floor, thin chair legs, a lamp on a cord and a dense statue",
     triangles_at_scale_1: room::TRIANGLES_AT_SCALE_1,
     closed: true,
+    watertight: true,
+    animation_s: None,
     build: room::build,
 }];
 
@@ -53,14 +61,16 @@ pub fn procedural(name: &str, scale: f64) -> Result<Scene, SceneError> {
     if !(SCALE_MIN..=SCALE_MAX).contains(&scale) {
         return Err(SceneError::ScaleOutOfRange { scale, min: SCALE_MIN, max: SCALE_MAX });
     }
-    let built = (entry.build)(scale);
-    Ok(Scene::assemble(
-        entry.name.to_owned(),
-        Origin::Procedural { scale },
-        built.mesh,
-        built.cameras,
-        ImportNotes::default(),
-    ))
+    let build = entry.build;
+    let built = build(scale, 0.0);
+    let origin = Origin::Procedural { scale };
+    let mut scene = Scene::assemble(entry.name.to_owned(), origin, built.mesh, built.cameras, ImportNotes::default());
+    scene.camera_path = Some(built.path);
+    scene.animation = entry.animation_s.map(|duration_s| Animation {
+        duration_s,
+        positions_at: Arc::new(move |time_s| Ok(build(scale, time_s).mesh.positions)),
+    });
+    Ok(scene)
 }
 
 /// All names in the order of the catalogue, for messages.

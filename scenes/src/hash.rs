@@ -78,6 +78,8 @@ mod tests {
             positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
             triangles: vec![[0, 1, 2]],
             triangle_materials: vec![0],
+            triangle_objects: Vec::new(),
+            objects: Vec::new(),
             materials: vec![Material { base_color: [0.5, 0.25, 1.0], metallic: 0.0, roughness: 1.0 }],
         }
     }

@@ -14,10 +14,12 @@ mod catalogue;
 mod error;
 mod hash;
 mod import;
+mod layers;
 mod procedural;
 mod scene;
 
 pub use catalogue::{CatalogueEntry, SCALE_MAX, SCALE_MIN, catalogue, procedural};
 pub use error::SceneError;
 pub use import::{MAX_COORDINATE, MAX_TRIANGLES, MIN_DIAGONAL, import, import_bytes};
-pub use scene::{Camera, ImportNotes, Material, Mesh, Origin, Scene};
+pub use layers::{LayerCount, Layers, count_layers};
+pub use scene::{Animation, Camera, CameraKey, CameraPath, ImportNotes, Material, Mesh, Origin, Scene};

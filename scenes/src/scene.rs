@@ -1,9 +1,13 @@
 //! What a scene is made of.
 
+use std::collections::HashMap;
+use std::fmt;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use serde::Serialize;
 
+use crate::error::SceneError;
 use crate::hash::content_sha256;
 
 /// The factors of a surface that a renderer of pictures and a maker of secondary rays look at.
@@ -37,6 +41,10 @@ pub struct Mesh {
     pub triangle_materials: Vec<u32>,
     /// At least one material.
     pub materials: Vec<Material>,
+    /// One index into `objects` a triangle: as long as `triangles`.
+    pub triangle_objects: Vec<u32>,
+    /// Names of the objects: things that are placed, or move, as one. Not necessarily unique, at least one.
+    pub objects: Vec<String>,
 }
 
 /// A perspective camera: a named place to look from.
@@ -52,6 +60,81 @@ pub struct Camera {
     pub up: [f32; 3],
     /// Full vertical field of view in radians, in (0, pi).
     pub vertical_fov_radians: f32,
+}
+
+/// A pose on a [`CameraPath`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CameraKey {
+    /// When, in seconds.
+    pub time_s: f64,
+    /// Position of the eye in world space.
+    pub eye: [f32; 3],
+    /// A point that is looked at.
+    pub target: [f32; 3],
+}
+
+/// A walk through a scene: poses in the order of time, up is +y.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CameraPath {
+    /// At least two keys at rising times, the first at 0.
+    pub keys: Vec<CameraKey>,
+    /// Full vertical field of view in radians, in (0, pi).
+    pub vertical_fov_radians: f32,
+}
+
+impl CameraPath {
+    /// Time of the last key in seconds.
+    pub fn duration_s(&self) -> f64 {
+        self.keys.last().map_or(0.0, |key| key.time_s)
+    }
+
+    /// The camera at a time, by straight lines between the keys; before the first and after the last it stands still.
+    pub fn at(&self, time_s: f64) -> Camera {
+        let time_s = time_s.clamp(0.0, self.duration_s());
+        let next = self.keys.iter().position(|key| key.time_s >= time_s).unwrap_or(0);
+        let (from, to) = (&self.keys[next.saturating_sub(1)], &self.keys[next]);
+        let span = to.time_s - from.time_s;
+        let share = if span > 0.0 { (time_s - from.time_s) / span } else { 0.0 };
+        let mix = |a: [f32; 3], b: [f32; 3]| {
+            [0, 1, 2].map(|axis| (f64::from(a[axis]) + (f64::from(b[axis]) - f64::from(a[axis])) * share) as f32)
+        };
+        Camera {
+            name: format!("path at {time_s} s"),
+            eye: mix(from.eye, to.eye),
+            target: mix(from.target, to.target),
+            up: [0.0, 1.0, 0.0],
+            vertical_fov_radians: self.vertical_fov_radians,
+        }
+    }
+}
+
+/// Positions of a scene's vertices over time; the triangles stay the same.
+#[derive(Clone)]
+pub struct Animation {
+    /// Length in seconds, greater than zero; later times stand still at its end.
+    pub duration_s: f64,
+    /// The positions at a time within the duration: as many as the mesh has.
+    pub(crate) positions_at: Arc<PositionsAt>,
+}
+
+/// Computes the positions of all vertices at a time in seconds.
+pub(crate) type PositionsAt = dyn Fn(f64) -> Result<Vec<[f32; 3]>, SceneError> + Send + Sync;
+
+impl Animation {
+    /// The positions at a time in seconds: as many as the mesh has, in its order. Times are clamped to the duration.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError::Invalid`] if a time is not a number, or if the animation of a file leads out of the numbers.
+    pub fn positions_at(&self, time_s: f64) -> Result<Vec<[f32; 3]>, SceneError> {
+        (self.positions_at)(time_s.clamp(0.0, self.duration_s))
+    }
+}
+
+impl fmt::Debug for Animation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Animation").field("duration_s", &self.duration_s).finish_non_exhaustive()
+    }
 }
 
 /// What an import dropped, kept in spite of doubt, or passed over.
@@ -94,6 +177,12 @@ pub struct Scene {
     pub mesh: Mesh,
     /// Named viewpoints, the default one first. Empty if a file has none.
     pub cameras: Vec<Camera>,
+    /// A walk through the scene; every procedural scene has one.
+    pub camera_path: Option<CameraPath>,
+    /// How it moves, if it does. The mesh is its state at `time_s`.
+    pub animation: Option<Animation>,
+    /// The time at which the mesh stands, in seconds.
+    pub time_s: f64,
     /// What the import has to say; empty for procedural scenes.
     pub notes: ImportNotes,
     /// SHA-256 of the mesh in lower-case hex: positions, triangles, triangle materials and materials, each after its
@@ -116,17 +205,77 @@ impl Scene {
         sum.sqrt()
     }
 
-    /// A scene from its parts, with hash and bounds computed.
-    pub(crate) fn assemble(name: String, origin: Origin, mesh: Mesh, cameras: Vec<Camera>, notes: ImportNotes) -> Self {
-        let mut bounds_min = [f32::INFINITY; 3];
-        let mut bounds_max = [f32::NEG_INFINITY; 3];
-        for position in &mesh.positions {
-            for axis in 0..3 {
-                bounds_min[axis] = bounds_min[axis].min(position[axis]);
-                bounds_max[axis] = bounds_max[axis].max(position[axis]);
-            }
-        }
-        let sha256 = content_sha256(&mesh);
-        Self { name, origin, mesh, cameras, notes, sha256, bounds_min, bounds_max }
+    /// Whether every surface is closed, so that "inside" has a meaning: each edge joins exactly two triangles (or, where
+    /// surfaces touch, as many in either direction), vertices at equal positions counted as one.
+    pub fn is_watertight(&self) -> bool {
+        is_watertight(&self.mesh)
     }
+
+    /// Moves the scene to a time in seconds: positions, bounds and hash change, triangles do not. A scene without an
+    /// animation stays as it is.
+    ///
+    /// # Errors
+    ///
+    /// As [`Animation::positions_at`].
+    pub fn set_time(&mut self, time_s: f64) -> Result<(), SceneError> {
+        if let Some(animation) = &self.animation {
+            self.mesh.positions = animation.positions_at(time_s)?;
+            self.time_s = time_s.clamp(0.0, animation.duration_s);
+            (self.bounds_min, self.bounds_max) = bounds(&self.mesh.positions);
+            self.sha256 = content_sha256(&self.mesh);
+        }
+        Ok(())
+    }
+
+    /// A scene from its parts, with hash and bounds computed, without path and animation.
+    pub(crate) fn assemble(name: String, origin: Origin, mesh: Mesh, cameras: Vec<Camera>, notes: ImportNotes) -> Self {
+        let (bounds_min, bounds_max) = bounds(&mesh.positions);
+        let sha256 = content_sha256(&mesh);
+        Self {
+            name,
+            origin,
+            mesh,
+            cameras,
+            camera_path: None,
+            animation: None,
+            time_s: 0.0,
+            notes,
+            sha256,
+            bounds_min,
+            bounds_max,
+        }
+    }
+}
+
+fn bounds(positions: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {
+    let mut bounds_min = [f32::INFINITY; 3];
+    let mut bounds_max = [f32::NEG_INFINITY; 3];
+    for position in positions {
+        for axis in 0..3 {
+            bounds_min[axis] = bounds_min[axis].min(position[axis]);
+            bounds_max[axis] = bounds_max[axis].max(position[axis]);
+        }
+    }
+    (bounds_min, bounds_max)
+}
+
+/// Whether every edge is walked as often in one direction as in the other, vertices at equal positions being one.
+fn is_watertight(mesh: &Mesh) -> bool {
+    let mut first_at: HashMap<[u32; 3], u32> = HashMap::with_capacity(mesh.positions.len());
+    let welded: Vec<u32> = mesh
+        .positions
+        .iter()
+        .enumerate()
+        // Adding zero makes -0 and 0 one.
+        .map(|(index, position)| *first_at.entry(position.map(|value| (value + 0.0).to_bits())).or_insert(index as u32))
+        .collect();
+    let mut edges: HashMap<(u32, u32), i32> = HashMap::with_capacity(mesh.triangles.len() * 3 / 2);
+    for triangle in &mesh.triangles {
+        let corners = triangle.map(|vertex| welded[vertex as usize]);
+        for (from, to) in [(corners[0], corners[1]), (corners[1], corners[2]), (corners[2], corners[0])] {
+            let (key, step) = if from < to { ((from, to), 1) } else { ((to, from), -1) };
+            *edges.entry(key).or_insert(0) += step;
+        }
+    }
+    edges.values().all(|&balance| balance == 0)
 }

@@ -11,6 +11,7 @@ pub(super) struct Gathered {
     pub(super) positions: Vec<[f32; 3]>,
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) triangle_materials: Vec<u32>,
+    pub(super) triangle_objects: Vec<u32>,
     /// Triangles of exactly zero area, which are not among `triangles`.
     pub(super) zero_area: u64,
     /// For each vertex of the part at hand: the pass in which it was last kept (high half) and its new index.
@@ -24,14 +25,15 @@ impl Gathered {
         Self {
             triangles: Vec::with_capacity(triangles),
             triangle_materials: Vec::with_capacity(triangles),
+            triangle_objects: Vec::with_capacity(triangles),
             ..Self::default()
         }
     }
 
-    /// Adds `part` under `world` with `material` (an index into the scene's materials).
+    /// Adds `part` under `world` with `material` and `object` (indices into the scene's).
     ///
     /// Positions are transformed in f64 and rounded to f32 once. Only vertices of kept triangles are kept.
-    pub(super) fn add(&mut self, part: &Part<'_>, world: &DMat4, material: u32) -> Result<(), String> {
+    pub(super) fn add(&mut self, part: &Part<'_>, world: &DMat4, material: u32, object: u32) -> Result<(), String> {
         if self.kept.len() < part.vertices {
             // Fresh zeroed memory instead of growth: pages that no index touches are never mapped.
             self.kept = vec![0; part.vertices];
@@ -56,6 +58,7 @@ impl Gathered {
             let triangle = [0, 1, 2].map(|slot| self.vertex(corners[slot], points[slot]));
             self.triangles.push(triangle);
             self.triangle_materials.push(material);
+            self.triangle_objects.push(object);
         }
         Ok(())
     }

@@ -156,19 +156,23 @@ fn assemble_mesh(
         materials.push(materials::DEFAULT);
     }
     let mut gathered = Gathered::with_capacity(usize::try_from(total).unwrap_or(0));
+    let mut objects: Vec<String> = Vec::new();
     for place in placed {
         for part in parts_of(place) {
             let material = part.material.unwrap_or(default_material);
-            gathered.add(part, &place.world, material)?;
+            gathered.add(part, &place.world, material, objects.len() as u32)?;
+        }
+        if !parts_of(place).is_empty() {
+            objects.push(root.nodes.get(place.node).and_then(|node| node.name.clone()).unwrap_or_default());
         }
     }
     notes.zero_area_triangles_dropped = gathered.zero_area;
     if gathered.triangles.is_empty() {
         return Err(no_triangles(root, placed, notes));
     }
-    let (positions, triangles) = (gathered.positions, gathered.triangles);
+    let Gathered { positions, triangles, triangle_materials, triangle_objects, .. } = gathered;
     notes.duplicate_triangles_kept = degenerate::count_duplicates(&positions, &triangles);
-    Ok(Mesh { positions, triangles, triangle_materials: gathered.triangle_materials, materials })
+    Ok(Mesh { positions, triangles, triangle_materials, materials, triangle_objects, objects })
 }
 
 fn check_total(triangles: u64) -> Result<(), String> {

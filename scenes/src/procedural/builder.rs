@@ -36,9 +36,16 @@ impl MeshBuilder {
                 triangles: Vec::new(),
                 triangle_materials: Vec::new(),
                 materials: Vec::new(),
+                triangle_objects: Vec::new(),
+                objects: Vec::new(),
             },
             frame: Frame::WORLD,
         }
+    }
+
+    /// Begins an object: triangles that follow belong to it.
+    pub(super) fn object(&mut self, name: impl Into<String>) {
+        self.mesh.objects.push(name.into());
     }
 
     /// What was collected.
@@ -148,5 +155,9 @@ impl MeshBuilder {
     fn triangle(&mut self, material: MaterialId, corners: [u32; 3]) {
         self.mesh.triangles.push(corners);
         self.mesh.triangle_materials.push(material.0);
+        if self.mesh.objects.is_empty() {
+            self.object("scene");
+        }
+        self.mesh.triangle_objects.push(self.mesh.objects.len() as u32 - 1);
     }
 }

@@ -9,13 +9,43 @@ mod math;
 pub(crate) mod room;
 mod shapes;
 
-use crate::scene::{Camera, Mesh};
+#[cfg(test)]
+pub(crate) use math::Random;
+
+use crate::scene::{Camera, CameraKey, CameraPath, Mesh};
 
 /// What the builder of a procedural scene hands over.
 pub(crate) struct Built {
     pub(crate) mesh: Mesh,
     pub(crate) cameras: Vec<Camera>,
+    pub(crate) path: CameraPath,
 }
+
+/// A camera's name, its eye and what it looks at.
+pub(crate) type NamedPose = (&'static str, [f32; 3], [f32; 3]);
+
+/// Upright cameras with 60 degrees of vertical field of view.
+pub(crate) fn cameras(poses: &[NamedPose]) -> Vec<Camera> {
+    poses
+        .iter()
+        .map(|&(name, eye, target)| Camera {
+            name: name.to_owned(),
+            eye,
+            target,
+            up: [0.0, 1.0, 0.0],
+            vertical_fov_radians: VERTICAL_FOV_RADIANS,
+        })
+        .collect()
+}
+
+/// A path with a pose (eye and target) each second.
+pub(crate) fn path(poses: &[([f32; 3], [f32; 3])]) -> CameraPath {
+    let key = |(second, &(eye, target)): (usize, &_)| CameraKey { time_s: second as f64, eye, target };
+    CameraPath { keys: poses.iter().enumerate().map(key).collect(), vertical_fov_radians: VERTICAL_FOV_RADIANS }
+}
+
+/// 60 degrees.
+const VERTICAL_FOV_RADIANS: f32 = std::f32::consts::FRAC_PI_3;
 
 /// How finely curved and large surfaces are divided.
 #[derive(Clone, Copy, Debug)]

@@ -14,8 +14,7 @@ mod table;
 use glam::DVec3;
 
 use super::builder::{MaterialId, MeshBuilder};
-use super::{Built, Detail};
-use crate::scene::Camera;
+use super::{Built, Detail, NamedPose, cameras, path};
 
 /// Triangles at scale 1, held by a test.
 pub(crate) const TRIANGLES_AT_SCALE_1: u64 = 155_892;
@@ -91,32 +90,40 @@ impl Palette {
     }
 }
 
-/// Builds the room with about `scale` times its triangles at scale 1.
-pub(crate) fn build(scale: f64) -> Built {
+/// Builds the room with about `scale` times its triangles at scale 1; it does not move.
+pub(crate) fn build(scale: f64, _time_s: f64) -> Built {
     let detail = Detail::new(scale);
     let mut builder = MeshBuilder::new();
     let palette = Palette::new(&mut builder);
+    builder.object("shell");
     shell::build(&mut builder, &palette, detail);
+    builder.object("table");
     table::build(&mut builder, &palette, detail);
+    builder.object("chairs");
     chairs::build(&mut builder, &palette, detail);
+    builder.object("shelf");
     shelf::build(&mut builder, &palette, detail);
+    builder.object("lamp");
     lamp::build(&mut builder, &palette, detail);
+    builder.object("corner");
     corner::build(&mut builder, &palette, detail);
+    builder.object("statue");
     statue::build(&mut builder, &palette, detail);
-    Built { mesh: builder.finish(), cameras: cameras() }
+    Built { mesh: builder.finish(), cameras: cameras(&VIEWPOINTS), path: path(&PATH) }
 }
 
-fn cameras() -> Vec<Camera> {
-    // 60 degrees.
-    let vertical_fov_radians = std::f32::consts::FRAC_PI_3;
-    [
-        ("entrance", [-2.6, 1.65, 2.15], [0.55, 0.95, -0.75]),
-        ("corner", [2.65, 2.4, 2.1], [-0.5, 0.75, -0.6]),
-        ("statue", [0.55, 1.7, -0.2], [1.5, 1.38, -1.3]),
-        ("floor", [-2.3, 0.06, 2.0], [0.4, 0.16, -0.7]),
-        ("chair_legs", [-0.35, 0.3, 1.75], [-1.0, 0.28, 0.3]),
-    ]
-    .into_iter()
-    .map(|(name, eye, target)| Camera { name: name.to_owned(), eye, target, up: [0.0, 1.0, 0.0], vertical_fov_radians })
-    .collect()
-}
+const VIEWPOINTS: [NamedPose; 5] = [
+    ("entrance", [-2.6, 1.65, 2.15], [0.55, 0.95, -0.75]),
+    ("corner", [2.65, 2.4, 2.1], [-0.5, 0.75, -0.6]),
+    ("statue", [0.55, 1.7, -0.2], [1.5, 1.38, -1.3]),
+    ("floor", [-2.3, 0.06, 2.0], [0.4, 0.16, -0.7]),
+    ("chair_legs", [-0.35, 0.3, 1.75], [-1.0, 0.28, 0.3]),
+];
+
+/// From the entrance along the table to the statue.
+const PATH: [([f32; 3], [f32; 3]); 4] = [
+    ([-2.6, 1.65, 2.15], [0.55, 0.95, -0.75]),
+    ([-1.2, 1.6, 2.1], [-0.9, 0.8, 0.3]),
+    ([0.4, 1.6, 1.2], [0.8, 1.0, -1.0]),
+    ([0.55, 1.7, -0.2], [1.5, 1.38, -1.3]),
+];
