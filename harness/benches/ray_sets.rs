@@ -13,7 +13,7 @@ use criterion::{BenchmarkId, Criterion, Throughput};
 use tracebench_api::{AdapterChoice, Gpu, Parameters, Preset, Timing};
 use tracebench_harness::plan::{Plan, RunPreset, SceneSource, TracerRequest, ViewRequest};
 use tracebench_harness::progress::Progress;
-use tracebench_harness::rays::RAY_SETS;
+use tracebench_harness::rays::{RAY_SETS, default_parameters};
 use tracebench_harness::registry::{Device, TRACERS};
 use tracebench_harness::session::{Contender, Session};
 use tracebench_harness::truth::Cache;
@@ -66,6 +66,7 @@ fn plan(gpu: Option<&Gpu>) -> Result<Plan, Failure> {
         scenes: vec![SceneSource::Catalogue("room".to_owned())],
         tracers: TRACERS.iter().map(request).collect(),
         ray_sets: RAY_SETS.to_vec(),
+        ray_parameters: default_parameters(),
         preset,
         view: ViewRequest::Default,
         time_s: 0.0,

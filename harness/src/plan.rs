@@ -95,6 +95,8 @@ pub struct Plan {
     pub tracers: Vec<TracerRequest>,
     /// The ray sets.
     pub ray_sets: Vec<RaySet>,
+    /// What is said about them: values of [`crate::rays::ray_parameters`].
+    pub ray_parameters: Parameters,
     /// Preset with every override applied.
     pub preset: RunPreset,
     /// The viewpoint.

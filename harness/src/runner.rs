@@ -3,8 +3,10 @@
 #[cfg(test)]
 mod tests;
 
-use tracebench_api::{Geometry, HitBuffer, RayBuffer, Residency, Timing, TracerError};
-use tracebench_scenes::{Camera, Scene, SceneError};
+use std::collections::BTreeMap;
+
+use tracebench_api::{Geometry, HitBuffer, Parameters, RayBuffer, Residency, Timing, TracerError};
+use tracebench_scenes::{Camera, Material, Scene, SceneError};
 
 use crate::controls::Control;
 use crate::machine;
@@ -145,11 +147,20 @@ pub fn prepare(
     let gpu = device.as_ref().ok();
     let record = records::scene_record(&scene);
     progress.say("  ground truth");
+    let mirrors: Vec<bool> = scene.mesh.materials.iter().map(Material::is_mirror).collect();
+    let mirrors: Vec<bool> = scene.mesh.triangle_materials.iter().map(|material| mirrors[*material as usize]).collect();
     let geometry = Geometry::new(scene.mesh.positions, scene.mesh.triangles, gpu.map(AsRef::as_ref))?;
     let truth = Truth::new(&geometry, &scene.sha256);
     let pose = choose_pose(&plan.view, &scene.name, &scene.cameras, &truth)?;
     let viewpoint = pose.viewpoint(&geometry, plan.preset.frame, plan.preset.face);
-    let request = RayRequest { sets: &plan.ray_sets, image: plan.preset.ray_image, seed: plan.seed };
+    let request = RayRequest {
+        sets: &plan.ray_sets,
+        image: plan.preset.ray_image,
+        seed: plan.seed,
+        parameters: &plan.ray_parameters,
+        path: scene.camera_path.as_ref(),
+        mirrors: &mirrors,
+    };
     let session = Session::new(&scene.name, truth, viewpoint, request, gpu.cloned(), cache, progress)?;
     Ok(LoadedScene { record, pose, session })
 }
@@ -175,6 +186,7 @@ pub fn execute(plan: &Plan, device: &Device, cache: &Cache, progress: &Progress)
         started: machine::utc_now(),
         seed: plan.seed,
         preset: plan.preset.name.to_owned(),
+        ray_parameters: json_values(&plan.ray_parameters),
         controls: Vec::new(),
         runs: Vec::new(),
         skipped: Vec::new(),
@@ -188,6 +200,11 @@ pub fn execute(plan: &Plan, device: &Device, cache: &Cache, progress: &Progress)
         return Err(RunError::Nothing(reasons.join("; ")));
     }
     Ok(run)
+}
+
+fn json_values(parameters: &Parameters) -> BTreeMap<String, serde_json::Value> {
+    let json = |value: &tracebench_api::Value| serde_json::to_value(value).unwrap_or_default();
+    parameters.iter().map(|(name, value)| (name.to_owned(), json(value))).collect()
 }
 
 /// A contender with what has been measured of it.
@@ -211,11 +228,10 @@ impl Entry {
 
     fn record(&self) -> TracerRecord {
         let Contender { description, parameters, .. } = &self.contender;
-        let json = |value: &tracebench_api::Value| serde_json::to_value(value).unwrap_or_default();
         TracerRecord {
             name: description.name.to_owned(),
             preset: self.request.as_ref().map_or("control", |request| request.preset.name()).to_owned(),
-            parameters: parameters.iter().map(|(name, value)| (name.to_owned(), json(value))).collect(),
+            parameters: json_values(parameters),
             changed: self.request.as_ref().map(|request| request.changed.clone()).unwrap_or_default(),
             residency: match description.residency {
                 Residency::Host => "host",

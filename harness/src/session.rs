@@ -4,14 +4,15 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use tracebench_api::{
-    Description, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, RayBuffer, Structure, Timing,
-    TraceJob, Tracer, TracerError, Viewpoint,
+    Description, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Query, Ray, RayBuffer, Structure,
+    Timing, TraceJob, Tracer, TracerError, Viewpoint,
 };
+use tracebench_scenes::CameraPath;
 
 use crate::controls::{Control, KnownAnswers};
 use crate::judge::{Judge, JudgeError};
 use crate::progress::Progress;
-use crate::rays::{self, RaySet};
+use crate::rays::{self, RayError, RayScene, RaySet, Starts};
 use crate::results::{Judgement, Skipped};
 use crate::truth::{Answer, Cache, Truth, TruthError};
 
@@ -119,6 +120,12 @@ pub struct RayRequest<'a> {
     pub image: [u32; 2],
     /// Seed.
     pub seed: u64,
+    /// Values of [`rays::ray_parameters`].
+    pub parameters: &'a Parameters,
+    /// The walk through the scene, if there is one.
+    pub path: Option<&'a CameraPath>,
+    /// For every triangle whether it is a mirror.
+    pub mirrors: &'a [bool],
 }
 
 impl Session {
@@ -136,23 +143,37 @@ impl Session {
         progress: &Progress,
     ) -> Result<Self, SessionError> {
         let primary = Arc::new(rays::primary_rays(&viewpoint, request.image));
-        // Every other set starts from the primary hits, so these are always told.
-        let primary_answers = Arc::new(truth.answer(&primary, tracebench_api::Query::Closest, cache, progress)?);
+        // Most other sets start from the primary hits, so these are always told.
+        let answers = Arc::new(truth.answer(&primary, Query::Closest, cache, progress)?);
+        let primary = Starts::primary(primary, answers);
         let mut session = Self { gpu, truth, viewpoint, rays: Vec::new(), skipped: Vec::new() };
         for set in request.sets {
-            let made = rays::make(set, &session.truth, &primary, &primary_answers, request.seed);
-            if made.is_empty() {
-                session.skipped.push(Skipped {
-                    tracer: None,
-                    scene: scene_name.to_owned(),
-                    rays: Some(set.name.to_owned()),
-                    reason: "the ray set is empty: no primary ray hits the scene from this viewpoint".to_owned(),
-                });
-                continue;
-            }
+            let scene = RayScene {
+                truth: &session.truth,
+                viewpoint: &session.viewpoint,
+                path: request.path,
+                mirrors: request.mirrors,
+                image: request.image,
+                seed: request.seed,
+                parameters: request.parameters,
+            };
+            let tell = |rays: &Arc<Vec<Ray>>| session.truth.answer(rays, Query::Closest, cache, progress);
+            let made = match rays::make(set, &scene, &primary, tell) {
+                Ok(made) => made,
+                Err(RayError::Truth(error)) => return Err(error.into()),
+                Err(error) => {
+                    session.skipped.push(Skipped {
+                        tracer: None,
+                        scene: scene_name.to_owned(),
+                        rays: Some(set.name.to_owned()),
+                        reason: error.to_string(),
+                    });
+                    continue;
+                }
+            };
             progress.say(&format!("  rays {}: {}", set.name, made.len()));
-            let answers = if Arc::ptr_eq(&made, &primary) {
-                Arc::clone(&primary_answers)
+            let answers = if Arc::ptr_eq(&made, &primary.rays) {
+                Arc::clone(&primary.answers)
             } else {
                 Arc::new(session.truth.answer(&made, set.query, cache, progress)?)
             };

@@ -7,14 +7,13 @@ use clap::Args;
 use super::{CliError, names};
 use crate::picture::What;
 use crate::plan::{Plan, RUN_PRESETS, RunPreset, ViewRequest};
+use crate::rays::MOST_RAYS;
 use crate::viewpoint::Pose;
 
 /// Largest edge of a frame or image, pixels.
 const LARGEST_EDGE: u32 = 16_384;
 /// Largest edge of a cube face, pixels.
 const LARGEST_FACE: u32 = 8_192;
-/// Most rays that start from one image: some 200 bytes of memory each.
-const MOST_RAYS: u64 = 1 << 24;
 
 #[derive(Args)]
 pub(super) struct RunArguments {
@@ -61,7 +60,8 @@ pub(super) struct CommonArguments {
     /// Animation time; scenes that do not move are the same at every time.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = seconds, allow_hyphen_values = true)]
     pub time: f64,
-    /// A parameter on top of the preset: tracer.parameter=value, as in `list tracers`. May be repeated.
+    /// A parameter on top of the preset: tracer.parameter=value, as in `list tracers`, or rays.parameter=value, as in
+    /// `list rays`. May be repeated.
     #[arg(long = "set", value_name = "T.P=V", allow_hyphen_values = true)]
     pub settings: Vec<String>,
     /// Adapter: part of its name, or its number in `adapters`.
@@ -141,6 +141,8 @@ impl RunArguments {
             samples: self.samples.map_or(preset.samples, |samples| samples as usize),
             ..preset
         };
-        Ok(Plan { scenes, tracers, ray_sets, preset, view, time_s: self.common.time, seed: self.seed })
+        let ray_parameters = names::ray_values(&self.common.settings)?;
+        let time_s = self.common.time;
+        Ok(Plan { scenes, tracers, ray_sets, ray_parameters, preset, view, time_s, seed: self.seed })
     }
 }

@@ -2,13 +2,13 @@
 
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
-use tracebench_api::{AdapterChoice, AdapterListing, Description, Domain, ParameterDescription, Preset};
+use tracebench_api::{AdapterChoice, AdapterListing, Description, Domain, ParameterDescription, Preset, Query};
 use tracebench_scenes::CatalogueEntry;
 
 use super::CliError;
 use super::output::print;
 use crate::progress::Progress;
-use crate::rays::RAY_SETS;
+use crate::rays::{RAY_SETS, RaySet, ray_parameters};
 use crate::registry::TRACERS;
 
 #[derive(Args)]
@@ -69,7 +69,7 @@ pub(super) fn list(arguments: &ListArguments) -> Result<(), CliError> {
     print(&match arguments.what {
         Kind::Tracers => TRACERS.iter().map(|registration| tracer_text(&(registration.describe)())).collect(),
         Kind::Scenes => scenes_text(),
-        Kind::Rays => RAY_SETS.iter().map(|set| format!("{:<10} {}\n", set.name, set.summary)).collect::<String>(),
+        Kind::Rays => rays_text(),
     })
 }
 
@@ -84,17 +84,23 @@ fn tracers() -> Vec<Value> {
 
 fn tracer_text(description: &Description) -> String {
     let parameter = |parameter: &ParameterDescription| {
-        let range = match parameter.domain {
-            Domain::Integer { least, greatest } => format!("{least} to {greatest}"),
-            Domain::Real { least, greatest } => format!("{least} to {greatest}"),
-            Domain::Choice(names) => names.join(", "),
-        };
-        let unit = if parameter.unit.is_empty() { String::new() } else { format!(" {}", parameter.unit) };
-        let ParameterDescription { name, published, improved, effect, .. } = parameter;
-        format!("  {}.{name} = {published}{unit} ({range}; improved {improved}): {effect}\n", description.name)
+        let (value, range) = value_and_range(parameter);
+        let ParameterDescription { name, improved, effect, .. } = parameter;
+        format!("  {}.{name} = {value} ({range}; improved {improved}): {effect}\n", description.name)
     };
     let head = format!("{:<12} {}\n{:12} {}\n", description.name, description.summary, "", description.citation);
     head + &description.parameters.iter().map(parameter).collect::<String>()
+}
+
+/// A parameter's published value with its unit, and what it may be.
+fn value_and_range(parameter: &ParameterDescription) -> (String, String) {
+    let range = match parameter.domain {
+        Domain::Integer { least, greatest } => format!("{least} to {greatest}"),
+        Domain::Real { least, greatest } => format!("{least} to {greatest}"),
+        Domain::Choice(names) => names.join(", "),
+    };
+    let unit = if parameter.unit.is_empty() { String::new() } else { format!(" {}", parameter.unit) };
+    (format!("{}{unit}", parameter.published), range)
 }
 
 /// Names of a scene's cameras. They do not depend on its scale, so the smallest serves.
@@ -126,6 +132,31 @@ fn scenes_text() -> String {
     entries + "Any .gltf or .glb file is a scene too, by its path.\n"
 }
 
+/// The parameters of a ray set, `order` first, which every set has.
+fn parameters_of(set: &RaySet) -> Vec<ParameterDescription> {
+    let mut known = ray_parameters();
+    known.retain(|each| each.name == "order" || set.parameters.contains(&each.name));
+    known
+}
+
+fn rays_text() -> String {
+    let sets = RAY_SETS.iter().map(|set| {
+        let query = if set.query == Query::Any { " (any hit)" } else { "" };
+        format!("{:<12} {}{query}\n", set.name, set.summary)
+    });
+    let parameters = ray_parameters();
+    let parameters = parameters.iter().map(|parameter| {
+        let (value, range) = value_and_range(parameter);
+        format!("  rays.{} = {value} ({range}): {}\n", parameter.name, parameter.effect)
+    });
+    sets.chain(parameters).collect()
+}
+
 fn rays() -> Vec<Value> {
-    RAY_SETS.iter().map(|set| json!({ "name": set.name, "query": set.query, "summary": set.summary })).collect()
+    let item = |set: &RaySet| {
+        let parameter = |each: &ParameterDescription| json!({ "name": each.name, "unit": each.unit, "domain": each.domain, "default": each.published, "effect": each.effect });
+        let parameters: Vec<Value> = parameters_of(set).iter().map(parameter).collect();
+        json!({ "name": set.name, "query": set.query, "summary": set.summary, "parameters": parameters })
+    };
+    RAY_SETS.iter().map(item).collect()
 }

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use tracebench_api::{ParameterError, Parameters, Preset};
+use tracebench_api::{ParameterDescription, ParameterError, Parameters, Preset};
 
 use super::CliError;
 use crate::plan::{SceneSource, TracerRequest};
-use crate::rays::{RAY_SETS, RaySet};
+use crate::rays::{self, RAY_SETS, RaySet};
 use crate::registry::{self, TRACERS};
 
 /// Says that a name is not known, with the nearest that is.
@@ -92,9 +92,50 @@ pub(super) fn tracers(list: &str, settings: &[String]) -> Result<Vec<TracerReque
         }
     }
     for setting in settings {
-        apply(setting, &mut requests)?;
+        let (tracer, parameter, value) = split(setting)?;
+        if tracer != RAYS {
+            apply(setting, tracer, parameter, value, &mut requests)?;
+        }
     }
     Ok(requests)
+}
+
+/// What `--set` says about ray sets.
+pub(super) fn ray_values(settings: &[String]) -> Result<Parameters, CliError> {
+    let known = rays::ray_parameters();
+    let mut parameters = rays::default_parameters();
+    for setting in settings {
+        let (of, parameter, value) = split(setting)?;
+        if of == RAYS {
+            let set = parameters.set(&known, parameter, value);
+            set.map_err(|error| refused(&known, RAYS, parameter, error))?;
+        }
+    }
+    Ok(parameters)
+}
+
+/// The name under which parameters of ray sets are set.
+const RAYS: &str = "rays";
+
+/// The parts of `tracer.parameter=value`.
+fn split(setting: &str) -> Result<(&str, &str, &str), CliError> {
+    let parts = setting.split_once('=').and_then(|(path, value)| {
+        let (of, parameter) = path.split_once('.')?;
+        Some((of, parameter, value))
+    });
+    parts.ok_or_else(|| {
+        CliError::Argument(format!("--set '{setting}' must read tracer.parameter=value or rays.parameter=value"))
+    })
+}
+
+fn refused(known: &[ParameterDescription], of: &str, parameter: &str, error: ParameterError) -> CliError {
+    match error {
+        ParameterError::Unknown { .. } => {
+            let known: Vec<&str> = known.iter().map(|each| each.name).collect();
+            unknown(&format!("parameter of {of}"), parameter, &known)
+        }
+        ParameterError::Value { .. } => CliError::Argument(format!("--set {of}: {error}")),
+    }
 }
 
 fn named(name: &str) -> Result<&'static registry::Registration, CliError> {
@@ -104,22 +145,20 @@ fn named(name: &str) -> Result<&'static registry::Registration, CliError> {
 }
 
 /// Applies one `tracer.parameter=value`.
-fn apply(setting: &str, requests: &mut [TracerRequest]) -> Result<(), CliError> {
-    let syntax = || CliError::Argument(format!("--set '{setting}' must read tracer.parameter=value"));
-    let (path, value) = setting.split_once('=').ok_or_else(syntax)?;
-    let (tracer, parameter) = path.split_once('.').ok_or_else(syntax)?;
+fn apply(
+    setting: &str,
+    tracer: &str,
+    parameter: &str,
+    value: &str,
+    requests: &mut [TracerRequest],
+) -> Result<(), CliError> {
     let registration = named(tracer)?;
-    let description = (registration.describe)();
+    let known = (registration.describe)().parameters;
     let mut applied = false;
     for request in requests.iter_mut().filter(|request| (request.registration.describe)().name == tracer) {
         applied = true;
-        request.parameters.set(&description.parameters, parameter, value).map_err(|error| match error {
-            ParameterError::Unknown { .. } => {
-                let known: Vec<&str> = description.parameters.iter().map(|each| each.name).collect();
-                unknown(&format!("parameter of {tracer}"), parameter, &known)
-            }
-            ParameterError::Value { .. } => CliError::Argument(format!("--set {tracer}: {error}")),
-        })?;
+        let set = request.parameters.set(&known, parameter, value);
+        set.map_err(|error| refused(&known, tracer, parameter, error))?;
         if !request.changed.iter().any(|name| name == parameter) {
             request.changed.push(parameter.to_owned());
         }

@@ -18,10 +18,18 @@ pub(crate) fn create_directory(path: &Path) -> Result<(), ReportError> {
 /// Looks whether a file could be written, by one beside its place that is gone again at once.
 pub(crate) fn check_writable(path: &Path) -> Result<(), ReportError> {
     let fail = |source| ReportError::Write { path: path.to_owned(), source };
-    if path.is_dir() {
-        return Err(fail(std::io::ErrorKind::IsADirectory.into()));
-    }
+    check_place(path).map_err(fail)?;
     tempfile_beside(path).map(drop).map_err(fail)
+}
+
+/// A rename would put a file in the place of a folder's name or of a device such as /dev/null.
+fn check_place(path: &Path) -> std::io::Result<()> {
+    match fs::metadata(path) {
+        Ok(found) if !found.is_file() => {
+            Err(std::io::Error::new(std::io::ErrorKind::AlreadyExists, "what is there is no regular file"))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// A temporary file in the same folder: a rename does not cross file systems.
@@ -34,6 +42,7 @@ fn tempfile_beside(path: &Path) -> std::io::Result<tempfile::NamedTempFile> {
 /// Writes a file beside its place and renames it, so that readers see the old contents or the new, never a part.
 pub(crate) fn write(path: &Path, contents: &[u8]) -> Result<(), ReportError> {
     let fail = |source| ReportError::Write { path: path.to_owned(), source };
+    check_place(path).map_err(fail)?;
     let mut file = tempfile_beside(path).map_err(fail)?;
     file.write_all(contents).map_err(fail)?;
     file.persist(path).map_err(|error| fail(error.error))?;

@@ -79,6 +79,7 @@ pub(super) fn run(contenders: &[(&str, Quality)], sets: &[(&str, Query)]) -> Run
         started: "2031-05-06T07:08:09Z".to_owned(),
         seed: 20_260_101,
         preset: "quick".to_owned(),
+        ray_parameters: BTreeMap::new(),
         controls: controls.iter().map(|(name, missed, blur)| control(name, *missed, *blur, sets)).collect(),
         runs: contenders.iter().map(|(name, quality)| contender(name, *quality, sets)).collect(),
         skipped: vec![Skipped {

@@ -33,6 +33,9 @@ pub struct Run {
     pub seed: u64,
     /// Run preset: smoke, quick or paper. Figures of a smoke run only show that things work.
     pub preset: String,
+    /// What was said about ray sets: every parameter's value. Empty in files of before there were any.
+    #[serde(default)]
+    pub ray_parameters: BTreeMap<String, serde_json::Value>,
     /// The controls, in the form of runs.
     pub controls: Vec<TracerRun>,
     /// The contenders.

@@ -8,7 +8,7 @@ use tracebench_api::{
 };
 
 use super::*;
-use crate::rays::RAY_SETS;
+use crate::rays::{RAY_SETS, default_parameters};
 
 /// How a contender behaves.
 #[derive(Clone, Copy, PartialEq)]
@@ -74,7 +74,9 @@ fn session() -> Session {
     let geometry = Geometry::new(corners, vec![[0, 1, 2]], None).unwrap();
     let truth = Truth::new(&geometry, "fake");
     let viewpoint = Pose::parse("0,0,3:0,0,0").unwrap().viewpoint(&geometry, [8, 8], 8);
-    let request = RayRequest { sets: &RAY_SETS[..1], image: [8, 8], seed: 1 };
+    let parameters = default_parameters();
+    let request =
+        RayRequest { sets: &RAY_SETS[..1], image: [8, 8], seed: 1, parameters: &parameters, path: None, mirrors: &[] };
     let quiet = Progress::new(true);
     Session::new("fake", truth, viewpoint, request, None, &Cache::none(), &quiet).unwrap()
 }

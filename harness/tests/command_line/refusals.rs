@@ -43,6 +43,9 @@ fn wrong_arguments() {
         (vec!["--set", "screen-dda.strid=1"], vec!["'stride'"]),
         (vec!["--set", "screendda.stride=1"], vec!["'screen-dda'"]),
         (vec!["--set", "bvh-cpu.build=quickly"], vec!["very_fast"]),
+        (vec!["--set", "rays.order=spiral"], vec!["order", "scanline, tile, shuffled"]),
+        (vec!["--set", "rays.lens_aperture=-1"], vec!["lens_aperture", "0 to 1"]),
+        (vec!["--set", "rays.lens_apperture=1"], vec!["'lens_aperture'"]),
         (vec!["--set", "stride=1"], vec!["tracer.parameter=value"]),
         (vec!["--tracer", "bvh-cpu", "--set", "screen-dda.stride=1"], vec!["not in --tracer"]),
         (vec!["--adapter", ""], vec!["--adapter"]),
@@ -148,6 +151,17 @@ fn outputs_that_cannot_be_written() {
     }
     let picture = ["picture", "--scene", "room", "--tracer", "bvh-cpu", "--size", "8x8", "--out", "no/such/p.png"];
     bench.fails(&picture, 1, &["no/such/p.png"]);
+    // Nothing but a regular file is replaced: with enough rights, /dev/null could be.
+    let folder = ["picture", "--scene", "room", "--tracer", "bvh-cpu", "--size", "8x8", "--out", "."];
+    bench.fails(&folder, 1, &["no regular file"]);
+    #[cfg(target_os = "linux")]
+    {
+        let device = bench.path("device");
+        std::os::unix::fs::symlink("/dev/null", &device).unwrap();
+        let picture = ["picture", "--scene", "room", "--tracer", "bvh-cpu", "--size", "8x8", "--out", "device"];
+        bench.fails(&picture, 1, &["device", "no regular file"]);
+        assert!(device.is_symlink());
+    }
     // Refused before the scene is loaded: the message is of the file, not of the scene that is not there either.
     let picture = ["picture", "--scene", "gone.glb", "--tracer", "bvh-cpu", "--size", "8x8", "--out", "no/such/p.png"];
     bench.fails(&picture, 1, &["no/such/p.png: No such file"]);

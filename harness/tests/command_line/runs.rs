@@ -17,7 +17,25 @@ fn lists() {
     for (kind, expected) in [
         ("tracers", vec!["bvh-cpu", "screen-dda"]),
         ("scenes", vec!["room"]),
-        ("rays", vec!["primary", "diffuse", "ao"]),
+        (
+            "rays",
+            vec![
+                "primary",
+                "diffuse",
+                "ao",
+                "visibility",
+                "specular",
+                "glossy",
+                "bounce2",
+                "refraction",
+                "random",
+                "pixel-random",
+                "stereo",
+                "temporal",
+                "lens",
+                "light-field",
+            ],
+        ),
     ] {
         let found = json(&["list", kind, "--json"]);
         assert!(expected.iter().all(|name| found.iter().any(|found| found == name)), "{found:?}");
@@ -151,8 +169,10 @@ fn a_smoke_run() {
         let all = run[list].as_array().unwrap().iter();
         all.clone().find(|each| each["tracer"]["name"] == name).unwrap_or_else(|| panic!("no {name}")).clone()
     };
+    let sets: Value = serde_json::from_str(&bench.call(&["list", "rays", "--json"]).stdout).unwrap();
+    let sets = sets.as_array().unwrap().len();
     for name in ["oracle", "always-miss", "always-hit"] {
-        assert_eq!(by_name("controls", name)["traces"].as_array().unwrap().len(), 3);
+        assert_eq!(by_name("controls", name)["traces"].as_array().unwrap().len(), sets);
     }
     let oracle = by_name("controls", "oracle");
     assert_eq!(oracle["traces"][0]["judgement"]["agreement"]["tight"], 1.0);
@@ -252,9 +272,10 @@ fn empty_ray_sets_are_skipped() {
     let run = bench.run(&[&away[..], &["--rays", "all"]].concat(), "all");
     let skipped = run["skipped"].as_array().unwrap();
     let sets: Vec<&str> = skipped.iter().map(|each| each["rays"].as_str().unwrap()).collect();
-    assert_eq!(sets, ["diffuse", "ao"]);
+    let from_hits = ["diffuse", "ao", "visibility", "specular", "glossy", "bounce2", "refraction", "pixel-random"];
+    assert_eq!(sets, from_hits);
     assert!(skipped.iter().all(|each| each["reason"].as_str().unwrap().contains("empty")));
-    assert_eq!(run["runs"][0]["traces"].as_array().unwrap().len(), 1);
+    assert_eq!(run["runs"][0]["traces"].as_array().unwrap().len(), 6);
     assert_eq!(run["runs"][0]["traces"][0]["judgement"]["classes"]["tight"]["true_miss"], 128);
     let run = bench.run(&[&away[..], &["--rays", "ao"]].concat(), "none");
     assert!(run["runs"][0]["traces"].as_array().unwrap().is_empty());
