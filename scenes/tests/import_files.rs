@@ -175,19 +175,28 @@ fn extensions() {
     assert!(doc.error().contains("without Draco"), "{}", doc.error());
 }
 
-/// Proves that what moves is left at rest with a word, and that custom attributes do no harm.
+/// Proves that custom attributes, skins that no mesh has and animations that do not play do no harm.
 #[test]
-fn what_moves_stands_still() {
+fn what_moves_nothing_is_not_read() {
     let mut doc = Doc::square();
-    doc.json["animations"] = json!([{"channels": "nonsense"}]);
+    doc.json["animations"] = json!([{"channels": [], "samplers": []}, {"channels": "nonsense", "name": "walk"}, 7]);
     doc.json["skins"] = json!([{"joints": [99]}]);
-    doc.json["nodes"][0]["skin"] = json!(0);
-    doc.json["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": 99}]);
+    doc.json["meshes"][0]["primitives"][0]["targets"] = json!([{"NORMAL": 99}]);
     doc.json["meshes"][0]["primitives"][0]["attributes"]["_CUSTOM"] = json!(99);
     doc.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(99);
+    doc.json["meshes"][0]["primitives"][0]["attributes"]["JOINTS_0"] = json!(99);
+    doc.json["nodes"] = json!([{"mesh": 0}, {"skin": 99, "weights": "none"}]);
     let scene = doc.import().unwrap();
-    assert_eq!(scene.notes.warnings.len(), 3, "{:?}", scene.notes.warnings);
     assert_eq!(scene.mesh.triangles.len(), 2);
+    assert!(scene.animation.is_none());
+    let warnings = &scene.notes.warnings;
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert!(warnings[0].contains("(2): 'walk', 'unnamed'"), "{warnings:?}");
+    assert!(warnings[1].contains("moves no triangles"), "{warnings:?}");
+
+    // Where a mesh has that skin, the same is an error.
+    doc.json["nodes"][0]["skin"] = json!(0);
+    assert!(doc.error().contains("export"), "{}", doc.error());
 }
 
 /// Proves that a binary chunk longer than the buffer by its padding is accepted.

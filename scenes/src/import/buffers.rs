@@ -10,7 +10,22 @@ use percent_encoding::percent_decode_str;
 
 use crate::error::SceneError;
 
-/// Buffers by index; a buffer that only images or animations use is never loaded.
+/// The bytes of the buffers that were loaded, by index.
+pub(super) struct Bytes<'a>(Vec<Option<Cow<'a, [u8]>>>);
+
+impl Bytes<'_> {
+    /// The bytes of a buffer that was loaded; empty for any other.
+    pub(super) fn of(&self, buffer: usize) -> &[u8] {
+        self.0.get(buffer).and_then(Option::as_deref).unwrap_or(&[])
+    }
+
+    /// The same for longer than the file's own bytes live: what was borrowed from them is copied.
+    pub(super) fn into_owned(self) -> Bytes<'static> {
+        Bytes(self.0.into_iter().map(|bytes| bytes.map(|bytes| Cow::Owned(bytes.into_owned()))).collect())
+    }
+}
+
+/// Loads buffers; one that only images or animations that are not played use is never loaded.
 pub(super) struct Buffers<'a> {
     scene: &'a str,
     base_dir: Option<&'a Path>,
@@ -24,9 +39,9 @@ impl<'a> Buffers<'a> {
         Self { scene, base_dir, blob, loaded: vec![None; count] }
     }
 
-    /// The bytes of a buffer that was loaded; empty for any other.
-    pub(super) fn bytes(&self, index: usize) -> &[u8] {
-        self.loaded.get(index).and_then(Option::as_deref).unwrap_or(&[])
+    /// What was loaded.
+    pub(super) fn finish(self) -> Bytes<'a> {
+        Bytes(self.loaded)
     }
 
     /// Loads buffer `index` of `root`, exactly as many bytes as the document says.

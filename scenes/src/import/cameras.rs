@@ -1,15 +1,16 @@
 //! Perspective cameras of the scene, in the order of its nodes.
 
-use glam::DVec3;
+use glam::{DMat4, DVec3};
 use gltf::json::Root;
 
 use super::nodes::Placed;
 use crate::scene::Camera;
 
-/// Every camera that can be looked through; a word in `warnings` for every other one.
-pub(super) fn collect(root: &Root, placed: &[Placed], warnings: &mut Vec<String>) -> Vec<Camera> {
+/// Every camera that can be looked through; a word in `warnings` for every other one. `worlds` has the transform of each
+/// placed node to world space.
+pub(super) fn collect(root: &Root, placed: &[Placed], worlds: &[DMat4], warnings: &mut Vec<String>) -> Vec<Camera> {
     let mut cameras: Vec<Camera> = Vec::new();
-    for place in placed {
+    for (place, world) in placed.iter().zip(worlds) {
         let Some(node) = root.nodes.get(place.node) else {
             continue;
         };
@@ -29,7 +30,7 @@ pub(super) fn collect(root: &Root, placed: &[Placed], warnings: &mut Vec<String>
             continue;
         };
         let name = unique(name, &cameras);
-        match aim(place, perspective.yfov) {
+        match aim(world, perspective.yfov) {
             Some((eye, target, up)) => {
                 cameras.push(Camera { name, eye, target, up, vertical_fov_radians: perspective.yfov });
             }
@@ -42,13 +43,13 @@ pub(super) fn collect(root: &Root, placed: &[Placed], warnings: &mut Vec<String>
 }
 
 /// Eye, target and up of a camera that looks along its node's -Z; scale and shear are taken out.
-fn aim(place: &Placed, yfov: f32) -> Option<([f32; 3], [f32; 3], [f32; 3])> {
+fn aim(world: &DMat4, yfov: f32) -> Option<([f32; 3], [f32; 3], [f32; 3])> {
     if !(yfov > 0.0 && yfov < std::f32::consts::PI) {
         return None;
     }
-    let eye = place.world.w_axis.truncate();
-    let forward = -place.world.z_axis.truncate().try_normalize()?;
-    let upward = place.world.y_axis.truncate().try_normalize()?;
+    let eye = world.w_axis.truncate();
+    let forward = -world.z_axis.truncate().try_normalize()?;
+    let upward = world.y_axis.truncate().try_normalize()?;
     let up = upward - forward * upward.dot(forward);
     if up.length() < 1e-6 {
         return None;

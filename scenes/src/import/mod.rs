@@ -8,22 +8,30 @@ mod buffers;
 mod cameras;
 mod degenerate;
 mod document;
+mod elements;
 mod extensions;
+mod form;
 mod gather;
 mod materials;
+mod motion;
 mod nodes;
 mod parts;
+mod rig;
+mod sampler;
 mod strip;
 
 use std::path::Path;
 
 use gltf::json::Root;
 
-use self::buffers::Buffers;
+use self::accessor::{Accessors, buffers_of};
+use self::buffers::{Buffers, Bytes};
 use self::document::Document;
 use self::gather::Gathered;
+use self::motion::{Instance, Motion};
 use self::nodes::Placed;
 use self::parts::Part;
+use self::rig::{Pose, Rig};
 use self::strip::Facts;
 use crate::error::SceneError;
 use crate::scene::{ImportNotes, Mesh, Origin, Scene};
@@ -33,6 +41,9 @@ pub const MAX_TRIANGLES: u64 = 50_000_000;
 
 /// Greatest magnitude of an imported coordinate in world space: beyond it, squared lengths come near the end of f32.
 pub const MAX_COORDINATE: f64 = 1e15;
+
+/// Most triangles, each counted once for every morph target and set of joints that its corners are computed from.
+const MAX_DEFORMED: u64 = 500_000_000;
 
 /// Imports a `.gltf` or `.glb` file; which of the two it is, its first bytes tell, not its name.
 ///
@@ -63,7 +74,8 @@ pub fn import(path: &Path) -> Result<Scene, SceneError> {
 ///   reverses the winding, so that the outside stays outside.
 /// - Triangles of exactly zero area are dropped and counted, duplicates are kept and counted. Only vertices of kept
 ///   triangles are kept and looked at.
-/// - Skins, morph targets and animations are ignored with a warning: meshes stand where their nodes put them.
+/// - Skins and morph targets move vertices, and the first animation plays: [`Scene::animation`]. The mesh is the state
+///   at time 0, and the triangles that are dropped are those that have zero area then.
 /// - Of materials only base colour, metallic and roughness factors are kept. Images are never read.
 /// - Perspective cameras are kept in the order of the nodes.
 ///
@@ -84,82 +96,202 @@ fn import_labelled(bytes: &[u8], base_dir: Option<&Path>, name: &str, label: &st
     warn_facts(&facts, &mut notes.warnings);
     extensions::warn_used(&root.extensions_used, &mut notes.warnings);
     let placed = nodes::place(&root, &mut notes.warnings).map_err(invalid)?;
-    let mut buffers = Buffers::new(label, base_dir, blob.as_deref(), root.buffers.len());
     let used = used_meshes(&root, &placed);
-    parts::load_buffers(&root, &used, &mut buffers)?;
-    let mesh = assemble_mesh(&root, &buffers, &placed, &used, &mut notes).map_err(invalid)?;
-    let cameras = cameras::collect(&root, &placed, &mut notes.warnings);
+    let mut buffers = Buffers::new(label, base_dir, blob.as_deref(), root.buffers.len());
+    for accessor in used_accessors(&root, &placed, &used) {
+        for buffer in buffers_of(&root, accessor) {
+            buffers.load(&root, buffer)?;
+        }
+    }
+    let bytes = buffers.finish();
+    let geometry = Geometry::open(&root, &bytes, placed, &used, &mut notes).map_err(invalid)?;
+    let pose = geometry.rig.pose(&bytes, 0.0);
+    let duration_s = geometry.duration_s(&root, &bytes, &mut notes.warnings);
+    let (mesh, instances, sources) =
+        geometry.assemble(&root, &bytes, &pose, duration_s.is_some(), &mut notes).map_err(invalid)?;
+    let cameras = cameras::collect(&root, &geometry.rig.placed, &pose.worlds, &mut notes.warnings);
     let origin = Origin::File { path: name.into() };
-    Ok(Scene::assemble(name.to_owned(), origin, mesh, cameras, notes))
+    let Geometry { rig, parts } = geometry;
+    let mut scene = Scene::assemble(name.to_owned(), origin, mesh, cameras, notes);
+    scene.animation = duration_s.map(|duration_s| {
+        Motion { label: label.to_owned(), bytes: bytes.into_owned(), rig, parts, instances, sources }
+            .animation(duration_s)
+    });
+    Ok(scene)
 }
 
 fn warn_facts(facts: &Facts, warnings: &mut Vec<String>) {
-    for (there, what) in
-        [(facts.animations, "animations"), (facts.skins, "skins"), (facts.morph_targets, "morph targets")]
-    {
-        if there {
-            warnings.push(format!("{what} are ignored: meshes stand as their nodes place them"));
-        }
+    if !facts.other_animations.is_empty() {
+        let shown: Vec<String> = facts.other_animations.iter().take(5).map(|name| format!("'{name}'")).collect();
+        let more = if facts.other_animations.len() > shown.len() { " and others" } else { "" };
+        warnings.push(format!(
+            "the first animation plays; the others are ignored ({}): {}{more}",
+            facts.other_animations.len(),
+            shown.join(", ")
+        ));
+    }
+    if facts.foreign_channels > 0 {
+        warnings.push(format!(
+            "channels of the animation that move something else than a node's translation, rotation, scale or weights are ignored ({}); KHR_animation_pointer is one source of them",
+            facts.foreign_channels
+        ));
     }
 }
 
-fn used_meshes(root: &Root, placed: &[Placed]) -> Vec<bool> {
-    let mut used = vec![false; root.meshes.len()];
-    for mesh in placed.iter().filter_map(|place| mesh_of(root, place)) {
-        if let Some(used) = used.get_mut(mesh) {
-            *used = true;
+/// Whether nodes of the scene hold a mesh, and whether one of them has a skin.
+#[derive(Clone, Copy, Default)]
+struct MeshUse {
+    used: bool,
+    skinned: bool,
+}
+
+fn used_meshes(root: &Root, placed: &[Placed]) -> Vec<MeshUse> {
+    let mut uses = vec![MeshUse::default(); root.meshes.len()];
+    for node in placed.iter().filter_map(|place| root.nodes.get(place.node)) {
+        if let Some(mesh) = node.mesh.and_then(|mesh| uses.get_mut(mesh.value())) {
+            mesh.used = true;
+            mesh.skinned |= node.skin.is_some();
         }
     }
-    used
+    uses
+}
+
+/// Accessors that are read: of meshes, skins and the animation.
+fn used_accessors(root: &Root, placed: &[Placed], used: &[MeshUse]) -> Vec<usize> {
+    let mut accessors = Vec::new();
+    for (mesh, mesh_use) in root.meshes.iter().zip(used).filter(|(_, mesh_use)| mesh_use.used) {
+        for primitive in &mesh.primitives {
+            accessors.extend(parts::accessors_of(primitive, mesh_use.skinned));
+        }
+    }
+    for skin in rig::used_skins(root, placed).into_iter().filter_map(|skin| root.skins.get(skin)) {
+        accessors.extend(skin.inverse_bind_matrices.map(|matrices| matrices.value()));
+    }
+    for sampler in root.animations.iter().flat_map(|animation| &animation.samplers) {
+        accessors.extend([sampler.input.value(), sampler.output.value()]);
+    }
+    accessors
 }
 
 fn mesh_of(root: &Root, place: &Placed) -> Option<usize> {
     root.nodes.get(place.node)?.mesh.map(|mesh| mesh.value())
 }
 
-fn assemble_mesh(
-    root: &Root,
-    buffers: &Buffers<'_>,
-    placed: &[Placed],
-    used: &[bool],
-    notes: &mut ImportNotes,
-) -> Result<Mesh, String> {
-    let mut parts: Vec<Vec<Part<'_>>> = Vec::with_capacity(used.len());
-    let mut distinct = 0;
-    for (mesh, &used) in used.iter().enumerate() {
-        parts.push(if used { parts::open(root, buffers, mesh, &mut distinct, notes)? } else { Vec::new() });
-    }
-    let parts_of = |place: &Placed| -> &[Part<'_>] {
-        mesh_of(root, place).and_then(|mesh| parts.get(mesh)).map_or(&[], Vec::as_slice)
-    };
+/// Nodes with what moves them, and primitives: all that is needed beside the bytes.
+struct Geometry {
+    rig: Rig,
+    /// By mesh of the document; empty where no node of the scene holds it.
+    parts: Vec<Vec<Part>>,
+}
 
-    // Counted before anything is allocated: a small file can place a large mesh a million times.
-    let total = placed.iter().flat_map(parts_of).map(|part| part.triangles as u64).fold(0u64, u64::saturating_add);
-    check_total(total)?;
-    let mut materials = materials::collect(root, &mut notes.warnings);
-    let without_material = placed.iter().flat_map(parts_of).any(|part| part.material.is_none());
-    let default_material = materials.len() as u32;
-    if without_material || materials.is_empty() {
-        materials.push(materials::DEFAULT);
-    }
-    let mut gathered = Gathered::with_capacity(usize::try_from(total).unwrap_or(0));
-    let mut objects: Vec<String> = Vec::new();
-    for place in placed {
-        for part in parts_of(place) {
-            let material = part.material.unwrap_or(default_material);
-            gathered.add(part, &place.world, material, objects.len() as u32)?;
+impl Geometry {
+    fn open(
+        root: &Root,
+        bytes: &Bytes<'_>,
+        placed: Vec<Placed>,
+        used: &[MeshUse],
+        notes: &mut ImportNotes,
+    ) -> Result<Self, String> {
+        let accessors = Accessors::new(root, bytes);
+        let mut parts = Vec::with_capacity(used.len());
+        let mut distinct = 0;
+        for (mesh, mesh_use) in used.iter().enumerate() {
+            parts.push(if mesh_use.used {
+                parts::open(&accessors, mesh, mesh_use.skinned, &mut distinct, notes)?
+            } else {
+                Vec::new()
+            });
         }
-        if !parts_of(place).is_empty() {
-            objects.push(root.nodes.get(place.node).and_then(|node| node.name.clone()).unwrap_or_default());
+        let rig = Rig::open(&accessors, placed, notes)?;
+        Ok(Self { rig, parts })
+    }
+
+    fn parts_of(&self, root: &Root, place: &Placed) -> &[Part] {
+        mesh_of(root, place).and_then(|mesh| self.parts.get(mesh)).map_or(&[], Vec::as_slice)
+    }
+
+    /// Length of the animation; none if there is none that moves a triangle.
+    fn duration_s(&self, root: &Root, bytes: &Bytes<'_>, warnings: &mut Vec<String>) -> Option<f64> {
+        root.animations.first()?;
+        let mut moving = self.rig.moving(root).into_iter().zip(&self.rig.placed);
+        if !moving.any(|(moves, place)| moves && !self.parts_of(root, place).is_empty()) {
+            warnings.push("the animation moves no triangles: the scene stands still".to_owned());
+            return None;
         }
+        let duration_s = self.rig.duration_s(bytes);
+        if duration_s > 0.0 {
+            return Some(duration_s);
+        }
+        warnings.push("the animation has no length: the scene stands still in its pose".to_owned());
+        None
     }
-    notes.zero_area_triangles_dropped = gathered.zero_area;
-    if gathered.triangles.is_empty() {
-        return Err(no_triangles(root, placed, notes));
+
+    /// The mesh in a pose, the instances with the ends of their vertices, and, if wanted, where each vertex is from.
+    #[allow(clippy::type_complexity)]
+    fn assemble(
+        &self,
+        root: &Root,
+        bytes: &Bytes<'_>,
+        pose: &Pose,
+        keep_sources: bool,
+        notes: &mut ImportNotes,
+    ) -> Result<(Mesh, Vec<(Instance, usize)>, Vec<u32>), String> {
+        let all = || self.rig.placed.iter().flat_map(|place| self.parts_of(root, place));
+        // Counted before anything is allocated: a small file can place a large mesh a million times.
+        let total = all().map(|part| part.triangles as u64).fold(0u64, u64::saturating_add);
+        check_total(total)?;
+        check_deformed(all())?;
+        let mut materials = materials::collect(root, &mut notes.warnings);
+        let default_material = materials.len() as u32;
+        if all().any(|part| part.material.is_none()) || materials.is_empty() {
+            materials.push(materials::DEFAULT);
+        }
+        let mut gathered = Gathered::new(usize::try_from(total).unwrap_or(0), keep_sources);
+        let mut objects: Vec<String> = Vec::new();
+        let mut instances = Vec::new();
+        for (place, placed) in self.rig.placed.iter().enumerate() {
+            let Some(node) = root.nodes.get(placed.node) else {
+                continue;
+            };
+            for (slot, part) in self.parts_of(root, placed).iter().enumerate() {
+                let mesh = node.mesh.map_or(0, |mesh| mesh.value());
+                let instance = Instance { place, part: (mesh, slot), skin: node.skin.map(|skin| skin.value()) };
+                let material = part.material.unwrap_or(default_material);
+                let form = instance.form(part, bytes, pose)?;
+                gathered.add(part, bytes, &form, material, objects.len() as u32)?;
+                instances.push((instance, gathered.positions.len()));
+            }
+            if !self.parts_of(root, placed).is_empty() {
+                objects.push(node.name.clone().unwrap_or_default());
+            }
+        }
+        notes.zero_area_triangles_dropped = gathered.zero_area;
+        if gathered.weightless > 0 {
+            notes.warnings.push(format!(
+                "vertices whose joints have no weight follow the first of them ({})",
+                gathered.weightless
+            ));
+        }
+        if gathered.triangles.is_empty() {
+            return Err(no_triangles(root, &self.rig.placed, notes));
+        }
+        let Gathered { positions, triangles, triangle_materials, triangle_objects, sources, .. } = gathered;
+        notes.duplicate_triangles_kept = degenerate::count_duplicates(&positions, &triangles);
+        let mesh = Mesh { positions, triangles, triangle_materials, materials, triangle_objects, objects };
+        Ok((mesh, instances, sources.unwrap_or_default()))
     }
-    let Gathered { positions, triangles, triangle_materials, triangle_objects, .. } = gathered;
-    notes.duplicate_triangles_kept = degenerate::count_duplicates(&positions, &triangles);
-    Ok(Mesh { positions, triangles, triangle_materials, materials, triangle_objects, objects })
+}
+
+fn check_deformed<'a>(parts: impl Iterator<Item = &'a Part>) -> Result<(), String> {
+    let deformed = parts
+        .map(|part| (part.triangles as u64).saturating_mul(part.deformers() as u64))
+        .fold(0u64, u64::saturating_add);
+    if deformed > MAX_DEFORMED {
+        return Err(format!(
+            "triangles times morph targets and sets of joints are {deformed}, and at most {MAX_DEFORMED} are supported: reduce them"
+        ));
+    }
+    Ok(())
 }
 
 fn check_total(triangles: u64) -> Result<(), String> {
