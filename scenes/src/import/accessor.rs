@@ -10,7 +10,7 @@ use super::buffers::Bytes;
 use super::elements::{Elements, Indices, Sparse};
 
 /// Most elements of an accessor that has no data: such an accessor is all zeros and can claim any count.
-const MAX_ELEMENTS_WITHOUT_DATA: u64 = 50_000_000;
+const MAX_ELEMENTS_WITHOUT_DATA: u64 = 10_000_000;
 
 /// Most elements that are read only to be checked, over all accessors: many may share the same bytes.
 const MAX_CHECKED: u64 = 200_000_000;

@@ -2,6 +2,9 @@
 #![allow(dead_code, missing_docs)]
 
 pub mod motion;
+pub mod mutate;
+pub mod promises;
+pub mod random;
 
 use serde_json::{Value, json};
 use tracebench_scenes::{Scene, SceneError, import_bytes};
