@@ -16,6 +16,7 @@ mod hash;
 mod import;
 mod procedural;
 mod scene;
+mod watertight;
 
 pub use catalogue::{CatalogueEntry, SCALE_MAX, SCALE_MIN, catalogue, procedural};
 pub use error::SceneError;
