@@ -132,7 +132,7 @@ fn open_part(
         return Ok(None);
     }
     *total = total.saturating_add(triangles as u64);
-    super::check_total(*total)?;
+    super::geometry::check_total(*total)?;
     let vertices = match &indices {
         Some(indices) => greatest_index(&accessors.view(indices), positions.count()).map_err(fail)?,
         None => length,
