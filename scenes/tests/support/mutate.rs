@@ -258,7 +258,7 @@ fn mutate_array(random: &mut Random, items: &mut Vec<Value>) {
         0 => items.truncate(at),
         1 if !items.is_empty() => drop(items.remove(at)),
         2 if !items.is_empty() => {
-            let times = *random.pick(&[1, 1, 1, 2, 20, 300]);
+            let times = *random.pick(&[1, 1, 1, 1, 2, 2, 20, 20, 300, 3000]);
             let item = items[at].clone();
             items.splice(at..at, std::iter::repeat_n(item, times));
         }
