@@ -131,6 +131,7 @@ fn bad_skins() {
     for (pointer, value, part) in [
         ("/skins/0/joints", json!([1]), "follows joint 1, and its skin has 1"),
         ("/skins/0/joints", json!([]), "no joints"),
+        ("/skins/0/joints", json!(vec![1; 1_000_001]), "more than 1000000 joints"),
         ("/skins/0/joints", json!([1, 9]), "export"),
         ("/skins/0/joints", json!([1, 1u64 << 32]), "out of range"),
         ("/skins/0/joints", json!([1, 2, 2]), "3 joints and 2 inverse bind matrices"),
@@ -146,7 +147,7 @@ fn bad_skins() {
     ] {
         let mut doc = arm();
         *doc.json.pointer_mut(pointer).unwrap() = value.clone();
-        assert!(doc.error().contains(part), "{pointer} = {value}: {}", doc.error());
+        assert!(doc.error().contains(part), "{pointer}: {}", doc.error());
     }
     for missing in ["JOINTS_0", "WEIGHTS_0"] {
         let mut doc = arm();
