@@ -183,6 +183,16 @@ fn what_does_not_play_is_told() {
     assert_eq!(scene.notes.warnings.len(), 1, "{:?}", scene.notes.warnings);
     assert!(scene.notes.warnings[0].contains("(2)") && scene.notes.warnings[0].contains("KHR_animation_pointer"));
     same(&at(&scene, 0.5), &shifted([0.5, 0.0, 0.0]));
+    // What only such channels need may be missing.
+    doc.push("buffers", json!({"byteLength": 10, "uri": "nowhere.bin"}));
+    let view = doc.push("bufferViews", json!({"buffer": 1, "byteLength": 10}));
+    let lost = doc.push("accessors", json!({"bufferView": view, "componentType": 5126, "type": "SCALAR", "count": 2}));
+    let samplers = doc.json["animations"][0]["samplers"].as_array_mut().unwrap();
+    samplers.push(json!({"input": lost, "output": lost}));
+    doc.json["animations"][0]["channels"][1]["sampler"] = json!(1);
+    assert!(doc.import().is_ok());
+    doc.json["animations"][0]["channels"][0]["sampler"] = json!(1);
+    assert!(doc.error().contains("nowhere.bin"), "{}", doc.error());
 
     // A pose without length: it counts, and nothing moves.
     let mut doc = Doc::square();

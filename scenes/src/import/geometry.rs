@@ -45,8 +45,9 @@ pub(super) fn used_accessors(root: &Root, placed: &[Placed], used: &[MeshUse]) -
     for skin in rig::used_skins(root, placed).into_iter().filter_map(|skin| root.skins.get(skin)) {
         accessors.extend(skin.inverse_bind_matrices.map(|matrices| matrices.value()));
     }
-    for sampler in root.animations.iter().flat_map(|animation| &animation.samplers) {
-        accessors.extend([sampler.input.value(), sampler.output.value()]);
+    for animation in &root.animations {
+        let samplers = animation.channels.iter().filter_map(|channel| animation.samplers.get(channel.sampler.value()));
+        accessors.extend(samplers.flat_map(|sampler| [sampler.input.value(), sampler.output.value()]));
     }
     accessors
 }
