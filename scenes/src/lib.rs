@@ -4,7 +4,8 @@
 //!
 //! - the catalogue of procedural scenes ([`catalogue()`], [`procedural()`]), which are the same bit for bit on every
 //!   machine and grow with a scale factor;
-//! - a glTF 2.0 file ([`import()`], [`import_bytes`]), from which positions, indices and material factors are kept.
+//! - a glTF 2.0 file ([`import()`], [`import_bytes`]), from which positions, indices, what moves
+//!   them and material factors are kept.
 //!
 //! Space is right-handed, y up, in metres for the procedural scenes and in the file's own units for imported ones.
 //! Geometry is opaque and two-sided for every tracer; winding still tells the outside (counter-clockwise seen from
@@ -17,6 +18,7 @@ mod import;
 mod layers;
 mod procedural;
 mod scene;
+mod watertight;
 
 pub use catalogue::{CatalogueEntry, SCALE_MAX, SCALE_MIN, catalogue, procedural};
 pub use error::SceneError;

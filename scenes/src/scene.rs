@@ -1,6 +1,5 @@
 //! What a scene is made of.
 
-use std::collections::HashMap;
 use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,6 +8,7 @@ use serde::Serialize;
 
 use crate::error::SceneError;
 use crate::hash::content_sha256;
+use crate::watertight;
 
 /// The factors of a surface that a renderer of pictures and a maker of secondary rays look at.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -208,7 +208,7 @@ impl Scene {
     /// Whether every surface is closed, so that "inside" has a meaning: each edge joins exactly two triangles (or, where
     /// surfaces touch, as many in either direction), vertices at equal positions counted as one.
     pub fn is_watertight(&self) -> bool {
-        is_watertight(&self.mesh)
+        watertight::is_watertight(&self.mesh)
     }
 
     /// Moves the scene to a time in seconds: positions, bounds and hash change, triangles do not. A scene without an
@@ -257,25 +257,4 @@ fn bounds(positions: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {
         }
     }
     (bounds_min, bounds_max)
-}
-
-/// Whether every edge is walked as often in one direction as in the other, vertices at equal positions being one.
-fn is_watertight(mesh: &Mesh) -> bool {
-    let mut first_at: HashMap<[u32; 3], u32> = HashMap::with_capacity(mesh.positions.len());
-    let welded: Vec<u32> = mesh
-        .positions
-        .iter()
-        .enumerate()
-        // Adding zero makes -0 and 0 one.
-        .map(|(index, position)| *first_at.entry(position.map(|value| (value + 0.0).to_bits())).or_insert(index as u32))
-        .collect();
-    let mut edges: HashMap<(u32, u32), i32> = HashMap::with_capacity(mesh.triangles.len() * 3 / 2);
-    for triangle in &mesh.triangles {
-        let corners = triangle.map(|vertex| welded[vertex as usize]);
-        for (from, to) in [(corners[0], corners[1]), (corners[1], corners[2]), (corners[2], corners[0])] {
-            let (key, step) = if from < to { ((from, to), 1) } else { ((to, from), -1) };
-            *edges.entry(key).or_insert(0) += step;
-        }
-    }
-    edges.values().all(|&balance| balance == 0)
 }

@@ -138,6 +138,47 @@ fn cameras() {
     assert_eq!(scene.notes.warnings.len(), 3, "{:?}", scene.notes.warnings);
 }
 
+/// Proves that names of cameras are made unique by the first free number, and that ten thousand nodes with one camera take
+/// no time to speak of: searching from the start for each would take hours.
+#[test]
+fn names_of_cameras() {
+    let named = |count: usize| {
+        let mut doc = Doc::square();
+        doc.json["cameras"] = json!([
+            {"type": "perspective", "name": "eye", "perspective": {"yfov": 0.75, "znear": 0.1}},
+            {"type": "perspective", "name": "eye-3", "perspective": {"yfov": 0.75, "znear": 0.1}},
+        ]);
+        let mut nodes = vec![json!({"mesh": 0}), json!({"camera": 1}), json!({"camera": 1})];
+        nodes.extend(vec![json!({"camera": 0}); count]);
+        doc.json["scenes"][0]["nodes"] = json!((0..nodes.len()).collect::<Vec<_>>());
+        doc.json["nodes"] = json!(nodes);
+        doc.import().unwrap().cameras.into_iter().map(|camera| camera.name).collect::<Vec<String>>()
+    };
+    assert_eq!(named(4), ["eye-3", "eye-3-2", "eye", "eye-2", "eye-4", "eye-5"]);
+    let many = named(10_000);
+    let unique: std::collections::BTreeSet<&String> = many.iter().collect();
+    assert_eq!((unique.len(), many[10_001].as_str()), (10_002, "eye-10001"));
+}
+
+/// Proves that a file is not read that is larger than all buffers may be, and that the size of the file counts rather than
+/// what the document says. (The file has a hole: it takes no space.)
+#[test]
+fn endless_files_are_not_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.gltf");
+    let mut doc = Doc::square();
+    doc.json["buffers"][0]["uri"] = json!("hole.bin");
+    doc.json["buffers"][0]["byteLength"] = json!(1u64 << 33);
+    let hole = fs::File::create(folder.path().join("hole.bin")).unwrap();
+    hole.set_len(1 << 33).unwrap();
+    fs::write(&path, doc.json.to_string()).unwrap();
+    let error = import(&path).unwrap_err().to_string();
+    assert!(error.contains("hole.bin") && error.contains("more than 4294967296 bytes"), "{error}");
+    hole.set_len(100).unwrap();
+    let error = import(&path).unwrap_err().to_string();
+    assert!(error.contains("too short"), "{error}");
+}
+
 /// Proves that required extensions are judged by what they concern, and used ones only told.
 #[test]
 fn extensions() {
@@ -175,19 +216,28 @@ fn extensions() {
     assert!(doc.error().contains("without Draco"), "{}", doc.error());
 }
 
-/// Proves that what moves is left at rest with a word, and that custom attributes do no harm.
+/// Proves that custom attributes, skins that no mesh has and animations that do not play do no harm.
 #[test]
-fn what_moves_stands_still() {
+fn what_moves_nothing_is_not_read() {
     let mut doc = Doc::square();
-    doc.json["animations"] = json!([{"channels": "nonsense"}]);
+    doc.json["animations"] = json!([{"channels": [], "samplers": []}, {"channels": "nonsense", "name": "walk"}, 7]);
     doc.json["skins"] = json!([{"joints": [99]}]);
-    doc.json["nodes"][0]["skin"] = json!(0);
-    doc.json["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": 99}]);
+    doc.json["meshes"][0]["primitives"][0]["targets"] = json!([{"NORMAL": 99}]);
     doc.json["meshes"][0]["primitives"][0]["attributes"]["_CUSTOM"] = json!(99);
     doc.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(99);
+    doc.json["meshes"][0]["primitives"][0]["attributes"]["JOINTS_0"] = json!(99);
+    doc.json["nodes"] = json!([{"mesh": 0}, {"skin": 99, "weights": "none"}]);
     let scene = doc.import().unwrap();
-    assert_eq!(scene.notes.warnings.len(), 3, "{:?}", scene.notes.warnings);
     assert_eq!(scene.mesh.triangles.len(), 2);
+    assert!(scene.animation.is_none());
+    let warnings = &scene.notes.warnings;
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert!(warnings[0].contains("(2): 'walk', 'unnamed'"), "{warnings:?}");
+    assert!(warnings[1].contains("moves no triangles"), "{warnings:?}");
+
+    // Where a mesh has that skin, the same is an error.
+    doc.json["nodes"][0]["skin"] = json!(0);
+    assert!(doc.error().contains("export"), "{}", doc.error());
 }
 
 /// Proves that a binary chunk longer than the buffer by its padding is accepted.

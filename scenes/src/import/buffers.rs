@@ -10,23 +10,44 @@ use percent_encoding::percent_decode_str;
 
 use crate::error::SceneError;
 
-/// Buffers by index; a buffer that only images or animations use is never loaded.
+/// Most bytes of all buffers from files together: more than the greatest supported scene needs. A document may name a
+/// file of any size, and any number of times.
+const MAX_FILE_BYTES: u64 = 1 << 32;
+
+/// The bytes of the buffers that were loaded, by index.
+pub(super) struct Bytes<'a>(Vec<Option<Cow<'a, [u8]>>>);
+
+impl Bytes<'_> {
+    /// The bytes of a buffer that was loaded; empty for any other.
+    pub(super) fn of(&self, buffer: usize) -> &[u8] {
+        self.0.get(buffer).and_then(Option::as_deref).unwrap_or(&[])
+    }
+
+    /// The same for longer than the file's own bytes live: what was borrowed from them is copied.
+    pub(super) fn into_owned(self) -> Bytes<'static> {
+        Bytes(self.0.into_iter().map(|bytes| bytes.map(|bytes| Cow::Owned(bytes.into_owned()))).collect())
+    }
+}
+
+/// Loads buffers; one that only images or animations that are not played use is never loaded.
 pub(super) struct Buffers<'a> {
     scene: &'a str,
     base_dir: Option<&'a Path>,
     blob: Option<&'a [u8]>,
     loaded: Vec<Option<Cow<'a, [u8]>>>,
+    /// Bytes that came from files.
+    file_bytes: u64,
 }
 
 impl<'a> Buffers<'a> {
     /// No buffer is loaded yet. `base_dir` is where relative files are looked for.
     pub(super) fn new(scene: &'a str, base_dir: Option<&'a Path>, blob: Option<&'a [u8]>, count: usize) -> Self {
-        Self { scene, base_dir, blob, loaded: vec![None; count] }
+        Self { scene, base_dir, blob, loaded: vec![None; count], file_bytes: 0 }
     }
 
-    /// The bytes of a buffer that was loaded; empty for any other.
-    pub(super) fn bytes(&self, index: usize) -> &[u8] {
-        self.loaded.get(index).and_then(Option::as_deref).unwrap_or(&[])
+    /// What was loaded.
+    pub(super) fn finish(self) -> Bytes<'a> {
+        Bytes(self.loaded)
     }
 
     /// Loads buffer `index` of `root`, exactly as many bytes as the document says.
@@ -62,7 +83,7 @@ impl<'a> Buffers<'a> {
         Ok(())
     }
 
-    fn read_uri(&self, index: usize, uri: &str, wanted: u64) -> Result<Vec<u8>, SceneError> {
+    fn read_uri(&mut self, index: usize, uri: &str, wanted: u64) -> Result<Vec<u8>, SceneError> {
         if has_scheme(uri, "data") {
             return self.decode_data(index, uri);
         }
@@ -87,12 +108,13 @@ impl<'a> Buffers<'a> {
                 path = raw;
             }
         }
-        read_file(&path, wanted).map_err(|source| SceneError::ReadBuffer {
-            scene: self.scene.to_owned(),
-            buffer: index,
-            path,
-            source,
-        })
+        match read_file(&path, wanted, MAX_FILE_BYTES.saturating_sub(self.file_bytes)) {
+            Ok(bytes) => {
+                self.file_bytes += bytes.len() as u64;
+                Ok(bytes)
+            }
+            Err(source) => Err(SceneError::ReadBuffer { scene: self.scene.to_owned(), buffer: index, path, source }),
+        }
     }
 
     fn decode_data(&self, index: usize, uri: &str) -> Result<Vec<u8>, SceneError> {
@@ -126,12 +148,17 @@ fn has_scheme(uri: &str, scheme: &str) -> bool {
     uri.split_once(':').is_some_and(|(head, _)| head.eq_ignore_ascii_case(scheme))
 }
 
-/// Reads at most `wanted` bytes of a regular file: a document may name a device or a pipe, which never ends.
-fn read_file(path: &Path, wanted: u64) -> io::Result<Vec<u8>> {
-    if !std::fs::metadata(path)?.is_file() {
+/// Reads at most `wanted` bytes of a regular file: a document may name a device or a pipe, which never ends. Refuses more
+/// than `most` bytes.
+fn read_file(path: &Path, wanted: u64, most: u64) -> io::Result<Vec<u8>> {
+    let metadata = std::fs::metadata(path)?;
+    if !metadata.is_file() {
         return Err(io::Error::other("it is not a regular file"));
     }
+    if wanted.min(metadata.len()) > most {
+        return Err(io::Error::other(format!("all buffers together have more than {MAX_FILE_BYTES} bytes")));
+    }
     let mut bytes = Vec::new();
-    File::open(path)?.take(wanted).read_to_end(&mut bytes)?;
+    File::open(path)?.take(wanted.min(most)).read_to_end(&mut bytes)?;
     Ok(bytes)
 }

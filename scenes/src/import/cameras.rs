@@ -1,15 +1,19 @@
 //! Perspective cameras of the scene, in the order of its nodes.
 
-use glam::DVec3;
+use std::collections::HashMap;
+
+use glam::{DMat4, DVec3};
 use gltf::json::Root;
 
 use super::nodes::Placed;
 use crate::scene::Camera;
 
-/// Every camera that can be looked through; a word in `warnings` for every other one.
-pub(super) fn collect(root: &Root, placed: &[Placed], warnings: &mut Vec<String>) -> Vec<Camera> {
+/// Every camera that can be looked through; a word in `warnings` for every other one. `worlds` has the transform of each
+/// placed node to world space.
+pub(super) fn collect(root: &Root, placed: &[Placed], worlds: &[DMat4], warnings: &mut Vec<String>) -> Vec<Camera> {
     let mut cameras: Vec<Camera> = Vec::new();
-    for place in placed {
+    let mut names = Names::default();
+    for (place, world) in placed.iter().zip(worlds) {
         let Some(node) = root.nodes.get(place.node) else {
             continue;
         };
@@ -28,8 +32,8 @@ pub(super) fn collect(root: &Root, placed: &[Placed], warnings: &mut Vec<String>
             ));
             continue;
         };
-        let name = unique(name, &cameras);
-        match aim(place, perspective.yfov) {
+        let name = names.unique(name);
+        match aim(world, perspective.yfov) {
             Some((eye, target, up)) => {
                 cameras.push(Camera { name, eye, target, up, vertical_fov_radians: perspective.yfov });
             }
@@ -42,13 +46,13 @@ pub(super) fn collect(root: &Root, placed: &[Placed], warnings: &mut Vec<String>
 }
 
 /// Eye, target and up of a camera that looks along its node's -Z; scale and shear are taken out.
-fn aim(place: &Placed, yfov: f32) -> Option<([f32; 3], [f32; 3], [f32; 3])> {
+fn aim(world: &DMat4, yfov: f32) -> Option<([f32; 3], [f32; 3], [f32; 3])> {
     if !(yfov > 0.0 && yfov < std::f32::consts::PI) {
         return None;
     }
-    let eye = place.world.w_axis.truncate();
-    let forward = -place.world.z_axis.truncate().try_normalize()?;
-    let upward = place.world.y_axis.truncate().try_normalize()?;
+    let eye = world.w_axis.truncate();
+    let forward = -world.z_axis.truncate().try_normalize()?;
+    let upward = world.y_axis.truncate().try_normalize()?;
     let up = upward - forward * upward.dot(forward);
     if up.length() < 1e-6 {
         return None;
@@ -64,10 +68,26 @@ fn aim(place: &Placed, yfov: f32) -> Option<([f32; 3], [f32; 3], [f32; 3])> {
     Some((eye.as_vec3().to_array(), target.as_vec3().to_array(), up.as_vec3().to_array()))
 }
 
-fn unique(name: String, cameras: &[Camera]) -> String {
-    let taken = |name: &str| cameras.iter().any(|camera| camera.name == name);
-    if !taken(&name) {
-        return name;
+/// Names that are taken, and for each the number with which the search for a free one goes on: many nodes may hold one
+/// camera, and searching from the start for each would take the cube of their number.
+#[derive(Default)]
+struct Names(HashMap<String, u32>);
+
+impl Names {
+    /// `name`, or with the first free number from 2 on behind it.
+    fn unique(&mut self, name: String) -> String {
+        let Some(&next) = self.0.get(&name) else {
+            self.0.insert(name.clone(), 2);
+            return name;
+        };
+        let mut number = next;
+        let mut candidate = format!("{name}-{number}");
+        while self.0.contains_key(&candidate) {
+            number += 1;
+            candidate = format!("{name}-{number}");
+        }
+        self.0.insert(name, number + 1);
+        self.0.insert(candidate.clone(), 2);
+        candidate
     }
-    (2u32..).map(|number| format!("{name}-{number}")).find(|candidate| !taken(candidate)).unwrap_or(name)
 }

@@ -1,7 +1,7 @@
 //! From bytes to a checked glTF document that holds only what rays need.
 //!
-//! The JSON is stripped before it is typed: textures, images, animations, skins, extensions and custom attributes are
-//! never read here, so nothing that is missing or wrong in them can fail an import.
+//! The JSON is stripped before it is typed: textures, images, animations after the first, extensions and attributes
+//! that move no vertex are never read here, so nothing that is missing or wrong in them can fail an import.
 
 use std::borrow::Cow;
 

@@ -6,7 +6,8 @@ use crate::error::SceneError;
 const ACCEPTED_PREFIXES: &[&str] =
     &["KHR_materials_", "KHR_texture_", "EXT_materials_", "EXT_texture_", "ADOBE_materials_", "MSFT_packing_"];
 
-/// Single extensions that change no triangle at rest, and quantised positions, which are read.
+/// Single extensions that change no triangle, quantised positions, which are read, and pointers of animations, about
+/// which the channels that use them are told.
 const ACCEPTED: &[&str] = &[
     "KHR_mesh_quantization",
     "KHR_lights_punctual",

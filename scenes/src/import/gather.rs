@@ -1,8 +1,8 @@
 //! From placed primitives to one mesh in world space.
 
-use glam::{DMat4, DVec3};
-
+use super::buffers::Bytes;
 use super::degenerate::has_zero_area;
+use super::form::Form;
 use super::parts::Part;
 
 /// Triangles as they are collected.
@@ -14,6 +14,10 @@ pub(super) struct Gathered {
     pub(super) triangle_objects: Vec<u32>,
     /// Triangles of exactly zero area, which are not among `triangles`.
     pub(super) zero_area: u64,
+    /// Vertices of a skin without any weight.
+    pub(super) weightless: u64,
+    /// For each position the vertex of its primitive that it was computed from, if that is asked for.
+    pub(super) sources: Option<Vec<u32>>,
     /// For each vertex of the part at hand: the pass in which it was last kept (high half) and its new index.
     kept: Vec<u64>,
     pass: u32,
@@ -21,8 +25,9 @@ pub(super) struct Gathered {
 
 impl Gathered {
     /// Room for `triangles` triangles.
-    pub(super) fn with_capacity(triangles: usize) -> Self {
+    pub(super) fn new(triangles: usize, keep_sources: bool) -> Self {
         Self {
+            sources: keep_sources.then(Vec::new),
             triangles: Vec::with_capacity(triangles),
             triangle_materials: Vec::with_capacity(triangles),
             triangle_objects: Vec::with_capacity(triangles),
@@ -30,10 +35,16 @@ impl Gathered {
         }
     }
 
-    /// Adds `part` under `world` with `material` and `object` (indices into the scene's).
-    ///
-    /// Positions are transformed in f64 and rounded to f32 once. Only vertices of kept triangles are kept.
-    pub(super) fn add(&mut self, part: &Part<'_>, world: &DMat4, material: u32, object: u32) -> Result<(), String> {
+    /// Adds `part`, whose data are in `bytes`, in the pose of `form`, with `material` and `object` (indices into the
+    /// scene's). Only vertices of kept triangles are kept.
+    pub(super) fn add(
+        &mut self,
+        part: &Part,
+        bytes: &Bytes<'_>,
+        form: &Form<'_>,
+        material: u32,
+        object: u32,
+    ) -> Result<(), String> {
         if self.kept.len() < part.vertices {
             // Fresh zeroed memory instead of growth: pages that no index touches are never mapped.
             self.kept = vec![0; part.vertices];
@@ -41,21 +52,25 @@ impl Gathered {
         }
         // No scene has 2^32 primitives in its nodes, so the pass number does not wrap.
         self.pass += 1;
-        let mirrored = world.determinant() < 0.0;
+        let mirrored = form.is_mirrored();
+        let indices = part.indices.as_ref().map(|indices| indices.view(bytes));
         for at in 0..part.triangles {
-            let mut corners = part.corners(at);
+            let mut corners = part.corners(indices.as_ref(), at);
             if mirrored {
                 corners.swap(1, 2);
             }
             let mut points = [[0.0f32; 3]; 3];
             for (point, corner) in points.iter_mut().zip(corners) {
-                *point = place(part, world, corner)?;
+                *point = match self.known(corner) {
+                    Some(index) => self.positions[index as usize],
+                    None => form.point(corner)?,
+                };
             }
             if has_zero_area(&points) {
                 self.zero_area += 1;
                 continue;
             }
-            let triangle = [0, 1, 2].map(|slot| self.vertex(corners[slot], points[slot]));
+            let triangle = [0, 1, 2].map(|slot| self.vertex(form, corners[slot], points[slot]));
             self.triangles.push(triangle);
             self.triangle_materials.push(material);
             self.triangle_objects.push(object);
@@ -63,37 +78,24 @@ impl Gathered {
         Ok(())
     }
 
-    fn vertex(&mut self, corner: u32, point: [f32; 3]) -> u32 {
-        let slot = &mut self.kept[corner as usize];
-        if (*slot >> 32) as u32 == self.pass {
-            return *slot as u32;
+    /// The index of a vertex of the part at hand that was kept before.
+    fn known(&self, corner: u32) -> Option<u32> {
+        let slot = self.kept[corner as usize];
+        ((slot >> 32) as u32 == self.pass).then_some(slot as u32)
+    }
+
+    fn vertex(&mut self, form: &Form<'_>, corner: u32, point: [f32; 3]) -> u32 {
+        if let Some(index) = self.known(corner) {
+            return index;
         }
         // At most three vertices a triangle, and the number of triangles is bounded far below 2^30.
         let index = self.positions.len() as u32;
-        *slot = (u64::from(self.pass) << 32) | u64::from(index);
+        self.kept[corner as usize] = (u64::from(self.pass) << 32) | u64::from(index);
         self.positions.push(point);
+        self.weightless += u64::from(form.is_weightless(corner));
+        if let Some(sources) = &mut self.sources {
+            sources.push(corner);
+        }
         index
     }
-}
-
-fn place(part: &Part<'_>, world: &DMat4, corner: u32) -> Result<[f32; 3], String> {
-    let own = DVec3::from_array(part.positions.position(corner as usize));
-    let point = world.transform_point3(own);
-    let largest = point.abs().max_element();
-    if point.is_finite() && largest <= super::MAX_COORDINATE {
-        return Ok(point.as_vec3().to_array());
-    }
-    let label = &part.label;
-    Err(if !own.is_finite() {
-        format!("{label} vertex {corner} is at {own}, which is not finite: repair the mesh and export it again")
-    } else if !point.is_finite() {
-        format!(
-            "{label} vertex {corner} is at {point} after its node's transform, which is not finite: repair the transform"
-        )
-    } else {
-        format!(
-            "{label} vertex {corner} is at {point}, and coordinates beyond {:e} are refused because products of lengths overflow f32: scale the scene down",
-            super::MAX_COORDINATE
-        )
-    })
 }

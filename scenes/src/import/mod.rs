@@ -8,25 +8,29 @@ mod buffers;
 mod cameras;
 mod degenerate;
 mod document;
+mod elements;
 mod extensions;
+mod form;
 mod gather;
+mod geometry;
 mod materials;
+mod motion;
 mod nodes;
 mod parts;
+mod rig;
+mod sampler;
 mod strip;
 
 use std::path::Path;
 
-use gltf::json::Root;
-
+use self::accessor::buffers_of;
 use self::buffers::Buffers;
 use self::document::Document;
-use self::gather::Gathered;
-use self::nodes::Placed;
-use self::parts::Part;
+use self::geometry::Geometry;
+use self::motion::Motion;
 use self::strip::Facts;
 use crate::error::SceneError;
-use crate::scene::{ImportNotes, Mesh, Origin, Scene};
+use crate::scene::{ImportNotes, Origin, Scene};
 
 /// Most triangles of an imported scene, each mesh counted once for every node that holds it.
 pub const MAX_TRIANGLES: u64 = 50_000_000;
@@ -68,7 +72,8 @@ pub fn import(path: &Path) -> Result<Scene, SceneError> {
 ///   reverses the winding, so that the outside stays outside.
 /// - Triangles of exactly zero area are dropped and counted, duplicates are kept and counted. Only vertices of kept
 ///   triangles are kept and looked at.
-/// - Skins, morph targets and animations are ignored with a warning: meshes stand where their nodes put them.
+/// - Skins and morph targets move vertices, and the first animation plays: [`Scene::animation`]. The mesh is the state
+///   at time 0, and the triangles that are dropped are those that have zero area then.
 /// - Of materials only base colour, metallic and roughness factors are kept. Images are never read.
 /// - Perspective cameras are kept in the order of the nodes.
 ///
@@ -89,13 +94,23 @@ fn import_labelled(bytes: &[u8], base_dir: Option<&Path>, name: &str, label: &st
     warn_facts(&facts, &mut notes.warnings);
     extensions::warn_used(&root.extensions_used, &mut notes.warnings);
     let placed = nodes::place(&root, &mut notes.warnings).map_err(invalid)?;
+    let used = geometry::used_meshes(&root, &placed);
     let mut buffers = Buffers::new(label, base_dir, blob.as_deref(), root.buffers.len());
-    let used = used_meshes(&root, &placed);
-    parts::load_buffers(&root, &used, &mut buffers)?;
-    let mesh = assemble_mesh(&root, &buffers, &placed, &used, &mut notes).map_err(invalid)?;
-    let cameras = cameras::collect(&root, &placed, &mut notes.warnings);
+    for accessor in geometry::used_accessors(&root, &placed, &used) {
+        for buffer in buffers_of(&root, accessor) {
+            buffers.load(&root, buffer)?;
+        }
+    }
+    let bytes = buffers.finish();
+    let geometry = Geometry::open(&root, &bytes, placed, &used, &mut notes).map_err(invalid)?;
+    let pose = geometry.rig.pose(&bytes, 0.0);
+    let duration_s = geometry.duration_s(&root, &bytes, &mut notes.warnings);
+    let (mesh, instances, sources) =
+        geometry.assemble(&root, &bytes, &pose, duration_s.is_some(), &mut notes).map_err(invalid)?;
+    let cameras = cameras::collect(&root, &geometry.rig.placed, &pose.worlds, &mut notes.warnings);
     let origin = Origin::File { path: name.into() };
-    let scene = Scene::assemble(name.to_owned(), origin, mesh, cameras, notes);
+    let Geometry { rig, parts } = geometry;
+    let mut scene = Scene::assemble(name.to_owned(), origin, mesh, cameras, notes);
     let diagonal = scene.diagonal();
     if diagonal < MIN_DIAGONAL {
         return Err(invalid(format!(
@@ -103,96 +118,27 @@ fn import_labelled(bytes: &[u8], base_dir: Option<&Path>, name: &str, label: &st
              scale the scene up"
         )));
     }
+    scene.animation = duration_s.map(|duration_s| {
+        Motion { label: label.to_owned(), bytes: bytes.into_owned(), rig, parts, instances, sources }
+            .animation(duration_s)
+    });
     Ok(scene)
 }
 
 fn warn_facts(facts: &Facts, warnings: &mut Vec<String>) {
-    for (there, what) in
-        [(facts.animations, "animations"), (facts.skins, "skins"), (facts.morph_targets, "morph targets")]
-    {
-        if there {
-            warnings.push(format!("{what} are ignored: meshes stand as their nodes place them"));
-        }
-    }
-}
-
-fn used_meshes(root: &Root, placed: &[Placed]) -> Vec<bool> {
-    let mut used = vec![false; root.meshes.len()];
-    for mesh in placed.iter().filter_map(|place| mesh_of(root, place)) {
-        if let Some(used) = used.get_mut(mesh) {
-            *used = true;
-        }
-    }
-    used
-}
-
-fn mesh_of(root: &Root, place: &Placed) -> Option<usize> {
-    root.nodes.get(place.node)?.mesh.map(|mesh| mesh.value())
-}
-
-fn assemble_mesh(
-    root: &Root,
-    buffers: &Buffers<'_>,
-    placed: &[Placed],
-    used: &[bool],
-    notes: &mut ImportNotes,
-) -> Result<Mesh, String> {
-    let mut parts: Vec<Vec<Part<'_>>> = Vec::with_capacity(used.len());
-    let mut distinct = 0;
-    for (mesh, &used) in used.iter().enumerate() {
-        parts.push(if used { parts::open(root, buffers, mesh, &mut distinct, notes)? } else { Vec::new() });
-    }
-    let parts_of = |place: &Placed| -> &[Part<'_>] {
-        mesh_of(root, place).and_then(|mesh| parts.get(mesh)).map_or(&[], Vec::as_slice)
-    };
-
-    // Counted before anything is allocated: a small file can place a large mesh a million times.
-    let total = placed.iter().flat_map(parts_of).map(|part| part.triangles as u64).fold(0u64, u64::saturating_add);
-    check_total(total)?;
-    let mut materials = materials::collect(root, &mut notes.warnings);
-    let without_material = placed.iter().flat_map(parts_of).any(|part| part.material.is_none());
-    let default_material = materials.len() as u32;
-    if without_material || materials.is_empty() {
-        materials.push(materials::DEFAULT);
-    }
-    let mut gathered = Gathered::with_capacity(usize::try_from(total).unwrap_or(0));
-    let mut objects: Vec<String> = Vec::new();
-    for place in placed {
-        for part in parts_of(place) {
-            let material = part.material.unwrap_or(default_material);
-            gathered.add(part, &place.world, material, objects.len() as u32)?;
-        }
-        if !parts_of(place).is_empty() {
-            objects.push(root.nodes.get(place.node).and_then(|node| node.name.clone()).unwrap_or_default());
-        }
-    }
-    notes.zero_area_triangles_dropped = gathered.zero_area;
-    if gathered.triangles.is_empty() {
-        return Err(no_triangles(root, placed, notes));
-    }
-    let Gathered { positions, triangles, triangle_materials, triangle_objects, .. } = gathered;
-    notes.duplicate_triangles_kept = degenerate::count_duplicates(&positions, &triangles);
-    Ok(Mesh { positions, triangles, triangle_materials, materials, triangle_objects, objects })
-}
-
-fn check_total(triangles: u64) -> Result<(), String> {
-    if triangles > MAX_TRIANGLES {
-        return Err(format!(
-            "the scene has {triangles} triangles or more over all its nodes, and at most {MAX_TRIANGLES} are supported: reduce it"
+    if !facts.other_animations.is_empty() {
+        let shown: Vec<String> = facts.other_animations.iter().take(5).map(|name| format!("'{name}'")).collect();
+        let more = if facts.other_animations.len() > shown.len() { " and others" } else { "" };
+        warnings.push(format!(
+            "the first animation plays; the others are ignored ({}): {}{more}",
+            facts.other_animations.len(),
+            shown.join(", ")
         ));
     }
-    Ok(())
-}
-
-fn no_triangles(root: &Root, placed: &[Placed], notes: &ImportNotes) -> String {
-    let why = if notes.zero_area_triangles_dropped > 0 {
-        format!("all {} of the file have exactly zero area", notes.zero_area_triangles_dropped)
-    } else if notes.skipped_primitives > 0 {
-        format!("the file has only points and lines ({} primitives)", notes.skipped_primitives)
-    } else if !placed.iter().any(|place| mesh_of(root, place).is_some()) {
-        "no node of its scene holds a mesh".to_owned()
-    } else {
-        "its meshes are empty".to_owned()
-    };
-    format!("there are no triangles: {why}; give a file with surfaces in it")
+    if facts.foreign_channels > 0 {
+        warnings.push(format!(
+            "channels of the animation that move something else than a node's translation, rotation, scale or weights are ignored ({}); KHR_animation_pointer is one source of them",
+            facts.foreign_channels
+        ));
+    }
 }

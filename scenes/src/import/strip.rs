@@ -2,15 +2,13 @@
 
 use gltf::json::Value;
 
-/// What was stripped, or stands in the document, and may change what the user sees.
+/// What was stripped and may change what the user sees.
 #[derive(Debug, Default)]
 pub(super) struct Facts {
-    /// There are animations.
-    pub(super) animations: bool,
-    /// A node has a skin.
-    pub(super) skins: bool,
-    /// A primitive has morph targets.
-    pub(super) morph_targets: bool,
+    /// Names of the animations after the first, which is the one that is played.
+    pub(super) other_animations: Vec<String>,
+    /// Channels of the first animation that move no property of a node.
+    pub(super) foreign_channels: usize,
 }
 
 /// Keys whose numbers are indices or enumerations of 32 bits. The typed form would cut off higher bits in silence.
@@ -22,20 +20,27 @@ const NARROW: &[&str] = &[
     "children",
     "componentType",
     "indices",
+    "input",
+    "inverseBindMatrices",
+    "joints",
     "material",
     "mesh",
     "mode",
+    "node",
     "nodes",
+    "output",
+    "sampler",
     "scene",
+    "skin",
 ];
 
 /// Strips `document` in place.
 pub(super) fn strip(document: &mut Value) -> Result<Facts, String> {
-    let mut facts = Facts { animations: items(document, "animations").next().is_some(), ..Facts::default() };
     keep(
         document,
         &[
             "accessors",
+            "animations",
             "asset",
             "bufferViews",
             "buffers",
@@ -47,14 +52,18 @@ pub(super) fn strip(document: &mut Value) -> Result<Facts, String> {
             "nodes",
             "scene",
             "scenes",
+            "skins",
         ],
     );
+    let facts = strip_animations(document);
     if let Some(asset) = document.get_mut("asset") {
         keep(asset, &["version"]);
     }
-    for node in items(document, "nodes") {
-        facts.skins |= node.get("skin").is_some();
-        keep(node, &["camera", "children", "matrix", "mesh", "name", "rotation", "scale", "translation"]);
+    let skinned = strip_nodes(document);
+    if skinned {
+        items(document, "skins").for_each(|skin| keep(skin, &["inverseBindMatrices", "joints", "name"]));
+    } else {
+        remove(document, "skins");
     }
     for scene in items(document, "scenes") {
         keep(scene, &["name", "nodes"]);
@@ -70,7 +79,7 @@ pub(super) fn strip(document: &mut Value) -> Result<Facts, String> {
             }
         }
     }
-    strip_meshes(document, &mut facts)?;
+    strip_meshes(document, skinned)?;
     for material in items(document, "materials") {
         strip_material(material);
     }
@@ -79,23 +88,82 @@ pub(super) fn strip(document: &mut Value) -> Result<Facts, String> {
     Ok(facts)
 }
 
-fn strip_meshes(document: &mut Value, facts: &mut Facts) -> Result<(), String> {
+/// Keeps the first animation, and of that the channels that move a property of a node.
+fn strip_animations(document: &mut Value) -> Facts {
+    let mut facts = Facts::default();
+    let Some(animations) = document.get_mut("animations").and_then(Value::as_array_mut) else {
+        return facts;
+    };
+    facts.other_animations = animations
+        .iter()
+        .skip(1)
+        .map(|animation| animation.get("name").and_then(Value::as_str).unwrap_or("unnamed").to_owned())
+        .collect();
+    animations.truncate(1);
+    for animation in animations {
+        keep(animation, &["channels", "name", "samplers"]);
+        items(animation, "samplers").for_each(|sampler| keep(sampler, &["input", "interpolation", "output"]));
+        if let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) {
+            let all = channels.len();
+            channels.retain(moves_a_node);
+            facts.foreign_channels += all - channels.len();
+        }
+        for channel in items(animation, "channels") {
+            keep(channel, &["sampler", "target"]);
+            if let Some(target) = channel.get_mut("target") {
+                keep(target, &["node", "path"]);
+            }
+        }
+    }
+    facts
+}
+
+/// Whether the target is a property of a node. One that is no object is left for the schema to refuse.
+fn moves_a_node(channel: &Value) -> bool {
+    channel.get("target").and_then(Value::as_object).is_none_or(|target| {
+        let path = target.get("path").and_then(Value::as_str);
+        target.contains_key("node") && matches!(path, Some("translation" | "rotation" | "scale" | "weights"))
+    })
+}
+
+/// Returns whether a mesh is skinned.
+fn strip_nodes(document: &mut Value) -> bool {
+    let mut skinned = false;
+    for node in items(document, "nodes") {
+        keep(
+            node,
+            &["camera", "children", "matrix", "mesh", "name", "rotation", "scale", "skin", "translation", "weights"],
+        );
+        if node.get("mesh").is_some() {
+            skinned |= node.get("skin").is_some();
+        } else {
+            remove(node, "skin");
+            remove(node, "weights");
+        }
+    }
+    skinned
+}
+
+/// Joints and weights of vertices are kept where there are skins.
+fn strip_meshes(document: &mut Value, skinned: bool) -> Result<(), String> {
     // Accessors whose data are in no buffer view.
     let hollow: Vec<bool> = items(document, "accessors")
         .map(|accessor| accessor.get("bufferView").is_none() && accessor.get("sparse").is_none())
         .collect();
     for (mesh_index, mesh) in items(document, "meshes").enumerate() {
-        keep(mesh, &["name", "primitives"]);
+        keep(mesh, &["name", "primitives", "weights"]);
         for (primitive_index, primitive) in items(mesh, "primitives").enumerate() {
-            facts.morph_targets |= items(primitive, "targets").next().is_some();
             let compressed = primitive
                 .get("extensions")
                 .is_some_and(|extensions| extensions.get("KHR_draco_mesh_compression").is_some());
-            keep(primitive, &["attributes", "indices", "material", "mode"]);
+            keep(primitive, &["attributes", "indices", "material", "mode", "targets"]);
+            items(primitive, "targets").for_each(|target| keep(target, &["POSITION"]));
             let Some(attributes) = primitive.get_mut("attributes") else {
                 continue;
             };
-            keep(attributes, &["POSITION"]);
+            if let Some(attributes) = attributes.as_object_mut() {
+                attributes.retain(|key, _| key == "POSITION" || (skinned && is_influence(key)));
+            }
             let position = attributes.get("POSITION").and_then(Value::as_u64);
             let is_hollow = position
                 .and_then(|index| usize::try_from(index).ok())
@@ -164,6 +232,20 @@ fn items<'a>(value: &'a mut Value, key: &str) -> impl Iterator<Item = &'a mut Va
     value.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten()
 }
 
+/// Whether an attribute has joints or their weights.
+fn is_influence(key: &str) -> bool {
+    ["JOINTS_", "WEIGHTS_"].iter().any(|family| {
+        let set = key.strip_prefix(family);
+        set.is_some_and(|set| !set.is_empty() && set.len() < 9 && set.bytes().all(|byte| byte.is_ascii_digit()))
+    })
+}
+
+fn remove(value: &mut Value, key: &str) {
+    if let Some(object) = value.as_object_mut() {
+        object.remove(key);
+    }
+}
+
 /// Keeps only `keys` of an object. A name that is no string is dropped, since nothing depends on it.
 fn keep(value: &mut Value, keys: &[&str]) {
     if let Some(object) = value.as_object_mut() {
@@ -174,7 +256,7 @@ fn keep(value: &mut Value, keys: &[&str]) {
 /// Refuses numbers beyond 32 bits where the typed form keeps only 32. The JSON parser bounds the depth.
 fn check_narrow(value: &Value, key: &str) -> Result<(), String> {
     match value {
-        Value::Number(number) if NARROW.contains(&key) => match number.as_u64() {
+        Value::Number(number) if NARROW.contains(&key) || is_influence(key) => match number.as_u64() {
             Some(wide) if wide > u64::from(u32::MAX) => {
                 Err(format!("{key} is {wide}, which is out of range; export the file again"))
             }

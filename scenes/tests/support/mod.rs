@@ -1,6 +1,11 @@
 //! Builds small glTF files in code.
 #![allow(dead_code, missing_docs)]
 
+pub mod motion;
+pub mod mutate;
+pub mod promises;
+pub mod random;
+
 use serde_json::{Value, json};
 use tracebench_scenes::{Scene, SceneError, import_bytes};
 
@@ -66,6 +71,42 @@ impl Doc {
         )
     }
 
+    /// An accessor of f32 with elements of a glTF type.
+    pub fn floats(&mut self, shape: &str, values: &[f32]) -> usize {
+        let width = match shape {
+            "SCALAR" => 1,
+            "VEC3" => 3,
+            "VEC4" => 4,
+            _ => 16,
+        };
+        let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        let view = self.view(&bytes, None);
+        self.push(
+            "accessors",
+            json!({"bufferView": view, "componentType": 5126, "type": shape, "count": values.len() / width}),
+        )
+    }
+
+    /// Adds a channel to animation 0: a property of a node over time.
+    pub fn channel(&mut self, node: usize, path: &str, interpolation: &str, times: &[f32], values: &[f32]) {
+        let shape = match path {
+            "rotation" => "VEC4",
+            "weights" => "SCALAR",
+            _ => "VEC3",
+        };
+        let input = self.floats("SCALAR", times);
+        let output = self.floats(shape, values);
+        if self.json.get("animations").is_none() {
+            self.json["animations"] = json!([{"channels": [], "samplers": []}]);
+        }
+        let animation = &mut self.json["animations"][0];
+        let samplers = animation["samplers"].as_array_mut().expect("a list");
+        samplers.push(json!({"input": input, "output": output, "interpolation": interpolation}));
+        let sampler = samplers.len() - 1;
+        let channels = animation["channels"].as_array_mut().expect("a list");
+        channels.push(json!({"sampler": sampler, "target": {"node": node, "path": path}}));
+    }
+
     pub fn indices(&mut self, indices: &[u32], component: u32) -> usize {
         let bytes: Vec<u8> = indices
             .iter()
@@ -82,6 +123,15 @@ impl Doc {
         self.push(
             "accessors",
             json!({"bufferView": view, "componentType": component, "type": "SCALAR", "count": indices.len()}),
+        )
+    }
+
+    /// JOINTS_n: four joints a vertex, as u8.
+    pub fn joints(&mut self, joints: &[[u8; 4]]) -> usize {
+        let view = self.view(&joints.concat(), None);
+        self.push(
+            "accessors",
+            json!({"bufferView": view, "componentType": 5121, "type": "VEC4", "count": joints.len()}),
         )
     }
 

@@ -1,0 +1,228 @@
+//! Damaged files without end: the import answers each within its promises, in bounded time and memory.
+//!
+//! The driver is an ordinary test with numbered executions: execution `n` is the same file on every machine, so that a
+//! finding is a number. A long run is
+//!
+//! ```text
+//! FUZZ_EXECUTIONS=1000000 cargo test --release -p tracebench-scenes --test import_fuzz -- --ignored --nocapture
+//! ```
+//!
+//! from execution `FUZZ_FROM` (0) on. It says every few seconds how far it is; a run that was cut off goes on from there.
+//! What it finds is printed and written to the folder for temporary files; it is mended and becomes a file in
+//! `scenes/fuzz/findings`, which the short run imports too.
+#![allow(missing_docs)]
+
+mod support;
+
+use std::fs;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use peak_alloc::PeakAlloc;
+use serde_json::Value;
+use support::glb;
+use support::mutate::{Parts, mutate};
+use support::promises::{self, Outcome};
+use support::random::Random;
+
+#[global_allocator]
+static ALLOCATOR: PeakAlloc = PeakAlloc;
+
+/// One execution at a time: memory is counted for the whole process.
+static ALONE: Mutex<()> = Mutex::new(());
+
+/// Most time of an execution, import and all questions about it.
+const MAX_TIME: Duration = Duration::from_secs(2);
+
+/// Most memory of an execution in bytes.
+const MAX_BYTES: usize = 1 << 30;
+
+/// What an execution cost and came to.
+struct Execution {
+    outcome: Result<Outcome, String>,
+    time: Duration,
+    bytes: usize,
+}
+
+fn execute(work: impl FnOnce() -> Result<Outcome, String>) -> Execution {
+    let before = ALLOCATOR.current_usage();
+    ALLOCATOR.reset_peak_usage();
+    let start = Instant::now();
+    let outcome = catch_unwind(AssertUnwindSafe(work));
+    let time = start.elapsed();
+    let bytes = ALLOCATOR.peak_usage().saturating_sub(before);
+    let outcome = match outcome {
+        Err(_) => Err("it panicked".to_owned()),
+        Ok(_) if time > MAX_TIME => Err(format!("it took {time:?}")),
+        Ok(_) if bytes > MAX_BYTES => Err(format!("it took {bytes} bytes")),
+        Ok(outcome) => outcome,
+    };
+    Execution { outcome, time, bytes }
+}
+
+fn folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz").join(name)
+}
+
+/// The files of a folder in the order of their names.
+fn files(name: &str) -> Vec<(PathBuf, Vec<u8>)> {
+    let Ok(entries) = fs::read_dir(folder(name)) else {
+        return Vec::new();
+    };
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    paths.into_iter().map(|path| (path.clone(), fs::read(&path).unwrap())).collect()
+}
+
+/// The seeds with their buffers taken out of the data URIs.
+fn seeds() -> Vec<Parts> {
+    let take_apart = |(_, bytes): (PathBuf, Vec<u8>)| {
+        let mut json: Value = serde_json::from_slice(&bytes).unwrap();
+        let uri = json["buffers"][0].as_object_mut().unwrap().remove("uri").unwrap();
+        let bin = data_url::DataUrl::process(uri.as_str().unwrap()).unwrap().decode_to_vec().unwrap().0;
+        Parts { json, bin }
+    };
+    files("seeds").into_iter().map(take_apart).collect()
+}
+
+/// The file of execution `number`.
+fn damaged(seeds: &[Parts], number: u64) -> Vec<u8> {
+    let mut random = Random(number.wrapping_mul(0x2545_f491_4f6c_dd1d));
+    let (seed, donor) = (random.below(seeds.len()), random.below(seeds.len()));
+    mutate(&mut random, &seeds[seed], &seeds[donor])
+}
+
+#[derive(Default)]
+struct Tally {
+    refused: u64,
+    still: u64,
+    moving: u64,
+    slowest: (Duration, u64),
+    largest: (usize, u64),
+    findings: Vec<u64>,
+}
+
+impl Tally {
+    fn add(&mut self, number: u64, execution: Execution) {
+        match execution.outcome {
+            Ok(Outcome::Refused) => self.refused += 1,
+            Ok(Outcome::Still) => self.still += 1,
+            Ok(Outcome::Moving) => self.moving += 1,
+            Err(problem) => {
+                println!("execution {number}: {problem}");
+                self.findings.push(number);
+            }
+        }
+        self.slowest = self.slowest.max((execution.time, number));
+        self.largest = self.largest.max((execution.bytes, number));
+    }
+
+    fn print(&self, next: u64, start: Instant) {
+        println!(
+            "next {next}, {:.0} s: {} refused, {} still, {} moving, {} findings; slowest {:?} ({}), largest {:.1} MiB ({})",
+            start.elapsed().as_secs_f64(),
+            self.refused,
+            self.still,
+            self.moving,
+            self.findings.len(),
+            self.slowest.0,
+            self.slowest.1,
+            self.largest.0 as f64 / f64::from(1 << 20),
+            self.largest.1,
+        );
+    }
+}
+
+/// Runs executions `from..end`.
+fn run(from: u64, end: u64) -> Tally {
+    let _alone = ALONE.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+    let seeds = seeds();
+    let (start, mut told) = (Instant::now(), Instant::now());
+    let mut tally = Tally::default();
+    for number in from..end {
+        let file = damaged(&seeds, number);
+        let execution = execute(|| promises::check(&file));
+        if execution.outcome.is_err() {
+            let path = std::env::temp_dir().join(format!("tracebench-finding-{number}.bin"));
+            fs::write(path, &file).unwrap();
+        }
+        tally.add(number, execution);
+        if told.elapsed() > Duration::from_secs(5) {
+            tally.print(number + 1, start);
+            told = Instant::now();
+        }
+    }
+    tally.print(end, start);
+    tally
+}
+
+/// Proves that every seed is imported as it is, and that some of them move: damage starts from sound files.
+#[test]
+fn seeds_are_sound() {
+    let outcomes: Vec<Outcome> = files("seeds").iter().map(|(_, bytes)| promises::check(bytes).unwrap()).collect();
+    assert!(outcomes.len() >= 7 && !outcomes.contains(&Outcome::Refused), "{outcomes:?}");
+    assert!(outcomes.iter().filter(|&&outcome| outcome == Outcome::Moving).count() >= 4, "{outcomes:?}");
+    for seed in seeds() {
+        assert_ne!(promises::check(&glb(seed.json.to_string().as_bytes(), &seed.bin)), Ok(Outcome::Refused));
+    }
+}
+
+/// Proves that what once was found stays mended.
+#[test]
+fn findings_stay_mended() {
+    let _alone = ALONE.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+    for (path, bytes) in files("findings") {
+        let execution = execute(|| promises::check(&bytes));
+        assert!(execution.outcome.is_ok(), "{}: {:?}", path.display(), execution.outcome);
+    }
+}
+
+/// Proves on the first executions that no promise is broken, and that the damage is of the right strength: a good part
+/// is refused, a good part is still imported.
+#[test]
+fn first_executions() {
+    let tally = run(0, 20_000);
+    assert_eq!(tally.findings, [] as [u64; 0]);
+    for (what, count) in [("refused", tally.refused), ("still", tally.still), ("moving", tally.moving)] {
+        assert!(count > 1_000, "{what}: {count}");
+    }
+}
+
+/// Proves that the driver is not blind: panics, time and memory beyond the limits, and broken promises are findings.
+#[test]
+fn limits_are_noticed() {
+    let _alone = ALONE.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+    let mut tally = Tally::default();
+    tally.add(0, execute(|| Ok(Outcome::Still)));
+    tally.add(1, execute(|| panic!("as wanted by the test")));
+    tally.add(
+        2,
+        execute(|| {
+            std::thread::sleep(MAX_TIME);
+            Ok(Outcome::Still)
+        }),
+    );
+    tally.add(
+        3,
+        execute(|| {
+            drop(std::hint::black_box(Vec::<u8>::with_capacity(MAX_BYTES + 1)));
+            Ok(Outcome::Still)
+        }),
+    );
+    let mut scene = support::Doc::square().import().unwrap();
+    scene.mesh.triangles[0][0] = 99;
+    tally.add(4, execute(|| promises::check_scene(&scene)));
+    assert_eq!((tally.findings, tally.still), (vec![1, 2, 3, 4], 1));
+}
+
+/// As [`first_executions`], for as long as one likes.
+#[test]
+#[ignore = "runs as many executions as FUZZ_EXECUTIONS says; for hunting, not for every commit"]
+fn many_executions() {
+    let number = |name: &str, default: u64| std::env::var(name).map_or(default, |value| value.parse().unwrap());
+    let from = number("FUZZ_FROM", 0);
+    let tally = run(from, from + number("FUZZ_EXECUTIONS", 1_000_000));
+    assert_eq!(tally.findings, [] as [u64; 0]);
+}
