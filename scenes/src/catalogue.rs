@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::error::SceneError;
-use crate::procedural::{Built, room};
+use crate::procedural::{Built, room, solids};
 use crate::scene::{Animation, ImportNotes, Origin, Scene};
 
 /// Least scale factor of a procedural scene.
@@ -30,15 +30,26 @@ pub struct CatalogueEntry {
     build: fn(f64, f64) -> Built,
 }
 
-static CATALOGUE: [CatalogueEntry; 1] = [CatalogueEntry {
-    name: "room",
-    description: "a closed furnished room with a mirror floor, thin chair legs, a lamp on a cord and a dense statue",
-    triangles_at_scale_1: room::TRIANGLES_AT_SCALE_1,
-    closed: true,
-    watertight: true,
-    animation_s: None,
-    build: room::build,
-}];
+static CATALOGUE: [CatalogueEntry; 2] = [
+    CatalogueEntry {
+        name: "room",
+        description: "a closed furnished room with a mirror floor, thin chair legs, a lamp on a cord and a dense statue",
+        triangles_at_scale_1: room::TRIANGLES_AT_SCALE_1,
+        closed: true,
+        watertight: true,
+        animation_s: None,
+        build: room::build,
+    },
+    CatalogueEntry {
+        name: "solids",
+        description: "closed objects that stand apart in a glass dome, solids in solids among them, for refraction",
+        triangles_at_scale_1: solids::TRIANGLES_AT_SCALE_1,
+        closed: true,
+        watertight: true,
+        animation_s: None,
+        build: solids::build,
+    },
+];
 
 /// All procedural scenes, in a fixed order.
 pub fn catalogue() -> &'static [CatalogueEntry] {

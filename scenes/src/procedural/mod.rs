@@ -8,6 +8,7 @@ mod builder;
 mod math;
 pub(crate) mod room;
 mod shapes;
+pub(crate) mod solids;
 
 #[cfg(test)]
 pub(crate) use math::Random;
