@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::error::SceneError;
-use crate::procedural::{Built, room, solids};
+use crate::procedural::{Built, cloth, room, solids};
 use crate::scene::{Animation, ImportNotes, Origin, Scene};
 
 /// Least scale factor of a procedural scene.
@@ -30,7 +30,7 @@ pub struct CatalogueEntry {
     build: fn(f64, f64) -> Built,
 }
 
-static CATALOGUE: [CatalogueEntry; 2] = [
+static CATALOGUE: [CatalogueEntry; 3] = [
     CatalogueEntry {
         name: "room",
         description: "a closed furnished room with a mirror floor, thin chair legs, a lamp on a cord and a dense statue",
@@ -48,6 +48,15 @@ static CATALOGUE: [CatalogueEntry; 2] = [
         watertight: true,
         animation_s: None,
         build: solids::build,
+    },
+    CatalogueEntry {
+        name: "cloth",
+        description: "a cloth that falls over a mirror ball on a floor and is wound up as the ball turns",
+        triangles_at_scale_1: cloth::TRIANGLES_AT_SCALE_1,
+        closed: false,
+        watertight: false,
+        animation_s: Some(cloth::DURATION_S),
+        build: cloth::build,
     },
 ];
 
