@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::error::SceneError;
-use crate::procedural::{Built, cloth, room, solids};
+use crate::procedural::{Built, candy, cloth, room, solids};
 use crate::scene::{Animation, ImportNotes, Origin, Scene};
 
 /// Least scale factor of a procedural scene.
@@ -30,7 +30,7 @@ pub struct CatalogueEntry {
     build: fn(f64, f64) -> Built,
 }
 
-static CATALOGUE: [CatalogueEntry; 3] = [
+static CATALOGUE: [CatalogueEntry; 4] = [
     CatalogueEntry {
         name: "room",
         description: "a closed furnished room with a mirror floor, thin chair legs, a lamp on a cord and a dense statue",
@@ -57,6 +57,15 @@ static CATALOGUE: [CatalogueEntry; 3] = [
         watertight: false,
         animation_s: Some(cloth::DURATION_S),
         build: cloth::build,
+    },
+    CatalogueEntry {
+        name: "candy",
+        description: "sweets in the open: canes, lollipops, jars, wrapped and ring sweets, and two figures that move",
+        triangles_at_scale_1: candy::TRIANGLES_AT_SCALE_1,
+        closed: false,
+        watertight: true,
+        animation_s: Some(candy::DURATION_S),
+        build: candy::build,
     },
 ];
 

@@ -5,6 +5,7 @@
 //! generator that is part of this crate.
 
 mod builder;
+pub(crate) mod candy;
 pub(crate) mod cloth;
 mod math;
 pub(crate) mod room;
