@@ -97,7 +97,13 @@ pub fn procedural(name: &str, scale: f64) -> Result<Scene, SceneError> {
     scene.camera_path = Some(built.path);
     scene.animation = entry.animation_s.map(|duration_s| Animation {
         duration_s,
-        positions_at: Arc::new(move |time_s| Ok(build(scale, time_s).mesh.positions)),
+        positions_at: Arc::new(move |time_s| {
+            if time_s.is_nan() {
+                let problem = "the time of an animation is not a number: give seconds".to_owned();
+                return Err(SceneError::Invalid { scene: entry.name.to_owned(), problem });
+            }
+            Ok(build(scale, time_s).mesh.positions)
+        }),
     });
     Ok(scene)
 }

@@ -1,8 +1,9 @@
 //! The scene `cloth`: a square cloth falls over a ball onto a floor; then the ball turns and winds it up.
 //!
 //! A stand-in for the cloth animations that ray tracers of moving scenes are measured on (UNC's cloth over a ball has
-//! 92 thousand triangles): one sheet that folds, moves everywhere at once and is never rigid. The motion is simulated on
-//! a coarse grid, always from the start, and divided smoothly, so that every scale moves alike.
+//! 92 thousand triangles): one sheet that folds and moves everywhere at once, so that nothing of a structure can be
+//! kept. The motion is simulated on a coarse grid, always from the start, and divided smoothly, so that every scale
+//! moves alike.
 
 mod simulation;
 

@@ -9,7 +9,7 @@ use glam::DVec3;
 use crate::procedural::math::sin;
 
 /// Points a side of the simulated grid.
-pub(super) const SIDE: usize = 43;
+pub(super) const SIDE: usize = 41;
 /// Radius of the ball in metres.
 pub(super) const RADIUS: f64 = 0.55;
 /// Middle of the ball, which rests on the floor (y = 0).
@@ -20,7 +20,7 @@ pub(super) const THICKNESS: f64 = 0.012;
 /// Side of the cloth in metres.
 const LENGTH: f64 = 2.6;
 /// Steps a second.
-const RATE: f64 = 360.0;
+const RATE: f64 = 300.0;
 /// Steps between two times that folds are kept apart.
 const APART_EVERY: u64 = 4;
 /// Metres a second squared.

@@ -85,7 +85,7 @@ fn gears(solids: &mut Solids) {
     solids.builder.frame = Frame::WORLD;
 }
 
-/// A gear about the frame's y axis, with a hole for its axle. Four rings that close: outside and inside, below and above.
+/// A gear about the frame's y axis, with a hole for its axle: a section that is led once around.
 fn gear(solids: &mut Solids, material: MaterialId, teeth: usize, phase: f64) {
     let Solids { builder, detail, .. } = solids;
     // Eight points make a tooth; fewer would not.
