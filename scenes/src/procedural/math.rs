@@ -97,6 +97,13 @@ impl Frame {
         Self { axes: [x * c + y * s, y * c - x * s, z], ..self }
     }
 
+    /// Turned about its own x axis.
+    pub(super) fn pitch(self, radians: f64) -> Self {
+        let (s, c) = (sin(radians), cos(radians));
+        let [x, y, z] = self.axes;
+        Self { axes: [x, y * c + z * s, z * c - y * s], ..self }
+    }
+
     /// Moved along its own axes.
     pub(super) fn shift(self, by: DVec3) -> Self {
         Self { origin: self.place(by), ..self }
@@ -146,10 +153,11 @@ mod tests {
     /// Proves that frames rotate without scaling or mirroring.
     #[test]
     fn frames_are_rigid() {
-        let frame = Frame::at(DVec3::new(1.0, 2.0, 3.0)).yaw(0.7).roll(-0.4);
+        let frame = Frame::at(DVec3::new(1.0, 2.0, 3.0)).yaw(0.7).roll(-0.4).pitch(1.1);
         let [x, y, z] = frame.axes;
         assert!((x.cross(y) - z).length() < 1e-12);
         assert!((x.length() - 1.0).abs() < 1e-12);
         assert!((Frame::WORLD.yaw(TURN / 4.0).place(DVec3::X) + DVec3::Z).length() < 1e-12);
+        assert!((Frame::WORLD.pitch(TURN / 4.0).place(DVec3::Y) - DVec3::Z).length() < 1e-12);
     }
 }

@@ -5,9 +5,12 @@
 //! generator that is part of this crate.
 
 mod builder;
+pub(crate) mod candy;
+pub(crate) mod cloth;
 mod math;
 pub(crate) mod room;
 mod shapes;
+pub(crate) mod solids;
 
 #[cfg(test)]
 pub(crate) use math::Random;
