@@ -111,12 +111,14 @@ fn sample(plan: &Plan, device: &Device, criterion: &mut Criterion) -> Result<(),
         session.sample_build(&mut contender)?;
         contenders.push(contender);
     }
-    sample_builds(session, &mut contenders, criterion);
-    sample_traces(session, &contenders, criterion)
+    // Criterion compares with the last time by name: another preset is other work.
+    let preset = plan.preset.name;
+    sample_builds(session, preset, &mut contenders, criterion);
+    sample_traces(session, preset, &contenders, criterion)
 }
 
-fn sample_builds(session: &Session, contenders: &mut [Contender], criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("build");
+fn sample_builds(session: &Session, preset: &str, contenders: &mut [Contender], criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group(format!("{preset} build"));
     for contender in contenders {
         group.bench_function(contender.description.name, |bencher| {
             bencher.iter_custom(|iterations| {
@@ -127,9 +129,14 @@ fn sample_builds(session: &Session, contenders: &mut [Contender], criterion: &mu
     group.finish();
 }
 
-fn sample_traces(session: &Session, contenders: &[Contender], criterion: &mut Criterion) -> Result<(), Failure> {
+fn sample_traces(
+    session: &Session,
+    preset: &str,
+    contenders: &[Contender],
+    criterion: &mut Criterion,
+) -> Result<(), Failure> {
     for rays in &session.rays {
-        let mut group = criterion.benchmark_group(rays.set.name);
+        let mut group = criterion.benchmark_group(format!("{preset} {}", rays.set.name));
         group.throughput(Throughput::Elements(rays.buffer.host.len() as u64));
         for contender in contenders {
             let mut hits = session.hit_buffer(contender, rays)?;

@@ -2,7 +2,7 @@
 //! views and asks the f64 truth what those views show. Of the tracer it takes only the status.
 
 use glam::DVec3;
-use tracebench_api::{Hit, Status, View};
+use tracebench_api::{Hit, Projected, Status, View};
 
 use super::{Class, Judge, Rule};
 use crate::truth::{Ray64, TrueHit, tight_tolerance};
@@ -118,15 +118,16 @@ impl Judge<'_> {
     }
 
     /// Whether the centre of the pixel that a point falls on, moved by a rasterizer's rounding in any direction, shows
-    /// the same triangle or one within a footprint in depth.
+    /// the same triangle or one within a footprint in depth; on a border between pixels, the centres of all of them.
     fn samples(&self, view: &View, point: DVec3, primitive: u32) -> bool {
         let Some(at) = view.project_inside(point) else { return false };
         let moves = [(0.0, 0.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
-        moves.into_iter().all(|(across, down)| {
-            let (x, y) =
-                (pixel_centre(at.x) + across * RASTER_SNAP_PIXELS, pixel_centre(at.y) + down * RASTER_SNAP_PIXELS);
-            self.shown(view, x, y).is_some_and(|found| {
-                found.primitive == primitive || (found.t - at.depth).abs() <= self.footprint(point)
+        centres(&at).into_iter().all(|centre| {
+            moves.into_iter().all(|(across, down)| {
+                let (x, y) = (centre.0 + across * RASTER_SNAP_PIXELS, centre.1 + down * RASTER_SNAP_PIXELS);
+                self.shown(view, x, y).is_some_and(|found| {
+                    found.primitive == primitive || (found.t - at.depth).abs() <= self.footprint(point)
+                })
             })
         })
     }
@@ -135,9 +136,7 @@ impl Judge<'_> {
     /// precision, of a neighbour if its own centre shows nothing.
     fn centre_depth(&self, view: &View, point: DVec3) -> Option<f64> {
         let at = view.project_inside(point)?;
-        let moves = [0.0, -RASTER_SNAP_PIXELS, RASTER_SNAP_PIXELS];
-        let mut centres = moves.iter().flat_map(|down| moves.iter().map(move |across| (at.x + across, at.y + down)));
-        centres.find_map(|(x, y)| self.shown(view, pixel_centre(x), pixel_centre(y))).map(|found| found.t)
+        centres(&at).into_iter().find_map(|(x, y)| self.shown(view, x, y)).map(|found| found.t)
     }
 
     /// What a view shows at a position in pixels; t is the eye depth.
@@ -147,6 +146,19 @@ impl Judge<'_> {
     }
 }
 
-fn pixel_centre(position: f64) -> f64 {
-    position.floor() + 0.5
+/// The centres of the pixels that a position falls on to a rasterizer's precision, its own first: two or four of them
+/// where it lies on a border.
+fn centres(at: &Projected) -> Vec<(f64, f64)> {
+    let along = |position: f64| {
+        let mut found = vec![position.floor() + 0.5];
+        for moved in [position - RASTER_SNAP_PIXELS, position + RASTER_SNAP_PIXELS] {
+            let centre = moved.floor() + 0.5;
+            if !found.contains(&centre) {
+                found.push(centre);
+            }
+        }
+        found
+    };
+    let (columns, rows) = (along(at.x), along(at.y));
+    rows.iter().flat_map(|y| columns.iter().map(move |x| (*x, *y))).collect()
 }

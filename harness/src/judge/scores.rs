@@ -6,6 +6,7 @@ use tracebench_api::Hit;
 use super::{Class, Judge, Rule, count_causes};
 use crate::results::{AnyJudgement, ByRule, Classes, ClosestJudgement, Headline, Occlusion, Percentiles};
 use crate::statistics::{percentile, wilson};
+use crate::truth::{Ray64, RayFrame, TrueHit, intersect};
 
 /// Tolerances of the curve, in scene diagonals: two a decade from 1e-8 to 1.
 pub const CURVE_TOLERANCES: [f64; 17] =
@@ -108,10 +109,25 @@ impl Judge<'_> {
         let named: Vec<bool> = self
             .judged()
             .filter(|index| self.class(Rule::Tight, *index, &hits[*index]) == Class::TrueHit)
-            .filter_map(|index| self.answers[index].hit.map(|truth| truth.primitive == hits[index].primitive))
+            .filter_map(|index| self.answers[index].hit.map(|truth| self.names(index, truth, hits[index].primitive)))
             .collect();
         let right = named.iter().filter(|right| **right).count();
         (!named.is_empty()).then(|| right as f64 / named.len() as f64)
+    }
+
+    /// Whether a triangle is the one that a ray truly hits, or one that lies in its place: where two overlap in a plane,
+    /// which of them f64's rounding puts in front means nothing.
+    fn names(&self, index: usize, truth: TrueHit, primitive: u32) -> bool {
+        if primitive == truth.primitive {
+            return true;
+        }
+        let ray = Ray64::from(&self.rays[index]);
+        let known = (primitive as usize) < self.truth.geometry().triangles.len();
+        let t = RayFrame::new(&ray)
+            .filter(|_| known)
+            .and_then(|frame| intersect(&frame, &ray, self.truth.geometry().corners(primitive)));
+        // To the precision that a t in f32 has.
+        t.is_some_and(|t| (t - truth.t).abs() <= f64::from(f32::EPSILON) * truth.t)
     }
 }
 

@@ -143,6 +143,24 @@ fn lengths_and_offsets_are_the_documented_ones() {
     }
 }
 
+/// A surface that is seen from behind sends its rays back to the side that it is seen from: out of a box that is wound
+/// inside out, where its normals point inward.
+#[test]
+fn rays_leave_on_the_side_that_is_seen() {
+    let solid = Place::solid();
+    let geometry = solid.truth.geometry();
+    let turned: Vec<[u32; 3]> = geometry.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    let turned = Place::new(geometry.positions.to_vec(), turned, "1.5,2,4:0,0,0");
+    for name in ["diffuse", "ao", "specular", "glossy", "visibility", "pixel-random"] {
+        for place in [&solid, &turned] {
+            let rays = place.make(name);
+            assert!(rays.iter().all(|ray| origin(ray).abs().max_element() > 1.0), "{name}");
+            let leaves = |ray: &Ray| place.truth.closest(&Ray64::from(ray)).is_none();
+            assert!(!rays.is_empty() && rays.iter().all(leaves), "{name}: nothing lies outside of a box");
+        }
+    }
+}
+
 /// Primary rays start at the eye and go through the centres of the pixels, from the top left on.
 #[test]
 fn primary_rays_go_through_pixel_centres() {

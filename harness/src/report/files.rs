@@ -43,9 +43,11 @@ fn tempfile_beside(path: &Path) -> std::io::Result<tempfile::NamedTempFile> {
 pub(crate) fn write(path: &Path, contents: &[u8]) -> Result<(), ReportError> {
     let fail = |source| ReportError::Write { path: path.to_owned(), source };
     check_place(path).map_err(fail)?;
-    let mut file = tempfile_beside(path).map_err(fail)?;
+    // Of a link the target is written, and the link stays.
+    let target = if path.is_symlink() { fs::canonicalize(path).map_err(fail)? } else { path.to_owned() };
+    let mut file = tempfile_beside(&target).map_err(fail)?;
     file.write_all(contents).map_err(fail)?;
-    file.persist(path).map_err(|error| fail(error.error))?;
+    file.persist(&target).map_err(|error| fail(error.error))?;
     Ok(())
 }
 

@@ -17,6 +17,8 @@ enum Manner {
     Honest,
     /// Answers the first trace and leaves what stands in the buffer at every later one.
     Idle,
+    /// Takes its time at the first trace of a structure, and misses every ray.
+    Slow,
     /// Writes other hits when it counts than when it is timed.
     Wavering,
 }
@@ -47,6 +49,9 @@ impl Structure for FakeStructure {
         clock.host_phase("answer", || {
             if self.manner != Manner::Idle || self.traced.get() == 0 {
                 hits.fill(Hit::miss(Status::Miss));
+            }
+            if self.manner == Manner::Slow && self.traced.get() == 0 {
+                std::thread::sleep(std::time::Duration::from_millis(200));
             }
         });
         self.traced.set(self.traced.get() + 1);
@@ -104,6 +109,14 @@ fn answers_of_an_earlier_sample_do_not_count() {
     // Its counted answers are written, its last timed ones are poison.
     let idle = measure(Box::new(Fake(Manner::Idle)), None).unwrap();
     assert!(idle.failure.is_some() && idle.traces.is_empty());
+}
+
+/// Proves that the first trace warms up and is not among the samples.
+#[test]
+fn warming_up_is_not_counted() {
+    let slow = measure(Box::new(Fake(Manner::Slow)), None).unwrap();
+    let samples = &slow.traces[0].times.samples_ms;
+    assert!(samples.len() == 2 && samples.iter().all(|sample| *sample < 200.0), "{samples:?}");
 }
 
 /// Proves that hits which differ between the timed and the counting variant take a contender out of the race.

@@ -161,6 +161,14 @@ fn outputs_that_cannot_be_written() {
         let picture = ["picture", "--scene", "room", "--tracer", "bvh-cpu", "--size", "8x8", "--out", "device"];
         bench.fails(&picture, 1, &["device", "no regular file"]);
         assert!(device.is_symlink());
+        // A link to a file stays one, and the file is written.
+        std::fs::write(bench.path("target.png"), b"old").unwrap();
+        std::os::unix::fs::symlink("target.png", bench.path("link.png")).unwrap();
+        let picture = ["picture", "--scene", "room", "--tracer", "bvh-cpu", "--size", "8x8", "--out", "link.png"];
+        assert_eq!(bench.call(&picture).status, 0);
+        assert!(bench.path("link.png").is_symlink());
+        assert!(std::fs::read(bench.path("target.png")).unwrap().starts_with(b"\x89PNG"));
+        bench.fails(&["run", "--scene", "/dev/zero", "--tracer", "bvh-cpu"], 1, &["/dev/zero", "no regular file"]);
     }
     // Refused before the scene is loaded: the message is of the file, not of the scene that is not there either.
     let picture = ["picture", "--scene", "gone.glb", "--tracer", "bvh-cpu", "--size", "8x8", "--out", "no/such/p.png"];

@@ -131,6 +131,9 @@ fn cause_between_samples_on_a_corner_of_pixels() {
         let case = seen(plate_at(0.0, edge), down(x, y, 1.0));
         assert!(case.answers[0].hit.is_none());
         assert_eq!(case.cause("tight", &[hit(1.0)]), "between_samples", "{x} {y}");
+        // As a true hit on such a corner, the plate is between samples too: three of the four show something else.
+        let on_plate = seen(plate_at(0.0, 0.5725), down(x, y, 1.0));
+        assert_eq!(on_plate.cause("tight", &[status(Status::Miss)]), "between_samples", "{x} {y}");
         let aside = seen(plate_at(0.0, edge), down(x * 1.25, y, 1.0));
         assert_eq!(aside.cause("tight", &[hit(1.0)]), "unexplained", "{x} {y}");
     }

@@ -176,6 +176,21 @@ fn identity() {
     assert_eq!(case.closest(&hits).identity, None);
 }
 
+/// Proves that of two triangles which overlap in a plane either names what is hit, and one that lies elsewhere, or a
+/// number that is no triangle, does not.
+#[test]
+fn identity_of_coplanar_overlaps() {
+    let mut triangles = plate();
+    triangles.extend(rectangle([-1.0, -0.5, 0.0], [1.7, 0.0, 0.0], [0.3, 1.1, 0.0]));
+    triangles.extend(rectangle([-1.0, -1.0, -0.5], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]));
+    let case = Case::new(framed(triangles), vec![down(0.125, 0.0625, 2.0)], Query::Closest);
+    let identity = |primitive: u32| case.closest(&[Hit { primitive, ..hit(2.0) }]).identity;
+    let names: Vec<u32> = (0..8).filter(|primitive| identity(*primitive) == Some(1.0)).collect();
+    assert_eq!(names.len(), 2, "{names:?}: one of the plate, one of what lies on it");
+    assert!(names[0] < 2 && (2..4).contains(&names[1]), "{names:?}");
+    assert_eq!(identity(1000), Some(0.0));
+}
+
 /// Proves that ties are in no class, share, curve, percentile, cause or list, whatever was answered, that they are
 /// counted, that more than a thousandth of them is said, and that a set of ties only has no share at all.
 #[test]

@@ -51,7 +51,12 @@ pub const MIN_DIAGONAL: f64 = 1e-15;
 ///
 /// [`SceneError::Read`] if the file cannot be read, else as [`import_bytes`].
 pub fn import(path: &Path) -> Result<Scene, SceneError> {
-    let bytes = std::fs::read(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
+    let fail = |source| SceneError::Read { path: path.to_owned(), source };
+    // A device or a pipe may never end.
+    if !std::fs::metadata(path).map_err(fail)?.is_file() {
+        return Err(fail(std::io::Error::new(std::io::ErrorKind::InvalidInput, "it is no regular file")));
+    }
+    let bytes = std::fs::read(path).map_err(fail)?;
     let name = path
         .file_stem()
         .map_or_else(|| path.to_string_lossy().into_owned(), |stem| stem.to_string_lossy().into_owned());
