@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::error::SceneError;
-use crate::procedural::{Built, room};
+use crate::procedural::{Built, hangar, room};
 use crate::scene::{Animation, ImportNotes, Origin, Scene};
 
 /// Least scale factor of a procedural scene.
@@ -30,15 +30,26 @@ pub struct CatalogueEntry {
     build: fn(f64, f64) -> Built,
 }
 
-static CATALOGUE: [CatalogueEntry; 1] = [CatalogueEntry {
-    name: "room",
-    description: "a closed furnished room with a mirror floor, thin chair legs, a lamp on a cord and a dense statue",
-    triangles_at_scale_1: room::TRIANGLES_AT_SCALE_1,
-    closed: true,
-    watertight: true,
-    animation_s: None,
-    build: room::build,
-}];
+static CATALOGUE: [CatalogueEntry; 2] = [
+    CatalogueEntry {
+        name: "room",
+        description: "a closed furnished room with a mirror floor, thin chair legs, a lamp on a cord and a dense statue",
+        triangles_at_scale_1: room::TRIANGLES_AT_SCALE_1,
+        closed: true,
+        watertight: true,
+        animation_s: None,
+        build: room::build,
+    },
+    CatalogueEntry {
+        name: "hangar",
+        description: "a hall of lattice columns and trusses with crane, catwalks, crates and aircraft; rigid parts move",
+        triangles_at_scale_1: hangar::TRIANGLES_AT_SCALE_1,
+        closed: true,
+        watertight: true,
+        animation_s: Some(hangar::ANIMATION_S),
+        build: hangar::build,
+    },
+];
 
 /// All procedural scenes, in a fixed order.
 pub fn catalogue() -> &'static [CatalogueEntry] {

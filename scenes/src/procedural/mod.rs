@@ -5,7 +5,9 @@
 //! generator that is part of this crate.
 
 mod builder;
+pub(crate) mod hangar;
 mod math;
+mod parts;
 pub(crate) mod room;
 mod shapes;
 
