@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::error::SceneError;
-use crate::procedural::{Built, hangar, room};
+use crate::procedural::{Built, foliage, hangar, room};
 use crate::scene::{Animation, ImportNotes, Origin, Scene};
 
 /// Least scale factor of a procedural scene.
@@ -30,7 +30,7 @@ pub struct CatalogueEntry {
     build: fn(f64, f64) -> Built,
 }
 
-static CATALOGUE: [CatalogueEntry; 2] = [
+static CATALOGUE: [CatalogueEntry; 3] = [
     CatalogueEntry {
         name: "room",
         description: "a closed furnished room with a mirror floor, thin chair legs, a lamp on a cord and a dense statue",
@@ -48,6 +48,15 @@ static CATALOGUE: [CatalogueEntry; 2] = [
         watertight: true,
         animation_s: Some(hangar::ANIMATION_S),
         build: hangar::build,
+    },
+    CatalogueEntry {
+        name: "foliage",
+        description: "a glade of trees, bushes and grass with a pool; leaves are single surfaces and sway in the wind",
+        triangles_at_scale_1: foliage::TRIANGLES_AT_SCALE_1,
+        closed: false,
+        watertight: false,
+        animation_s: Some(foliage::ANIMATION_S),
+        build: foliage::build,
     },
 ];
 

@@ -5,6 +5,7 @@
 //! generator that is part of this crate.
 
 mod builder;
+pub(crate) mod foliage;
 pub(crate) mod hangar;
 mod math;
 mod parts;

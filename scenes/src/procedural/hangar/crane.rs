@@ -13,7 +13,7 @@ use crate::procedural::shapes::{cuboid, rod, torus, tube};
 const RAIL: f64 = 10.3;
 const TRACK: f64 = 17.6;
 /// Where the bridge, its trolley and its hook are at rest.
-const REST: DVec3 = DVec3::new(2.0, 5.6, 4.0);
+const REST: DVec3 = DVec3::new(2.0, 7.2, 4.0);
 
 pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, motion: &Motion) {
     let [fine, long] = [detail.along(2), detail.along(24)];
