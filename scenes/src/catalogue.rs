@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::error::SceneError;
-use crate::procedural::{Built, foliage, hangar, room};
+use crate::procedural::{Built, atrium, foliage, hangar, room};
 use crate::scene::{Animation, ImportNotes, Origin, Scene};
 
 /// Least scale factor of a procedural scene.
@@ -30,7 +30,7 @@ pub struct CatalogueEntry {
     build: fn(f64, f64) -> Built,
 }
 
-static CATALOGUE: [CatalogueEntry; 3] = [
+static CATALOGUE: [CatalogueEntry; 4] = [
     CatalogueEntry {
         name: "room",
         description: "a closed furnished room with a mirror floor, thin chair legs, a lamp on a cord and a dense statue",
@@ -57,6 +57,15 @@ static CATALOGUE: [CatalogueEntry; 3] = [
         watertight: false,
         animation_s: Some(foliage::ANIMATION_S),
         build: foliage::build,
+    },
+    CatalogueEntry {
+        name: "atrium",
+        description: "a court between two storeys of fluted columns, arches and balustrades, with drapes and a fountain",
+        triangles_at_scale_1: atrium::TRIANGLES_AT_SCALE_1,
+        closed: true,
+        watertight: true,
+        animation_s: None,
+        build: atrium::build,
     },
 ];
 

@@ -4,8 +4,10 @@
 //! functions are used; positions are computed in f64 and rounded to f32 once. Random choices come from a seeded
 //! generator that is part of this crate.
 
+pub(crate) mod atrium;
 mod builder;
 pub(crate) mod foliage;
+mod furnish;
 pub(crate) mod hangar;
 mod math;
 mod parts;
