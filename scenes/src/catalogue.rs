@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::error::SceneError;
-use crate::procedural::{Built, atrium, foliage, hangar, room};
+use crate::procedural::{Built, atrium, foliage, hangar, room, smithy};
 use crate::scene::{Animation, ImportNotes, Origin, Scene};
 
 /// Least scale factor of a procedural scene.
@@ -30,7 +30,7 @@ pub struct CatalogueEntry {
     build: fn(f64, f64) -> Built,
 }
 
-static CATALOGUE: [CatalogueEntry; 4] = [
+static CATALOGUE: [CatalogueEntry; 5] = [
     CatalogueEntry {
         name: "room",
         description: "a closed furnished room with a mirror floor, thin chair legs, a lamp on a cord and a dense statue",
@@ -66,6 +66,15 @@ static CATALOGUE: [CatalogueEntry; 4] = [
         watertight: true,
         animation_s: None,
         build: atrium::build,
+    },
+    CatalogueEntry {
+        name: "smithy",
+        description: "a workshop full of tools, barrels, chains, wheels and nested vessels around a forge, deep in layers",
+        triangles_at_scale_1: smithy::TRIANGLES_AT_SCALE_1,
+        closed: true,
+        watertight: true,
+        animation_s: None,
+        build: smithy::build,
     },
 ];
 

@@ -1,10 +1,12 @@
-//! Closed parts that furnish scenes, all seen from outside: mitred borders, hanging cloth.
+//! Closed parts that furnish scenes, all seen from outside: mitred borders, hanging cloth, wheels.
 
 use glam::{DVec2, DVec3};
 
+use super::Detail;
 use super::builder::{Ends, MaterialId, MeshBuilder};
-use super::math::{TURN, mix, sin};
+use super::math::{TURN, cos, mix, sin};
 use super::parts::outline;
+use super::shapes::{revolve, rod, straight_profile, torus};
 
 /// A frame of rectangular section around the y axis with mitred corners: half sizes along x and z of its inner and its
 /// outer outline, and its range of heights. `divisions` are those of a side, of its width and of its height.
@@ -57,4 +59,27 @@ pub(super) fn drape(builder: &mut MeshBuilder, material: MaterialId, [half, rows
         let flat = DVec3::new((along - 0.5) * width, 0.0, depth * fold + thick) * size;
         DVec3::new(0.1 * depth * sin(2.5 * up + phase), mix(bottom, top, up), 0.0) + flat
     });
+}
+
+/// A spoked wheel around the frame's y axis: rim, spokes and hub.
+pub(super) fn wheel(
+    builder: &mut MeshBuilder,
+    [rim, hub]: [MaterialId; 2],
+    detail: Detail,
+    [radius, thick]: [f64; 2],
+    spokes: usize,
+) {
+    torus(builder, rim, [detail.around(10), detail.around(36)], DVec3::ZERO, [radius - thick, thick]);
+    let width = thick * 2.2;
+    let profile = straight_profile(
+        &[[0.0, -width], [0.17 * radius, -width], [0.2 * radius, 0.0], [0.17 * radius, width], [0.0, width]],
+        detail.along(2),
+    );
+    revolve(builder, hub, detail.around(16), &profile);
+    for spoke in 0..spokes {
+        let angle = TURN * spoke as f64 / spokes as f64;
+        let out = DVec3::new(cos(angle), 0.0, sin(angle));
+        let ends = [out * (0.12 * radius), out * (radius - thick)];
+        rod(builder, rim, [detail.around(8), detail.along(4)], ends, thick * 0.5);
+    }
 }

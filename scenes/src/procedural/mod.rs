@@ -13,6 +13,7 @@ mod math;
 mod parts;
 pub(crate) mod room;
 mod shapes;
+pub(crate) mod smithy;
 
 #[cfg(test)]
 pub(crate) use math::Random;
