@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::error::SceneError;
-use crate::procedural::{Built, atrium, foliage, hangar, room, smithy};
+use crate::procedural::{Built, atrium, candy, cloth, foliage, hangar, room, smithy, solids};
 use crate::scene::{Animation, ImportNotes, Origin, Scene};
 
 /// Least scale factor of a procedural scene.
@@ -30,7 +30,7 @@ pub struct CatalogueEntry {
     build: fn(f64, f64) -> Built,
 }
 
-static CATALOGUE: [CatalogueEntry; 5] = [
+static CATALOGUE: [CatalogueEntry; 8] = [
     CatalogueEntry {
         name: "room",
         description: "a closed furnished room with a mirror floor, thin chair legs, a lamp on a cord and a dense statue",
@@ -76,6 +76,33 @@ static CATALOGUE: [CatalogueEntry; 5] = [
         animation_s: None,
         build: smithy::build,
     },
+    CatalogueEntry {
+        name: "solids",
+        description: "closed objects that stand apart in a glass dome, solids in solids among them, for refraction",
+        triangles_at_scale_1: solids::TRIANGLES_AT_SCALE_1,
+        closed: true,
+        watertight: true,
+        animation_s: None,
+        build: solids::build,
+    },
+    CatalogueEntry {
+        name: "cloth",
+        description: "a cloth that falls over a mirror ball on a floor and is wound up as the ball turns",
+        triangles_at_scale_1: cloth::TRIANGLES_AT_SCALE_1,
+        closed: false,
+        watertight: false,
+        animation_s: Some(cloth::DURATION_S),
+        build: cloth::build,
+    },
+    CatalogueEntry {
+        name: "candy",
+        description: "sweets in the open: canes, lollipops, jars, wrapped and ring sweets, and two figures that move",
+        triangles_at_scale_1: candy::TRIANGLES_AT_SCALE_1,
+        closed: false,
+        watertight: true,
+        animation_s: Some(candy::DURATION_S),
+        build: candy::build,
+    },
 ];
 
 /// All procedural scenes, in a fixed order.
@@ -106,7 +133,13 @@ pub fn procedural(name: &str, scale: f64) -> Result<Scene, SceneError> {
     scene.camera_path = Some(built.path);
     scene.animation = entry.animation_s.map(|duration_s| Animation {
         duration_s,
-        positions_at: Arc::new(move |time_s| Ok(build(scale, time_s).mesh.positions)),
+        positions_at: Arc::new(move |time_s| {
+            if time_s.is_nan() {
+                let problem = "the time of an animation is not a number: give seconds".to_owned();
+                return Err(SceneError::Invalid { scene: entry.name.to_owned(), problem });
+            }
+            Ok(build(scale, time_s).mesh.positions)
+        }),
     });
     Ok(scene)
 }

@@ -64,7 +64,7 @@ fn scale_is_a_factor_on_triangles() {
         assert!(error.to_string().contains("0.001 to 64"), "{error}");
     }
     let error = procedural("rooom", 1.0).unwrap_err();
-    assert!(error.is_argument() && error.to_string().contains("use one of room"), "{error}");
+    assert!(error.is_argument() && error.to_string().contains("use one of room, "), "{error}");
 }
 
 /// Proves that no triangle is degenerate, none stands twice, all vertices are used and finite.

@@ -97,6 +97,18 @@ impl MeshBuilder {
         ends: &Ends,
         point: impl Fn(usize, usize) -> DVec3,
     ) {
+        self.striped_rings(|_, _| material, count, around, ends, point);
+    }
+
+    /// As [`Self::rings`], with the material of the cell that begins at a ring and a point.
+    pub(super) fn striped_rings(
+        &mut self,
+        material: impl Fn(usize, usize) -> MaterialId,
+        count: usize,
+        around: usize,
+        ends: &Ends,
+        point: impl Fn(usize, usize) -> DVec3,
+    ) {
         let first = self.mesh.positions.len() as u32;
         for ring in 0..count {
             for at in 0..around {
@@ -112,8 +124,8 @@ impl MeshBuilder {
             for at in 0..around {
                 let (a, b) = (index(ring, at), index(ring, at + 1));
                 let (c, d) = (index(ring + 1, at), index(ring + 1, at + 1));
-                self.triangle(material, [a, b, d]);
-                self.triangle(material, [a, d, c]);
+                self.triangle(material(ring, at), [a, b, d]);
+                self.triangle(material(ring, at), [a, d, c]);
             }
         }
         if let Ends::Pressed = ends {
@@ -129,10 +141,10 @@ impl MeshBuilder {
                     }
                     // At either tip the strip ends in one triangle.
                     if at + 1 != back - 1 {
-                        self.triangle(material, halves[0]);
+                        self.triangle(material(ring, at), halves[0]);
                     }
                     if at != 0 {
-                        self.triangle(material, halves[1]);
+                        self.triangle(material(ring, at), halves[1]);
                     }
                 }
             }
@@ -140,8 +152,8 @@ impl MeshBuilder {
         if let Ends::Closed(start, end) = *ends {
             let (start, end) = (self.vertex(start), self.vertex(end));
             for at in 0..around {
-                self.triangle(material, [start, index(0, at + 1), index(0, at)]);
-                self.triangle(material, [end, index(count - 1, at), index(count - 1, at + 1)]);
+                self.triangle(material(0, at), [start, index(0, at + 1), index(0, at)]);
+                self.triangle(material(count - 1, at), [end, index(count - 1, at), index(count - 1, at + 1)]);
             }
         }
     }

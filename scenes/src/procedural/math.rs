@@ -168,5 +168,6 @@ mod tests {
         assert!((x.cross(y) - z).length() < 1e-12);
         assert!((x.length() - 1.0).abs() < 1e-12);
         assert!((Frame::WORLD.yaw(TURN / 4.0).place(DVec3::X) + DVec3::Z).length() < 1e-12);
+        assert!((Frame::WORLD.pitch(TURN / 4.0).place(DVec3::Y) - DVec3::Z).length() < 1e-12);
     }
 }

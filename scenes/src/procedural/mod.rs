@@ -6,6 +6,8 @@
 
 pub(crate) mod atrium;
 mod builder;
+pub(crate) mod candy;
+pub(crate) mod cloth;
 pub(crate) mod foliage;
 mod furnish;
 pub(crate) mod hangar;
@@ -14,6 +16,7 @@ mod parts;
 pub(crate) mod room;
 mod shapes;
 pub(crate) mod smithy;
+pub(crate) mod solids;
 
 #[cfg(test)]
 pub(crate) use math::Random;

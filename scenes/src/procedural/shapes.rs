@@ -76,17 +76,42 @@ pub(super) fn straight_profile(knots: &[[f64; 2]], divisions: usize) -> Vec<DVec
 
 /// A ball around the frame's point `center`.
 pub(super) fn ball(builder: &mut MeshBuilder, material: MaterialId, center: DVec3, radius: f64, around: usize) {
-    let rows = (around / 2).max(2);
-    let profile: Vec<DVec2> = (0..=rows)
-        .map(|row| {
-            let angle = TURN / 2.0 * row as f64 / rows as f64;
-            DVec2::new(radius * sin(angle), -radius * cos(angle))
-        })
-        .collect();
+    let profile = half_circle(radius, around);
     let frame = builder.frame;
     builder.frame = frame.shift(center);
     revolve(builder, material, around, &profile);
     builder.frame = frame;
+}
+
+/// A ball around the frame's point `center` that is seen from inside: the void in something hollow.
+pub(super) fn void(builder: &mut MeshBuilder, material: MaterialId, center: DVec3, radius: f64, around: usize) {
+    let mut profile = half_circle(radius, around);
+    profile.reverse();
+    let frame = builder.frame;
+    builder.frame = frame.shift(center);
+    revolve(builder, material, around, &profile);
+    builder.frame = frame;
+}
+
+/// An ellipsoid around the frame's point `center`.
+pub(super) fn ellipsoid(builder: &mut MeshBuilder, material: MaterialId, center: DVec3, half: DVec3, around: usize) {
+    let rows = (around / 2).max(2);
+    let ends = Ends::Closed(center - DVec3::Y * half.y, center + DVec3::Y * half.y);
+    builder.rings(material, rows - 1, around, &ends, |ring, at| {
+        let (up, angle) = (TURN / 2.0 * (ring + 1) as f64 / rows as f64, TURN * at as f64 / around as f64);
+        center + half * DVec3::new(sin(up) * cos(angle), -cos(up), -sin(up) * sin(angle))
+    });
+}
+
+/// The profile of a ball, from its lowest point to its highest.
+fn half_circle(radius: f64, around: usize) -> Vec<DVec2> {
+    let rows = (around / 2).max(2);
+    (0..=rows)
+        .map(|row| {
+            let angle = TURN / 2.0 * row as f64 / rows as f64;
+            DVec2::new(radius * sin(angle), -radius * cos(angle))
+        })
+        .collect()
 }
 
 /// A tube along an open curve, closed by flat ends. `path` and `radius` take 0 to 1.
@@ -121,9 +146,21 @@ pub(super) fn ribbon(
     path: impl Fn(f64) -> DVec3,
     size: impl Fn(f64) -> DVec2,
 ) {
+    striped_ribbon(builder, |_, _| material, [around, along], side, path, size);
+}
+
+/// As [`ribbon`], with the material of the cell that begins at a ring and a point.
+pub(super) fn striped_ribbon(
+    builder: &mut MeshBuilder,
+    material: impl Fn(usize, usize) -> MaterialId,
+    [around, along]: [usize; 2],
+    side: Option<DVec3>,
+    path: impl Fn(f64) -> DVec3,
+    size: impl Fn(f64) -> DVec2,
+) {
     let points: Vec<DVec3> = steps(0.0, 1.0, along).into_iter().map(&path).collect();
     let frames = carry(&points, false, side);
-    builder.rings(material, points.len(), around, &Ends::Closed(points[0], points[along]), |ring, at| {
+    builder.striped_rings(material, points.len(), around, &Ends::Closed(points[0], points[along]), |ring, at| {
         let angle = TURN * at as f64 / around as f64;
         let half = size(ring as f64 / along as f64);
         let (across, square) = frames[ring];
