@@ -7,10 +7,11 @@ mod arcade;
 mod court;
 mod shell;
 
+use glam::DVec3;
+
 use super::builder::{MaterialId, MeshBuilder};
 use super::math::{Frame, TURN};
 use super::{Built, Detail, NamedPose, cameras, path};
-use glam::DVec3;
 
 /// Triangles at scale 1, held by a test.
 pub(crate) const TRIANGLES_AT_SCALE_1: u64 = 264_216;

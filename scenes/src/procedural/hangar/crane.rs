@@ -57,8 +57,7 @@ pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail
     rod(builder, palette.steel, [detail.around(24), detail.along(8)], drum, 0.42);
     let motor = DVec3::new(x + 0.7, top + 0.29, z - 0.75);
     cuboid(builder, palette.green, motor, motor + DVec3::new(0.6, 0.5, 0.35), [fine, fine, fine]);
-    // The ropes are drawn up with the hook: their lower ends follow it.
-    let hook = DVec3::new(x, REST.y + motion.hoist, z);
+    let hook = DVec3::new(x, REST.y, z);
     for (a, b) in [(-0.4, -0.12), (0.4, 0.12), (-0.35, -0.1), (0.35, 0.1)] {
         let ends = [DVec3::new(x + a, top + 0.5, z + a * 0.3), hook + DVec3::new(b, 0.7, b * 0.3)];
         rod(builder, palette.black, [detail.around(6), detail.along(10)], ends, 0.02);

@@ -2,7 +2,7 @@
 //!
 //! A stand-in for the large industrial halls with oblique steelwork that papers on layered depth trace through: lattice
 //! columns and trusses, an overhead crane, catwalks, cables, stacked crates, machinery and two propeller aircraft with
-//! hollow fuselages. Everything that moves is rigid: crane, trolley and hook travel, a tractor with its cart rolls, the
+//! hollow fuselages. Everything that moves is rigid: crane and trolley travel with hook and load, a tractor with its cart rolls, the
 //! propellers turn.
 
 mod aircraft;
@@ -79,10 +79,9 @@ impl Palette {
 
 /// How far what moves has come; all zero at rest.
 struct Motion {
-    /// Metres along x of the crane, along z of its trolley, and upwards of its hook.
+    /// Metres along x of the crane with all that hangs from it, and along z of its trolley.
     bridge: f64,
     trolley: f64,
-    hoist: f64,
     /// Metres that the tractor rolled.
     rolled: f64,
     /// Turn of the propellers in radians.
@@ -93,13 +92,7 @@ impl Motion {
     fn at(time_s: f64) -> Self {
         // Starts and ends gently.
         let eased = 0.5 - 0.5 * cos(TURN / 2.0 * time_s / ANIMATION_S);
-        Self {
-            bridge: 7.0 * eased,
-            trolley: -5.0 * eased,
-            hoist: 1.6 * eased,
-            rolled: 9.0 * eased,
-            propeller: TURN * 0.85 * time_s,
-        }
+        Self { bridge: 7.0 * eased, trolley: -5.0 * eased, rolled: 9.0 * eased, propeller: TURN * 0.85 * time_s }
     }
 }
 
@@ -121,7 +114,7 @@ pub(crate) fn build(scale: f64, time_s: f64) -> Built {
 }
 
 const VIEWPOINTS: [NamedPose; 6] = [
-    ("truss", [16.0, 14.4, -9.0], [-8.0, 2.5, 4.0]),
+    ("truss", [10.0, 14.8, 9.0], [-3.0, 4.0, -3.0]),
     ("gallery", [-27.0, 9.4, 15.5], [4.0, 5.0, -4.0]),
     ("gate", [28.0, 1.7, 3.0], [0.0, 4.0, -2.0]),
     ("wing", [-3.0, 1.7, 12.5], [-10.0, 3.0, 0.0]),
