@@ -2,8 +2,8 @@
 //!
 //! A stand-in for the large industrial halls with oblique steelwork that papers on layered depth trace through: lattice
 //! columns and trusses, an overhead crane, catwalks, cables, stacked crates, machinery and two propeller aircraft with
-//! hollow fuselages. Everything that moves is rigid: crane and trolley travel with hook and load, a tractor with its cart rolls, the
-//! propellers turn.
+//! hollow fuselages. Everything that moves is rigid: crane and trolley travel with hook and load, a tractor with its
+//! cart rolls, the propellers turn.
 
 mod aircraft;
 mod catwalk;

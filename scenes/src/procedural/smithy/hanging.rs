@@ -1,4 +1,4 @@
-//! What hangs: tools on racks along the walls, shields, chains with hooks from the beams, lanterns, strings of horseshoes.
+//! What hangs: tools on racks along the walls, shields, chains with hooks, lanterns, strings of horseshoes.
 
 use glam::DVec3;
 
