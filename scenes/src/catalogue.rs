@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::error::SceneError;
-use crate::procedural::{Built, candy, cloth, room, solids};
+use crate::procedural::{Built, atrium, candy, cloth, foliage, hangar, room, smithy, solids};
 use crate::scene::{Animation, ImportNotes, Origin, Scene};
 
 /// Least scale factor of a procedural scene.
@@ -30,7 +30,7 @@ pub struct CatalogueEntry {
     build: fn(f64, f64) -> Built,
 }
 
-static CATALOGUE: [CatalogueEntry; 4] = [
+static CATALOGUE: [CatalogueEntry; 8] = [
     CatalogueEntry {
         name: "room",
         description: "a closed furnished room with a mirror floor, thin chair legs, a lamp on a cord and a dense statue",
@@ -39,6 +39,42 @@ static CATALOGUE: [CatalogueEntry; 4] = [
         watertight: true,
         animation_s: None,
         build: room::build,
+    },
+    CatalogueEntry {
+        name: "hangar",
+        description: "a hall of lattice columns and trusses with crane, catwalks, crates and aircraft; rigid parts move",
+        triangles_at_scale_1: hangar::TRIANGLES_AT_SCALE_1,
+        closed: true,
+        watertight: true,
+        animation_s: Some(hangar::ANIMATION_S),
+        build: hangar::build,
+    },
+    CatalogueEntry {
+        name: "foliage",
+        description: "a glade of trees, bushes and grass with a pool; leaves are single surfaces and sway in the wind",
+        triangles_at_scale_1: foliage::TRIANGLES_AT_SCALE_1,
+        closed: false,
+        watertight: false,
+        animation_s: Some(foliage::ANIMATION_S),
+        build: foliage::build,
+    },
+    CatalogueEntry {
+        name: "atrium",
+        description: "a court between two storeys of fluted columns, arches and balustrades, with drapes and a fountain",
+        triangles_at_scale_1: atrium::TRIANGLES_AT_SCALE_1,
+        closed: true,
+        watertight: true,
+        animation_s: None,
+        build: atrium::build,
+    },
+    CatalogueEntry {
+        name: "smithy",
+        description: "a workshop full of tools, barrels, chains, wheels and nested vessels around a forge, deep in layers",
+        triangles_at_scale_1: smithy::TRIANGLES_AT_SCALE_1,
+        closed: true,
+        watertight: true,
+        animation_s: None,
+        build: smithy::build,
     },
     CatalogueEntry {
         name: "solids",

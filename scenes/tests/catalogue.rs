@@ -15,12 +15,18 @@ const PINNED: &[(&str, &str)] = &[
     ("solids", "74053dbdbf5203fc2c8281b1bbb837537d1f7f9158ef1dabbc417b21cd313be1"),
     ("cloth", "7b9758e261e30da7e1990c1a7cf2258c44e888a24960e54b10b223f75b144224"),
     ("candy", "7b59076334540b8a1fcd497c4a868ebdbd1deed3fa42664f752f77fe348797b3"),
+    ("hangar", "b3511b793ebc32c759f27afa89a4e1e014715e941f0371d8097ee992cb1d10da"),
+    ("foliage", "05e142fcd069ca4dc808fedf4596b88126d80fbbc0db494b32ab6db421f46d3a"),
+    ("atrium", "e71c8bbc10a8aef5c5413e96c16f96838694de322fc7f80d989ef7e16724c547"),
+    ("smithy", "50bca390c243ddf972f00b386d22bd90676e794f320317d5d1c0ee14a655580c"),
 ];
 
 /// SHA-256 of animated scenes at scale 0.05 and a time in seconds.
 const PINNED_LATER: &[(&str, f64, &str)] = &[
     ("cloth", 3.0, "593a466885939653d8d4705e9b64fd07e8ce1f2d933def135fd763a048f25c26"),
     ("candy", 1.3, "b2a8f0bd97ef41d3989dd3b2dd9c482edb2a2f0c9e97b81ddd15556c2ed64310"),
+    ("hangar", 1.7, "26fb01bae22662d17e970c435edf0a4531fe022b7c44e37155a3a9e04051ff3b"),
+    ("foliage", 1.7, "dff87f9c17f7d48a3ef16e9767adb14056b37b7ad842510b414770b05fa1fd5e"),
 ];
 
 /// The least scale, and one at which all parts of a scene are there in their form.

@@ -158,6 +158,17 @@ impl MeshBuilder {
         }
     }
 
+    /// An open surface of a few points and the triangles between them, by their numbers.
+    pub(super) fn patch(&mut self, material: MaterialId, points: &[DVec3], triangles: &[[u32; 3]]) {
+        let first = self.mesh.positions.len() as u32;
+        for &point in points {
+            self.vertex(point);
+        }
+        for triangle in triangles {
+            self.triangle(material, triangle.map(|number| first + number));
+        }
+    }
+
     fn vertex(&mut self, point: DVec3) -> u32 {
         let placed = self.frame.place(point);
         self.mesh.positions.push(placed.as_vec3().to_array());

@@ -104,6 +104,15 @@ impl Frame {
         Self { axes: [x, y * c + z * s, z * c - y * s], ..self }
     }
 
+    /// Moved to `from`, with the y axis towards `to` and the x axis on the side of `side`, all given in this frame.
+    pub(super) fn span(self, from: DVec3, to: DVec3, side: DVec3) -> Self {
+        let y = (to - from).normalize_or(DVec3::Y);
+        let fallback = y.cross(DVec3::new(0.6, 0.0, 0.8)).normalize_or(DVec3::X);
+        let x = (side - y * side.dot(y)).normalize_or(fallback);
+        let turn = |local: DVec3| self.place(local) - self.origin;
+        Self { origin: self.place(from), axes: [turn(x), turn(y), turn(x.cross(y))] }
+    }
+
     /// Moved along its own axes.
     pub(super) fn shift(self, by: DVec3) -> Self {
         Self { origin: self.place(by), ..self }
@@ -153,7 +162,8 @@ mod tests {
     /// Proves that frames rotate without scaling or mirroring.
     #[test]
     fn frames_are_rigid() {
-        let frame = Frame::at(DVec3::new(1.0, 2.0, 3.0)).yaw(0.7).roll(-0.4).pitch(1.1);
+        let frame = Frame::at(DVec3::new(1.0, 2.0, 3.0)).yaw(0.7).roll(-0.4).pitch(0.9);
+        let frame = frame.span(DVec3::X, DVec3::new(2.0, -1.0, 0.5), DVec3::Z);
         let [x, y, z] = frame.axes;
         assert!((x.cross(y) - z).length() < 1e-12);
         assert!((x.length() - 1.0).abs() < 1e-12);

@@ -4,12 +4,18 @@
 //! functions are used; positions are computed in f64 and rounded to f32 once. Random choices come from a seeded
 //! generator that is part of this crate.
 
+pub(crate) mod atrium;
 mod builder;
 pub(crate) mod candy;
 pub(crate) mod cloth;
+pub(crate) mod foliage;
+mod furnish;
+pub(crate) mod hangar;
 mod math;
+mod parts;
 pub(crate) mod room;
 mod shapes;
+pub(crate) mod smithy;
 pub(crate) mod solids;
 
 #[cfg(test)]

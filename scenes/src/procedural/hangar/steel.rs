@@ -1,0 +1,136 @@
+//! The steelwork: lattice columns, oblique trusses, bracing in the roof, purlins, lamps and sagging cables.
+
+use glam::DVec3;
+
+use super::{EAVES, HALF, Palette, RIDGE, SUNK};
+use crate::procedural::Detail;
+use crate::procedural::builder::MeshBuilder;
+use crate::procedural::math::{Frame, mix, sin};
+use crate::procedural::parts::{beam, zigzag};
+use crate::procedural::shapes::{ball, revolve, rod, smooth_profile, tube};
+
+/// Number of trusses and the distance between two.
+const TRUSSES: usize = 10;
+const BAY: f64 = 6.0;
+/// Height of a truss's lower chord.
+const CHORD: f64 = 12.3;
+
+pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    for number in 0..TRUSSES {
+        let x = -27.0 + BAY * number as f64;
+        builder.object(format!("truss {number}"));
+        truss(builder, palette, detail, x);
+        for face in [-1.0, 1.0] {
+            column(builder, palette, detail, x, face * (HALF[1] - 1.0));
+        }
+    }
+    builder.object("bracing");
+    bracing(builder, palette, detail);
+    builder.object("cables");
+    cables(builder, palette, detail);
+    for (number, (x, z)) in
+        [(-18.0, -7.0), (-18.0, 7.0), (0.0, -7.0), (0.0, 7.0), (18.0, -7.0), (18.0, 7.0)].into_iter().enumerate()
+    {
+        builder.object(format!("lamp {number}"));
+        lamp(builder, palette, detail, DVec3::new(x + 3.0, CHORD, z));
+    }
+}
+
+/// The upper chord's height over z.
+fn slope(z: f64) -> f64 {
+    mix(RIDGE - 0.6, EAVES - 0.1, z.abs() / HALF[1])
+}
+
+fn truss(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, x: f64) {
+    let thin = [detail.around(6), detail.along(4)];
+    let long = [detail.around(8), detail.along(16)];
+    let end = HALF[1] - 0.3;
+    let low = |z: f64| DVec3::new(x, CHORD, z);
+    let high = |z: f64| DVec3::new(x, slope(z), z);
+    rod(builder, palette.red_lead, long, [low(-end), low(end)], 0.11);
+    for face in [-1.0, 1.0] {
+        rod(builder, palette.red_lead, long, [high(face * (end + 0.2)), high(face * -0.05)], 0.1);
+        for panel in 0..6 {
+            let [z0, z1] = [panel, panel + 1].map(|at| face * end * (1.0 - f64::from(at) / 6.0));
+            if panel > 0 {
+                rod(builder, palette.red_lead, thin, [low(z0), high(z0)], 0.055);
+            }
+            rod(builder, palette.red_lead, thin, [low(z0), high(z1)], 0.05);
+        }
+    }
+    rod(builder, palette.red_lead, thin, [low(0.0), high(0.0)], 0.06);
+}
+
+/// Two posts and oblique rods between them, on a foot.
+fn column(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, x: f64, z: f64) {
+    let line = |at: f64| [DVec3::new(x, -SUNK, z + at), DVec3::new(x, CHORD + 0.05, z + at)];
+    for at in [-0.4, 0.4] {
+        beam(builder, palette.red_lead, [detail.along(2), detail.along(6)], line(at), [0.13, 0.09], DVec3::X);
+    }
+    zigzag(builder, palette.red_lead, [detail.around(6), detail.along(4)], [line(-0.4), line(0.4)], 3, 0.045);
+    let foot = DVec3::new(x, -SUNK, z);
+    beam(
+        builder,
+        palette.concrete,
+        [detail.along(2), detail.along(2)],
+        [foot - DVec3::Y * 0.02, foot + DVec3::Y * 0.4],
+        [0.4, 0.7],
+        DVec3::X,
+    );
+}
+
+/// Purlins along the roof, crosses between trusses, ties in the plane of the lower chords.
+fn bracing(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    let divisions = [detail.around(6), detail.along(8)];
+    for z in [-16.3, -9.8, -3.3, 3.3, 9.8, 16.3] {
+        let y = slope(z) + 0.16;
+        let ends = [DVec3::new(-HALF[0] - 0.1, y, z), DVec3::new(HALF[0] + 0.1, y, z)];
+        beam(builder, palette.steel, [detail.along(2), detail.along(24)], ends, [0.1, 0.06], DVec3::Y);
+    }
+    for bay in [0, 4, 8] {
+        let [x0, x1] = [bay, bay + 1].map(|at| -27.0 + BAY * f64::from(at));
+        for (z0, z1) in [(-19.0, -10.0), (-10.0, -0.5), (0.5, 10.0), (10.0, 19.0)] {
+            for (a, b, drop) in [(z0, z1, 0.0), (z1, z0, 0.05)] {
+                let ends = [DVec3::new(x0, slope(a) - drop, a), DVec3::new(x1, slope(b) - drop, b)];
+                rod(builder, palette.steel, divisions, ends, 0.035);
+            }
+        }
+        for face in [-1.0, 1.0] {
+            let z = face * (HALF[1] - 1.0);
+            for (a, b, aside) in [(0.6, 11.5, 0.02), (11.5, 0.6, -0.05)] {
+                let ends = [DVec3::new(x0, a, z + aside), DVec3::new(x1, b, z + aside)];
+                rod(builder, palette.steel, divisions, ends, 0.045);
+            }
+        }
+    }
+}
+
+/// Power cables that sag from truss to truss.
+fn cables(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    for (number, z) in [-14.2, -6.6, 1.2, 7.4, 13.1].into_iter().enumerate() {
+        for span in 0..9 {
+            let x = -27.0 + BAY * f64::from(span);
+            let sag = 0.5 + 0.35 * sin(2.0 * f64::from(span) + number as f64);
+            let path =
+                |t: f64| DVec3::new(x + BAY * t, CHORD - 0.09 - 4.0 * sag * t * (1.0 - t), z + 0.3 * sin(3.0 * t));
+            tube(builder, palette.black, [detail.around(6), detail.along(12)], path, |_| 0.03);
+        }
+    }
+}
+
+/// A pendant lamp hanging from `from`.
+fn lamp(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, from: DVec3) {
+    let drop = 2.6;
+    rod(builder, palette.black, [detail.around(6), detail.along(6)], [from, from - DVec3::Y * drop], 0.02);
+    builder.frame = Frame::at(from - DVec3::Y * (drop + 0.5));
+    let shade = smooth_profile(
+        &[[0.0, 0.44], [0.16, 0.42], [0.5, 0.05], [0.62, -0.02], [0.63, 0.0], [0.52, 0.1], [0.18, 0.5], [0.0, 0.53]],
+        detail.divide(12, 7),
+    );
+    revolve(builder, palette.green, detail.around(24), &shade);
+    ball(builder, palette.lamp, DVec3::Y * 0.2, 0.17, detail.around(16));
+    builder.frame = Frame::WORLD;
+    // What the lamp hangs from, between two trusses.
+    let half = DVec3::X * BAY / 2.0;
+    rod(builder, palette.steel, [detail.around(6), detail.along(6)], [from - half, from + half], 0.04);
+}

@@ -1,0 +1,194 @@
+//! The forge with its hood, fire and bellows; anvil and stump; trough, grindstone, and what lies around them.
+
+use glam::{DVec2, DVec3};
+
+use super::{HEIGHT, Palette, SUNK, tools};
+use crate::procedural::Detail;
+use crate::procedural::builder::{Ends, MeshBuilder};
+use crate::procedural::furnish::border;
+use crate::procedural::math::{Frame, Random, TURN, cos, mix, sin};
+use crate::procedural::parts::{beam, hoop, outline};
+use crate::procedural::shapes::{ball, cuboid, revolve, ribbon, rod, slab, smooth_profile, tube};
+
+/// Middle of the hearth on the floor.
+const HEARTH: DVec3 = DVec3::new(-3.6, 0.0, -2.6);
+/// Middle of the anvil's stump on the floor.
+const ANVIL: DVec3 = DVec3::new(-1.7, 0.0, -1.3);
+
+pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    builder.object("hearth");
+    hearth(builder, palette, detail);
+    builder.object("hood");
+    hood(builder, palette, detail);
+    builder.object("bellows");
+    bellows(builder, palette, detail);
+    builder.object("anvil");
+    anvil(builder, palette, detail);
+    builder.object("trough");
+    trough(builder, palette, detail);
+    builder.object("grindstone");
+    grindstone(builder, palette, detail);
+    builder.frame = Frame::WORLD;
+}
+
+/// Brickwork, a rim around the fire, coals and irons in it.
+fn hearth(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    builder.frame = Frame::at(HEARTH);
+    let two = detail.along(2);
+    let mut random = Random(15);
+    cuboid(builder, palette.brick, DVec3::new(-1.0, -SUNK, -0.8), DVec3::new(1.0, 0.8, 0.8), [two, two, two]);
+    for course in 0..6 {
+        let y = 0.02 + 0.13 * f64::from(course);
+        for brick in 0..8 {
+            let x = -1.01 + 0.25 * f64::from(brick) + 0.06 * f64::from(course % 2);
+            let out = random.between(0.012, 0.03);
+            let min = DVec3::new(x, y, 0.7);
+            cuboid(builder, palette.brick, min, DVec3::new(x + 0.23, y + 0.115, 0.8 + out), [two, two, two]);
+        }
+    }
+    let (inner, outer) = (DVec2::new(0.55, 0.42), DVec2::new(0.82, 0.66));
+    border(builder, palette.stone, [detail.along(4), two, two], [inner, outer], [0.76, 0.95]);
+    for coal in 0..90 {
+        let (x, z) = (random.between(-0.5, 0.5), random.between(-0.37, 0.37));
+        let y = 0.82 + 0.12 * (1.0 - x * x * 4.0) * random.between(0.2, 1.0);
+        let material = if coal % 3 == 0 { palette.ember } else { palette.coal };
+        ball(builder, material, DVec3::new(x, y, z), random.between(0.03, 0.055), detail.around(8));
+    }
+    for bar in 0..4 {
+        let from = DVec3::new(-0.2 + 0.15 * f64::from(bar), 0.92, 0.1);
+        let to = from + DVec3::new(random.between(0.1, 0.5), random.between(0.06, 0.12), 0.95);
+        rod(builder, palette.iron, [detail.around(8), detail.along(8)], [from, to], 0.014);
+    }
+}
+
+/// A hollow pyramid of sheet and a chimney through the ceiling's boards.
+fn hood(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    builder.frame = Frame::at(HEARTH);
+    let side = detail.along(10);
+    let rings = [(1.02, 0.82, 1.9), (1.02, 0.82, 2.05), (0.4, 0.36, 3.0), (0.34, 0.3, HEIGHT + 0.05)];
+    // Down the inside, then up the outside.
+    let thick = 0.03;
+    let mut section: Vec<[f64; 3]> = rings.iter().rev().map(|&(x, z, y)| [x - thick, z - thick, y]).collect();
+    section.extend(rings.map(|(x, z, y)| [x, z, y]));
+    section[4][2] = rings[0].2 + 0.001;
+    let corners = [[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]].map(DVec2::from_array);
+    let flat = outline(&corners, &[side]);
+    builder.rings(palette.iron, flat.len(), section.len(), &Ends::Looped, |ring, at| {
+        let [x, z, y] = section[section.len() - 1 - at];
+        DVec3::new(flat[ring].x * x, y, flat[ring].y * z)
+    });
+    for (x, z) in [(-0.95, 0.75), (0.95, 0.75)] {
+        let ends = [DVec3::new(x, 0.75, z), DVec3::new(x, 2.0, z)];
+        rod(builder, palette.iron, [detail.around(10), detail.along(8)], ends, 0.025);
+    }
+}
+
+/// Two boards, a pleated leather between them, a nozzle into the fire, on a trestle.
+fn bellows(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    builder.frame = Frame::at(HEARTH + DVec3::new(1.75, 0.95, 0.15)).yaw(0.1);
+    let shape = [detail.around(32), detail.divide(5, 2)];
+    for (y, wide) in [(-0.2, 0.33), (0.22, 0.34)] {
+        slab(builder, palette.wood, shape, DVec3::new(0.1, y, 0.0), DVec3::new(0.55, 0.022, wide), 3.0);
+    }
+    let rows = detail.divide(24, 6);
+    let around = detail.around(36);
+    let ends = Ends::Closed(DVec3::new(0.1, -0.19, 0.0), DVec3::new(0.1, 0.21, 0.0));
+    builder.rings(palette.leather, rows + 1, around, &ends, |ring, at| {
+        let (up, angle) = (ring as f64 / rows as f64, TURN * at as f64 / around as f64);
+        let pleat = 0.86 + 0.07 * sin(TURN * 3.0 * up);
+        DVec3::new(0.1 + 0.52 * pleat * cos(angle), mix(-0.19, 0.21, up), -0.31 * pleat * sin(angle))
+    });
+    tube(
+        builder,
+        palette.copper,
+        [detail.around(14), detail.divide(10, 3)],
+        |t| DVec3::new(mix(-0.4, -1.15, t), -0.02 * t, 0.0),
+        |t| mix(0.07, 0.03, t),
+    );
+    for x in [-0.25, 0.45] {
+        for z in [-0.25, 0.25] {
+            let ends = [DVec3::new(x * 1.1, -0.95 - SUNK, z * 1.2), DVec3::new(x, -0.18, z)];
+            beam(builder, palette.dark_wood, [detail.along(2), detail.along(4)], ends, [0.035, 0.035], DVec3::X);
+        }
+    }
+    let handle = [DVec3::new(0.6, 0.23, 0.0), DVec3::new(1.15, 0.4, 0.0)];
+    rod(builder, palette.wood, [detail.around(10), detail.along(6)], handle, 0.025);
+}
+
+/// A stump with hoops, the anvil on it, and a hammer on the anvil.
+fn anvil(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    builder.frame = Frame::at(ANVIL).yaw(0.4);
+    let stump = smooth_profile(
+        &[[0.0, -SUNK], [0.33, -SUNK], [0.3, 0.12], [0.28, 0.4], [0.285, 0.56], [0.0, 0.565]],
+        detail.divide(16, 5),
+    );
+    revolve(builder, palette.dark_wood, detail.around(40), &stump);
+    let here = builder.frame;
+    for (y, radius) in [(0.14, 0.3), (0.45, 0.285)] {
+        let band = outline(
+            &[[radius - 0.02, y], [radius + 0.012, y], [radius + 0.012, y + 0.05], [radius - 0.02, y + 0.05]]
+                .map(DVec2::from_array),
+            &[1],
+        );
+        hoop(builder, palette.iron, detail.around(40), &band);
+    }
+    let two = detail.along(2);
+    let block = |builder: &mut MeshBuilder, [x, z]: [f64; 2], [y0, y1]: [f64; 2]| {
+        cuboid(builder, palette.steel, DVec3::new(-x, y0, -z), DVec3::new(x, y1, z), [two, two, two]);
+    };
+    block(builder, [0.2, 0.12], [0.55, 0.62]);
+    block(builder, [0.11, 0.06], [0.61, 0.74]);
+    block(builder, [0.24, 0.075], [0.73, 0.85]);
+    let horn = |t: f64| DVec3::new(mix(0.2, 0.52, t), 0.79 + 0.035 * t, 0.0);
+    ribbon(builder, palette.polished, [detail.around(20), detail.divide(20, 4)], Some(DVec3::Z), horn, |t| {
+        DVec2::new(0.065, 0.055) * libm::sqrt(1.0 - 0.98 * t)
+    });
+    builder.frame = here.shift(DVec3::new(-0.1, 0.868, -0.2)).pitch(-TURN / 4.0).yaw(0.2);
+    tools::hammer(builder, palette, detail, 0.36);
+}
+
+/// A stone trough with water in it and tongs over its rim.
+fn trough(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    let here = Frame::at(DVec3::new(-0.4, 0.0, -2.9)).yaw(0.06);
+    builder.frame = here;
+    let two = detail.along(2);
+    border(
+        builder,
+        palette.stone,
+        [detail.along(6), two, detail.along(4)],
+        [DVec2::new(0.55, 0.22), DVec2::new(0.68, 0.34)],
+        [-SUNK, 0.55],
+    );
+    cuboid(builder, palette.stone, DVec3::new(-0.6, -0.004, -0.28), DVec3::new(0.6, 0.1, 0.28), [two, two, two]);
+    cuboid(builder, palette.water, DVec3::new(-0.58, 0.09, -0.26), DVec3::new(0.58, 0.44, 0.26), [two, two, two]);
+    for tool in 0..4 {
+        builder.frame = here.shift(DVec3::new(-0.4 + 0.27 * f64::from(tool), 0.95, 0.3)).pitch(0.55);
+        tools::tongs(builder, palette, detail, 0.62);
+    }
+}
+
+/// A stone wheel with a crank between two trestles, over a box.
+fn grindstone(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    let here = Frame::at(DVec3::new(1.5, 0.0, 0.1)).yaw(0.7);
+    builder.frame = here.shift(DVec3::Y * 0.8).pitch(TURN / 4.0);
+    let profile = smooth_profile(
+        &[[0.0, -0.07], [0.36, -0.065], [0.4, -0.05], [0.405, 0.0], [0.4, 0.05], [0.36, 0.065], [0.0, 0.07]],
+        detail.divide(20, 7),
+    );
+    revolve(builder, palette.stone, detail.around(56), &profile);
+    builder.frame = here;
+    let axle = [DVec3::new(0.0, 0.8, -0.3), DVec3::new(0.0, 0.8, 0.36)];
+    rod(builder, palette.iron, [detail.around(12), detail.along(6)], axle, 0.02);
+    let crank = [DVec3::new(0.0, 0.8, 0.34), DVec3::new(0.16, 0.66, 0.345)];
+    rod(builder, palette.iron, [detail.around(10), detail.along(4)], crank, 0.016);
+    let grip = [DVec3::new(0.15, 0.665, 0.33), DVec3::new(0.15, 0.665, 0.5)];
+    rod(builder, palette.wood, [detail.around(12), detail.along(4)], grip, 0.02);
+    for z in [-0.18, 0.18] {
+        for x in [-0.35, 0.35] {
+            let ends = [DVec3::new(x, -SUNK, z), DVec3::new(0.1 * x, 0.84, z * 0.98)];
+            beam(builder, palette.wood, [detail.along(2), detail.along(6)], ends, [0.03, 0.03], DVec3::Z);
+        }
+    }
+    builder.frame = here.shift(DVec3::Y * 0.1);
+    tools::open_box(builder, palette.dark_wood, detail, DVec3::new(0.7, 0.3, 0.26));
+}

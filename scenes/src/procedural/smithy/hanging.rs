@@ -1,0 +1,118 @@
+//! What hangs: tools on racks along the walls, shields, chains with hooks, lanterns, strings of horseshoes.
+
+use glam::DVec3;
+
+use super::{HALF, Palette, tools};
+use crate::procedural::Detail;
+use crate::procedural::builder::MeshBuilder;
+use crate::procedural::math::{Frame, Random, TURN, cos, mix, sin};
+use crate::procedural::parts::{beam, chain};
+use crate::procedural::shapes::{rod, tube};
+
+pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    let [x, z] = HALF;
+    // Where the middle of a rack is, which way it faces, its height, its length.
+    let racks = [
+        (DVec3::new(-1.4, 2.1, z), TURN / 2.0, 3.0),
+        (DVec3::new(1.9, 2.05, z), TURN / 2.0, 2.4),
+        (DVec3::new(-1.3, 2.15, -z), 0.0, 2.0),
+        (DVec3::new(-x, 2.12, 1.2), TURN / 4.0, 3.0),
+        (DVec3::new(x, 2.18, 2.2), -TURN / 4.0, 2.6),
+        (DVec3::new(-x, 2.2, -1.6), TURN / 4.0, 1.6),
+    ];
+    for (number, (at, turn, long)) in racks.into_iter().enumerate() {
+        builder.object(format!("rack {number}"));
+        rack(builder, palette, detail, Frame::at(at).yaw(turn), long, number as u64);
+    }
+    let shields = [
+        (DVec3::new(x - 0.07, 2.55, 1.1), -TURN / 4.0, 0.36),
+        (DVec3::new(x - 0.07, 1.6, 3.3), -TURN / 4.0, 0.3),
+        (DVec3::new(0.3, 2.75, z - 0.07), TURN / 2.0, 0.34),
+        (DVec3::new(-x + 0.07, 2.75, 0.1), TURN / 4.0, 0.32),
+    ];
+    for (number, (at, turn, radius)) in shields.into_iter().enumerate() {
+        builder.object(format!("shield {number}"));
+        builder.frame = Frame::at(at).yaw(turn);
+        tools::shield(builder, palette, detail, radius);
+    }
+    chains(builder, palette, detail);
+    let lanterns = [(-2.2, -0.2), (0.0, 1.9), (2.2, -1.2), (4.4, 2.2), (-4.4, 2.6), (2.2, 2.6)];
+    for (number, (x, z)) in lanterns.into_iter().enumerate() {
+        builder.object(format!("lantern {number}"));
+        let low = DVec3::new(x, 2.62 - 0.04 * number as f64, z);
+        builder.frame = Frame::WORLD;
+        rod(builder, palette.rope, [detail.around(8), detail.along(8)], [low, low.with_y(3.34)], 0.007);
+        builder.frame = Frame::at(low);
+        tools::lantern(builder, palette, detail);
+    }
+    strings(builder, palette, detail);
+    builder.frame = Frame::WORLD;
+}
+
+/// A board on the wall with pegs, a tool on each; the frame's plane z = 0 is the wall.
+fn rack(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here: Frame, long: f64, seed: u64) {
+    let mut random = Random(800 + seed);
+    builder.frame = here;
+    let ends = [DVec3::new(-long / 2.0, 0.0, 0.028), DVec3::new(long / 2.0, 0.0, 0.028)];
+    beam(builder, palette.dark_wood, [detail.along(2), detail.along(8)], ends, [0.05, 0.018], DVec3::Y);
+    let pegs = libm::round(long / 0.17) as usize;
+    for peg in 0..pegs {
+        let x = long * ((peg as f64 + 0.5) / pegs as f64 - 0.5);
+        builder.frame = here;
+        let ends = [DVec3::new(x, 0.0, 0.03), DVec3::new(x, 0.02, 0.15)];
+        rod(builder, palette.wood, [detail.around(8), detail.along(4)], ends, 0.009);
+        builder.frame = here.shift(DVec3::new(x, 0.03, random.between(0.085, 0.12))).yaw(random.between(-0.3, 0.3));
+        match (peg as u64 + seed) % 5 {
+            0 | 3 => tools::tongs(builder, palette, detail, random.between(0.45, 0.6)),
+            1 => tools::hammer(builder, palette, detail, random.between(0.3, 0.42)),
+            2 => tools::horseshoe(builder, palette, detail),
+            _ => tools::sword(builder, palette, detail, random.between(0.6, 0.8)),
+        }
+    }
+}
+
+/// Chains from the beams: straight ones with hooks, and some that sag from beam to beam.
+fn chains(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    let mut random = Random(31);
+    let divisions = [detail.around(6), detail.around(10)];
+    for number in 0..14_u32 {
+        builder.object(format!("chain {number}"));
+        builder.frame = Frame::WORLD;
+        let x = -4.4 + 2.2 * f64::from(number % 5) + random.between(-0.04, 0.04);
+        let top = DVec3::new(x, 3.33, -2.8 + 0.42 * f64::from(number) + random.between(-0.05, 0.05));
+        let low = top.with_y(random.between(1.95, 2.6));
+        chain(builder, palette.iron, divisions, [top, low], 0.0, [0.095, 0.009]);
+        let bend = |t: f64| {
+            let angle = TURN * mix(0.25, -0.5, t);
+            low + DVec3::new(0.05 * cos(angle), -0.05 + 0.05 * sin(angle), 0.0)
+        };
+        tube(builder, palette.iron, [detail.around(8), detail.divide(18, 5)], bend, |t| 0.011 - 0.006 * t * t);
+    }
+    for (number, z) in [-1.9, 0.6, 2.9].into_iter().enumerate() {
+        for bay in 0..3 {
+            builder.object(format!("sagging chain {number}.{bay}"));
+            let x = -4.4 + 2.2 * f64::from(bay + (number as u32 % 2));
+            let ends = [DVec3::new(x, 3.34, z), DVec3::new(x + 2.2, 3.34, z + 0.15)];
+            chain(builder, palette.steel, divisions, ends, 0.5 + 0.1 * f64::from(bay), [0.12, 0.012]);
+        }
+    }
+}
+
+/// Ropes from the beams with horseshoes and buckets on them.
+fn strings(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    for (number, (x, z)) in
+        [(-2.2, 1.1), (0.0, -2.1), (0.0, 3.1), (2.2, 1.6), (4.4, -2.2), (-4.4, -0.4)].into_iter().enumerate()
+    {
+        builder.object(format!("string {number}"));
+        builder.frame = Frame::WORLD;
+        let top = DVec3::new(x, 3.34, z);
+        let path = |t: f64| top + DVec3::new(0.01 * sin(9.0 * t), -1.15 * t, 0.01 * cos(9.0 * t));
+        tube(builder, palette.rope, [detail.around(8), detail.divide(20, 4)], path, |_| 0.006);
+        for shoe in 0..6 {
+            builder.frame = Frame::at(path(0.2 + 0.15 * f64::from(shoe))).yaw(0.9 * f64::from(shoe));
+            tools::horseshoe(builder, palette, detail);
+        }
+        builder.frame = Frame::at(path(1.0) - DVec3::Y * 0.36).yaw(number as f64);
+        tools::bucket(builder, palette, detail, 0.85);
+    }
+}

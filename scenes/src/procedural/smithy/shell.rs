@@ -1,0 +1,112 @@
+//! Thick walls, a floor of flagstones, panelling, posts, beams and boards under the ceiling.
+
+use glam::DVec3;
+
+use super::{HALF, HEIGHT, Palette};
+use crate::procedural::Detail;
+use crate::procedural::builder::{MaterialId, MeshBuilder};
+use crate::procedural::math::{Frame, Random, TURN};
+use crate::procedural::parts::beam;
+use crate::procedural::shapes::{cuboid, plain_box, steps};
+
+pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    builder.object("walls");
+    inside(builder, palette.wall, detail);
+    let [x, z] = HALF.map(|half| half + 0.35);
+    let around = [detail.along(10), detail.along(6), detail.along(10)];
+    cuboid(builder, palette.stone, DVec3::new(-x, -0.4, -z), DVec3::new(x, HEIGHT + 0.35, z), around);
+    builder.object("flagstones");
+    flagstones(builder, palette);
+    builder.object("panelling");
+    panelling(builder, palette);
+    builder.object("beams");
+    beams(builder, palette, detail);
+}
+
+/// The room's six sides, seen from inside.
+fn inside(builder: &mut MeshBuilder, material: MaterialId, detail: Detail) {
+    let [x, z] = HALF;
+    let (xs, zs) = (steps(-x, x, detail.along(20)), steps(-z, z, detail.along(16)));
+    let ys = steps(0.0, HEIGHT, detail.along(8));
+    let solid = |_: usize, _: usize| false;
+    // du x dv points inwards.
+    builder.sheet(material, &ys, &zs, |v, u| DVec3::new(-x, v, u), solid);
+    builder.sheet(material, &zs, &ys, |u, v| DVec3::new(x, v, u), solid);
+    builder.sheet(material, &xs, &ys, |u, v| DVec3::new(u, v, -z), solid);
+    builder.sheet(material, &ys, &xs, |v, u| DVec3::new(u, v, z), solid);
+    builder.sheet(material, &zs, &xs, |v, u| DVec3::new(u, 0.0, v), solid);
+    builder.sheet(material, &xs, &zs, |u, v| DVec3::new(u, HEIGHT, v), solid);
+}
+
+/// Stones of different widths in rows, with joints between them and not all equally high.
+fn flagstones(builder: &mut MeshBuilder, palette: &Palette) {
+    let mut random = Random(5);
+    let [half_x, half_z] = HALF;
+    let rows = 10;
+    let deep = 2.0 * half_z / f64::from(rows);
+    for row in 0..rows {
+        let z = -half_z + deep * f64::from(row);
+        let mut x = -half_x;
+        while x < half_x - 0.3 {
+            let wide = random.between(0.7, 1.2);
+            let end = if x + wide > half_x - 0.5 { half_x } else { x + wide };
+            let top = random.between(0.008, 0.016);
+            let [low, high] = [DVec3::new(x + 0.008, -0.05, z + 0.008), DVec3::new(end - 0.008, top, z + deep - 0.008)];
+            plain_box(builder, palette.stone, low, high);
+            x = end;
+        }
+    }
+}
+
+/// Upright boards along the walls, with gaps, up to where the posts' braces begin.
+fn panelling(builder: &mut MeshBuilder, palette: &Palette) {
+    let mut random = Random(6);
+    for turn in 0..4 {
+        let (half, out) = if turn % 2 == 0 { (HALF[0], HALF[1]) } else { (HALF[1], HALF[0]) };
+        builder.frame = Frame::WORLD.yaw(TURN / 4.0 * f64::from(turn)).shift(DVec3::Z * out);
+        let boards = (half / 0.25) as usize;
+        let wide = 2.0 * half / boards as f64;
+        for board in 0..boards {
+            let x = -half + wide * board as f64;
+            let thick = random.between(0.015, 0.03);
+            let high = random.between(2.75, 2.85);
+            let material = if random.between(0.0, 1.0) < 0.5 { palette.board } else { palette.wood };
+            let (min, max) = (
+                DVec3::new(x + 0.006, -0.03 - 0.004 * f64::from(turn), -thick),
+                DVec3::new(x + wide - 0.006, high, thick),
+            );
+            plain_box(builder, material, min, max);
+        }
+    }
+    builder.frame = Frame::WORLD;
+}
+
+/// Posts with braces along the long walls, beams across, rafters along, boards above these.
+fn beams(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    let mut random = Random(7);
+    let divisions = [detail.along(2), detail.along(8)];
+    let [half_x, half_z] = HALF;
+    for at in 0..5 {
+        let x = -4.4 + 2.2 * f64::from(at);
+        let across = [DVec3::new(x, 3.45, -half_z - 0.06), DVec3::new(x, 3.45, half_z + 0.06)];
+        beam(builder, palette.dark_wood, divisions, across, [0.13, 0.1], DVec3::Y);
+        for face in [-1.0, 1.0] {
+            let z = face * (half_z - 0.08);
+            let post = [DVec3::new(x + 0.005, -0.02, z), DVec3::new(x + 0.005, 3.4, z)];
+            beam(builder, palette.dark_wood, divisions, post, [0.09, 0.1], DVec3::X);
+            let brace = [DVec3::new(x, 2.5, face * (half_z - 0.15)), DVec3::new(x, 3.38, face * (half_z - 1.0))];
+            beam(builder, palette.dark_wood, divisions, brace, [0.05, 0.07], DVec3::X);
+        }
+    }
+    for at in 0..7 {
+        let z = -3.6 + 1.2 * f64::from(at);
+        let along = [DVec3::new(-half_x - 0.08, 3.65, z), DVec3::new(half_x + 0.08, 3.65, z)];
+        beam(builder, palette.wood, divisions, along, [0.1, 0.06], DVec3::Y);
+    }
+    for at in 0..33 {
+        let x = -4.95 + 0.3 * f64::from(at);
+        let y = 3.765 + random.between(0.0, 0.01);
+        let min = DVec3::new(x + 0.008, y, -half_z - random.between(0.03, 0.09));
+        plain_box(builder, palette.board, min, DVec3::new(x + 0.292, y + 0.03, half_z + random.between(0.03, 0.09)));
+    }
+}

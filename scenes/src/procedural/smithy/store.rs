@@ -1,0 +1,254 @@
+//! What stands on the floor and lies on benches and shelves: barrels, crates, wheels, vessels within vessels.
+
+use glam::{DVec2, DVec3};
+
+use super::{HALF, Palette, SUNK, tools};
+use crate::procedural::Detail;
+use crate::procedural::builder::MeshBuilder;
+use crate::procedural::furnish::wheel;
+use crate::procedural::math::{Frame, Random, TURN, cos, sin};
+use crate::procedural::parts::{barrel, beam, ladder, plank_crate};
+use crate::procedural::shapes::{ball, cuboid, rod};
+
+pub(super) fn build(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    barrels(builder, palette, detail);
+    crates(builder, palette, detail);
+    wheels(builder, palette, detail);
+    for (number, (x, z, turn)) in
+        [(3.2, -HALF[1] + 0.42, 0.0), (0.9, -HALF[1] + 0.42, 0.0), (HALF[0] - 0.42, -0.6, -TURN / 4.0)]
+            .into_iter()
+            .enumerate()
+    {
+        builder.object(format!("shelf {number}"));
+        shelf(builder, palette, detail, Frame::at(DVec3::new(x, 0.0, z)).yaw(turn), number as u64);
+    }
+    for (number, (x, z, long)) in [(-1.4, HALF[1] - 0.55, 2.8), (1.9, HALF[1] - 0.52, 2.2)].into_iter().enumerate() {
+        builder.object(format!("bench {number}"));
+        bench(builder, palette, detail, Frame::at(DVec3::new(x, 0.0, z)), long, number as u64);
+    }
+    builder.object("table");
+    bench(builder, palette, detail, Frame::at(DVec3::new(0.5, 0.0, -0.75)).yaw(-0.25), 1.5, 7);
+    builder.object("ladder");
+    builder.frame = Frame::WORLD;
+    let ends = [DVec3::new(-2.6, -SUNK, 2.2), DVec3::new(-3.1, 3.4, 3.3)];
+    ladder(builder, palette.wood, detail, ends, DVec3::new(0.25, 0.0, 0.11), 11);
+}
+
+/// Closed ones with sacks on them, open ones full of rods, swords and handles.
+fn barrels(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    let mut random = Random(21);
+    let places = [
+        (-4.4, -0.7, true),
+        (-4.35, 0.2, true),
+        (-4.45, 1.1, false),
+        (-3.6, 0.6, true),
+        (-2.0, -3.5, true),
+        (-1.35, -3.45, false),
+        (4.5, 1.1, false),
+        (4.4, 3.4, true),
+        (2.6, 0.9, true),
+        (2.3, -1.7, true),
+        (-0.3, 2.4, true),
+    ];
+    for (number, (x, z, open)) in places.into_iter().enumerate() {
+        builder.object(format!("barrel {number}"));
+        let here = Frame::at(DVec3::new(x, -SUNK, z)).yaw(random.between(0.0, TURN));
+        builder.frame = here;
+        let size = [random.between(0.27, 0.32), random.between(0.75, 0.92)];
+        barrel(builder, [palette.wood, palette.iron], detail, size, open);
+        if open {
+            for stick in 0..9 {
+                let angle = TURN * (f64::from(stick) + random.between(-0.3, 0.3)) / 9.0;
+                let out = DVec3::new(cos(angle), 0.0, sin(angle));
+                let away = size[0] * random.between(0.2, 0.55);
+                let foot = out * (away * 0.7) + DVec3::Y * 0.06;
+                let high = size[1] + random.between(0.2, 0.65);
+                let top = out * (away * 1.25) + DVec3::Y * high;
+                if stick % 3 == 0 {
+                    builder.frame = here.span(top, foot, DVec3::X).pitch(TURN / 2.0);
+                    tools::sword(builder, palette, detail, high * 0.92);
+                    builder.frame = here;
+                } else {
+                    let material = if stick % 2 == 0 { palette.iron } else { palette.wood };
+                    rod(
+                        builder,
+                        material,
+                        [detail.around(8), detail.along(6)],
+                        [foot, top],
+                        random.between(0.008, 0.016),
+                    );
+                }
+            }
+        } else {
+            builder.frame = here.shift(DVec3::Y * (0.955 * size[1]));
+            tools::coil(builder, palette, detail, 0.2);
+        }
+    }
+}
+
+/// Crates, and open boxes with boxes, pots and balls in them.
+fn crates(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    let mut random = Random(22);
+    let places = [
+        (4.35, 2.3, 2),
+        (3.5, 3.3, 0),
+        (-4.3, 3.3, 2),
+        (-3.4, 3.45, 1),
+        (-4.35, 2.2, 1),
+        (3.4, -0.9, 1),
+        (3.3, 0.3, 1),
+        (1.2, 2.1, 1),
+    ];
+    for (number, (x, z, high)) in places.into_iter().enumerate() {
+        builder.object(format!("crates {number}"));
+        let mut y = -SUNK;
+        for level in 0..high {
+            let size = DVec3::new(0.72, 0.56, 0.68) * (1.0 - 0.08 * f64::from(level)) * random.between(0.9, 1.05);
+            builder.frame = Frame::at(DVec3::new(x, y, z)).yaw(random.between(-0.2, 0.2));
+            plank_crate(builder, [palette.board, palette.dark_wood], detail, size);
+            y += size.y - 0.005;
+        }
+        let here = Frame::at(DVec3::new(x, y, z)).yaw(random.between(-0.3, 0.3));
+        builder.frame = here;
+        tools::open_box(builder, palette.wood, detail, DVec3::new(0.52, 0.3, 0.46));
+        builder.frame = here.shift(DVec3::new(-0.08, 0.011, 0.0)).yaw(0.1);
+        tools::open_box(builder, palette.board, detail, DVec3::new(0.26, 0.22, 0.3));
+        builder.frame = here.shift(DVec3::new(-0.08, 0.021, 0.0));
+        tools::pot(builder, palette.clay, detail, DVec2::new(0.09, 0.24));
+        builder.frame = here;
+        for shot in 0..7 {
+            let at = DVec3::new(
+                0.15 + random.between(-0.05, 0.05),
+                0.05 + 0.045 * f64::from(shot),
+                random.between(-0.13, 0.13),
+            );
+            ball(builder, palette.iron, at, 0.042, detail.around(10));
+        }
+    }
+}
+
+/// Wagon wheels that lean against each other and the walls, one lying on a trestle of crates.
+fn wheels(builder: &mut MeshBuilder, palette: &Palette, detail: Detail) {
+    let places = [
+        (DVec3::new(4.75, 0.52, 0.0), TURN / 4.0, -1.35, 0.55),
+        (DVec3::new(4.55, 0.48, 0.05), TURN / 4.0, -1.3, 0.5),
+        (DVec3::new(-4.75, 0.55, -1.5), -TURN / 4.0, -1.4, 0.58),
+        (DVec3::new(2.9, 0.5, 3.55), 0.1, 1.35, 0.52),
+        (DVec3::new(-0.2, 0.42, 0.55), 0.5, 1.15, 0.46),
+        (DVec3::new(1.9, 0.45, 3.0), -0.3, 1.2, 0.5),
+    ];
+    for (number, (at, turn, lean, radius)) in places.into_iter().enumerate() {
+        builder.object(format!("wheel {number}"));
+        builder.frame = Frame::at(at).yaw(turn).pitch(lean);
+        wheel(builder, [palette.wood, palette.iron], detail, [radius, 0.035], 12);
+    }
+}
+
+/// Boards between posts with rows of pots within pots, boxes, buckets and coils.
+fn shelf(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here: Frame, seed: u64) {
+    let mut random = Random(300 + seed);
+    let two = detail.along(2);
+    let half = 1.05;
+    builder.frame = here;
+    for x in [-half, half] {
+        for z in [-0.275, 0.275] {
+            let ends = [DVec3::new(x, -SUNK, z), DVec3::new(x, 2.55, z)];
+            beam(builder, palette.dark_wood, [two, detail.along(6)], ends, [0.03, 0.03], DVec3::X);
+        }
+    }
+    for level in 0..5 {
+        let y = 0.14 + 0.55 * f64::from(level);
+        builder.frame = here;
+        let min = DVec3::new(-half - 0.02, y - 0.03, -0.285);
+        cuboid(builder, palette.board, min, DVec3::new(half + 0.02, y, 0.285), [detail.along(6), two, two]);
+        let mut x = -half + 0.05;
+        while x < half - 0.3 {
+            let kind = random.between(0.0, 1.0);
+            let radius = random.between(0.11, 0.15);
+            let place = here
+                .shift(DVec3::new(x + radius, y - 0.002, random.between(-0.08, 0.08)))
+                .yaw(random.between(0.0, TURN));
+            builder.frame = place;
+            if kind < 0.55 {
+                let high = random.between(0.26, 0.42);
+                let materials = [palette.clay, palette.glaze, palette.copper];
+                for nested in 0..3 {
+                    let share = 1.0 - 0.27 * f64::from(nested);
+                    builder.frame = place.shift(DVec3::Y * (0.06 * high * f64::from(nested)));
+                    let material = materials[(seed as usize + nested as usize + level as usize) % 3];
+                    tools::pot(builder, material, detail, DVec2::new(radius, high) * share);
+                }
+            } else if kind < 0.7 {
+                tools::bucket(builder, palette, detail, 0.75);
+            } else if kind < 0.85 {
+                tools::coil(builder, palette, detail, radius * 0.85);
+            } else {
+                builder.frame = place.shift(DVec3::ZERO).yaw(0.0);
+                tools::open_box(builder, palette.wood, detail, DVec3::new(radius * 1.3, 0.2, radius * 1.3));
+                for shot in 0..4 {
+                    let at = DVec3::new(0.0, 0.05 + 0.06 * f64::from(shot), 0.02 * f64::from(shot % 2));
+                    ball(builder, palette.polished, at, 0.038, detail.around(12));
+                }
+            }
+            x += 2.0 * radius + random.between(0.01, 0.05);
+        }
+    }
+}
+
+/// A bench with a lower board; hammers, tongs, boxes and pots lie on it, buckets and sacks below.
+fn bench(builder: &mut MeshBuilder, palette: &Palette, detail: Detail, here: Frame, long: f64, seed: u64) {
+    let mut random = Random(700 + seed);
+    let two = detail.along(2);
+    let half = long / 2.0;
+    builder.frame = here;
+    let board = |builder: &mut MeshBuilder, y: f64, thick: f64, deep: f64| {
+        let min = DVec3::new(-half, y - thick, -deep);
+        cuboid(builder, palette.wood, min, DVec3::new(half, y, deep), [detail.along(8), two, two]);
+    };
+    board(builder, 0.9, 0.06, 0.4);
+    board(builder, 0.26, 0.03, 0.375);
+    for x in [-half + 0.1, half - 0.1] {
+        for z in [-0.33, 0.33] {
+            let ends = [DVec3::new(x, -SUNK, z), DVec3::new(x, 0.87, z)];
+            beam(builder, palette.dark_wood, [two, detail.along(4)], ends, [0.045, 0.05], DVec3::X);
+        }
+    }
+    let count = libm::round(long / 0.32) as usize;
+    for thing in 0..count {
+        let x = -half + long * (thing as f64 + 0.5) / count as f64;
+        let place = here.shift(DVec3::new(x, 0.9, random.between(-0.1, 0.1)));
+        let turn = random.between(-0.5, 0.5);
+        match thing % 4 {
+            0 => {
+                builder.frame = place.shift(DVec3::new(0.0, 0.028, -0.2)).yaw(turn).pitch(-TURN / 4.0).yaw(TURN / 4.0);
+                tools::hammer(builder, palette, detail, 0.38);
+            }
+            1 => {
+                builder.frame = place.shift(DVec3::Y * -0.002);
+                tools::pot(builder, palette.copper, detail, DVec2::new(0.12, 0.22));
+                builder.frame = place.shift(DVec3::Y * 0.012);
+                tools::pot(builder, palette.glaze, detail, DVec2::new(0.08, 0.26));
+            }
+            2 => {
+                builder.frame = place.shift(DVec3::new(0.0, 0.012, -0.28)).yaw(turn).pitch(-TURN / 4.0);
+                tools::tongs(builder, palette, detail, 0.55);
+            }
+            _ => {
+                builder.frame = place.shift(DVec3::Y * -0.006).yaw(turn);
+                tools::open_box(builder, palette.board, detail, DVec3::new(0.24, 0.16, 0.3));
+                for shoe in 0..4 {
+                    builder.frame = place
+                        .shift(DVec3::new(-0.06 + 0.04 * f64::from(shoe), 0.18, 0.0))
+                        .yaw(TURN / 4.0 + 0.2 * f64::from(shoe));
+                    tools::horseshoe(builder, palette, detail);
+                }
+            }
+        }
+        builder.frame = here.shift(DVec3::new(x, 0.257, random.between(-0.06, 0.06))).yaw(random.between(0.0, TURN));
+        match thing % 3 {
+            0 => tools::bucket(builder, palette, detail, 0.8),
+            1 => tools::sack(builder, palette, detail, 0.55),
+            _ => tools::coil(builder, palette, detail, 0.13),
+        }
+    }
+}
