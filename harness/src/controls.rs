@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use tracebench_api::{
     Counter, Description, Geometry, Hit, HitBuffer, MemoryReport, NO_PRIMITIVE, Parameters, PhaseClock, Ray, Residency,
-    Status, Structure, TraceJob, Tracer, TracerError, Viewpoint,
+    Status, Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
 };
 
 use crate::results::{AnyJudgement, Classes, ClosestJudgement, Judgement};
@@ -144,6 +144,17 @@ impl Answering {
 }
 
 impl Structure for Answering {
+    fn update(
+        &mut self,
+        _update: Update,
+        _geometry: &Geometry,
+        _viewpoint: &Viewpoint,
+        _parameters: &Parameters,
+        _clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        Ok(())
+    }
+
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
         let known = self.known.iter().find(|(rays, _)| Arc::ptr_eq(rays, &job.rays.host));
         let (rays, answers) =

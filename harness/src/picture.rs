@@ -68,8 +68,10 @@ pub fn draw(
 ) -> Result<Vec<String>, PictureError> {
     // Said before the work is done, not after.
     files::check_writable(path)?;
-    let (source, request) = (&plan.scenes[0], &plan.tracers[0]);
-    let scene = runner::load_scene(source, plan.preset.scene_scale).map_err(RunError::from)?;
+    let request = &plan.tracers[0];
+    let Some(scene) = runner::load(plan, progress)?.into_iter().next() else {
+        return Err(RunError::Nothing("there is no scene".to_owned()).into());
+    };
     let mesh = scene.mesh.clone();
     let loaded = runner::prepare(plan, scene, device, &Cache::of_user(), progress)?;
     let session = &loaded.session;

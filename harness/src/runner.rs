@@ -123,7 +123,8 @@ pub fn load(plan: &Plan, progress: &Progress) -> Result<Vec<Scene>, RunError> {
         if let SceneSource::File(path) = source {
             progress.say(&format!("loading {}", path.display()));
         }
-        let scene = load_scene(source, plan.preset.scene_scale)?;
+        let mut scene = load_scene(source, plan.preset.scene_scale)?;
+        scene.set_time(plan.time_s)?;
         if let ViewRequest::Named(name) = &plan.view {
             named_pose(name, &scene.name, &scene.cameras)?;
         }

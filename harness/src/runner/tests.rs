@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use tracebench_api::{
     Counter, Description, Hit, MemoryReport, Parameters, PhaseClock, Preset, Ray, Status, Structure, TraceJob, Tracer,
-    Viewpoint,
+    Update, Viewpoint,
 };
 
 use super::*;
@@ -44,6 +44,17 @@ impl Tracer for Fake {
 }
 
 impl Structure for FakeStructure {
+    fn update(
+        &mut self,
+        _update: Update,
+        _geometry: &Geometry,
+        _viewpoint: &Viewpoint,
+        _parameters: &Parameters,
+        _clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        Ok(())
+    }
+
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
         let hits = hits.host_mut(job.rays.host.len())?;
         clock.host_phase("answer", || {

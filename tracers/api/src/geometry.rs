@@ -41,16 +41,33 @@ impl Geometry {
         if triangles.is_empty() || positions.is_empty() {
             return Err(TracerError::Failed("the scene has no triangles".to_owned()));
         }
-        let (mut bounds_min, mut bounds_max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        for position in &positions {
-            bounds_min = bounds_min.min(Vec3::from(*position));
-            bounds_max = bounds_max.max(Vec3::from(*position));
-        }
+        let (bounds_min, bounds_max) = bounds(&positions);
         let device = match gpu {
             None => Err(TracerError::Unavailable("the scene is not on a device".to_owned())),
             Some(gpu) => DeviceGeometry::upload(gpu, &positions, &triangles),
         };
         Ok(Self { positions: Arc::new(positions), triangles: Arc::new(triangles), bounds_min, bounds_max, device })
+    }
+
+    /// The same triangles with their vertices moved, on the device in the buffers that are there. The device buffers of
+    /// clones taken before are these, so such clones serve host tracers alone from now on.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] for another number of vertices.
+    pub fn moved_to(self, positions: Vec<[f32; 3]>, gpu: Option<&Gpu>) -> Result<Self, TracerError> {
+        if positions.len() != self.positions.len() {
+            return Err(TracerError::Failed(format!(
+                "a scene of {} vertices cannot move to {} positions",
+                self.positions.len(),
+                positions.len()
+            )));
+        }
+        if let (Ok(device), Some(gpu)) = (&self.device, gpu) {
+            gpu.queue.write_buffer(&device.positions, 0, bytemuck::cast_slice(&positions));
+            gpu.check()?;
+        }
+        let (bounds_min, bounds_max) = bounds(&positions);
+        Ok(Self { positions: Arc::new(positions), bounds_min, bounds_max, ..self })
     }
 
     /// The device copy.
@@ -83,6 +100,13 @@ impl Geometry {
     pub fn bytes(&self) -> u64 {
         size_of_val(self.positions.as_slice()) as u64 + size_of_val(self.triangles.as_slice()) as u64
     }
+}
+
+fn bounds(positions: &[[f32; 3]]) -> (Vec3, Vec3) {
+    let around = |(low, high): (Vec3, Vec3), position: &[f32; 3]| {
+        (low.min(Vec3::from(*position)), high.max(Vec3::from(*position)))
+    };
+    positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), around)
 }
 
 impl DeviceGeometry {

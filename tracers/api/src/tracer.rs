@@ -96,8 +96,51 @@ pub trait Tracer {
     ) -> Result<Box<dyn Structure>, TracerError>;
 }
 
+/// How a structure follows a scene that moved or an eye that did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Update {
+    /// Built anew, in the memory that it has where that serves: the hits are those of a fresh build.
+    Rebuild,
+    /// Its shape kept and fitted to moved vertices of the same triangles: the hits are right, if slower to find.
+    Refit,
+    /// Kept as it is. Where the change invalidates it ([`Description::invalidated_by`]) its hits are those of before:
+    /// stale.
+    Reuse,
+}
+
+impl Update {
+    /// Every way.
+    pub const ALL: [Update; 3] = [Self::Rebuild, Self::Refit, Self::Reuse];
+
+    /// The name used in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rebuild => "rebuild",
+            Self::Refit => "refit",
+            Self::Reuse => "reuse",
+        }
+    }
+}
+
 /// What a tracer built for one scene and one viewpoint.
 pub trait Structure {
+    /// Follows a change of geometry, viewpoint or both. The same scope as [`Tracer::build`]: from triangles resident to
+    /// traceable, complete only when the clock has been finished. `parameters` are those of the build. After an error the
+    /// structure is as it was.
+    ///
+    /// # Errors
+    /// [`TracerError::Unsupported`] for a refit where the method has none, [`TracerError::Failed`] for a refit to other
+    /// triangles, others as [`Tracer::build`].
+    fn update(
+        &mut self,
+        update: Update,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError>;
+
     /// Answers every ray of the job into `hits`; complete only when the clock has been finished.
     ///
     /// # Errors

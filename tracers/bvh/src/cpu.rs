@@ -14,10 +14,11 @@ use rayon::prelude::*;
 use tracebench_api::{
     Counter, Description, Domain, Geometry, Hit, HitBuffer, Invalidation, Ledger, MemoryReport, ParameterDescription,
     ParameterScope, Parameters, PhaseClock, Query, Ray, Residency, Status, Structure, TraceJob, Tracer, TracerError,
-    Value, Viewpoint,
+    Update, Value, Viewpoint,
 };
 
 use crate::hierarchy;
+use crate::refit::refit;
 
 const BUILDS: &[&str] = &["fastest", "very_fast", "fast", "medium", "slow", "very_slow"];
 
@@ -99,20 +100,40 @@ impl Tracer for BvhCpu {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Box<dyn Structure>, TracerError> {
+        Ok(Box::new(BvhCpuStructure::build(geometry, parameters, clock)?))
+    }
+}
+
+/// The scene's triangles, scaled.
+fn gather(geometry: &Geometry, scale: f32, clock: &mut PhaseClock<'_>) -> Vec<Triangle> {
+    let positions = Arc::clone(&geometry.positions);
+    clock.host_phase("gather triangles", || {
+        let corner = |vertex: u32| Vec3A::from(positions[vertex as usize]) * scale;
+        let gather = |&[a, b, c]: &[u32; 3]| Triangle { v0: corner(a), v1: corner(b), v2: corner(c) };
+        geometry.triangles.par_iter().map(gather).collect()
+    })
+}
+
+/// Triangles in the order of the leaves.
+fn order(bvh: &CwBvh, triangles: &[Triangle], clock: &mut PhaseClock<'_>) -> Vec<RtTriangle> {
+    clock.host_phase("order triangles", || {
+        bvh.primitive_indices.par_iter().map(|index| RtTriangle::from(&triangles[*index as usize])).collect()
+    })
+}
+
+impl BvhCpuStructure {
+    fn build(
+        geometry: &Geometry,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<BvhCpuStructure, TracerError> {
         let config = build_parameters(parameters.choice("build"));
         let scale = scale_for(geometry.diagonal());
-        let positions = Arc::clone(&geometry.positions);
-        let triangles: Vec<Triangle> = clock.host_phase("gather triangles", || {
-            let corner = |vertex: u32| Vec3A::from(positions[vertex as usize]) * scale;
-            let gather = |&[a, b, c]: &[u32; 3]| Triangle { v0: corner(a), v1: corner(b), v2: corner(c) };
-            geometry.triangles.par_iter().map(gather).collect()
-        });
+        let triangles = gather(geometry, scale, clock);
         let mut ledger = Ledger::new();
         ledger.borrow_transient(size_of_val(triangles.as_slice()) as u64);
         let bvh = hierarchy::build(&triangles, config, &mut ledger, clock);
-        let ordered: Vec<RtTriangle> = clock.host_phase("order triangles", || {
-            bvh.primitive_indices.par_iter().map(|index| RtTriangle::from(&triangles[*index as usize])).collect()
-        });
+        let ordered = order(&bvh, &triangles, clock);
 
         let mut keep = |name: &str, element: usize, capacity: usize, used: usize| {
             ledger.keep(name, (capacity * element) as u64, (used * element) as u64);
@@ -121,14 +142,32 @@ impl Tracer for BvhCpu {
         keep("primitive indices", 4, bvh.primitive_indices.capacity(), bvh.primitive_indices.len());
         keep("triangles in leaf order", size_of::<RtTriangle>(), ordered.capacity(), ordered.len());
         let depth = depth(&bvh)?;
-        Ok(Box::new(BvhCpuStructure {
+        Ok(BvhCpuStructure {
             scale,
             bvh,
             depth,
             triangles: ordered,
             triangle_count: triangles.len(),
             memory: ledger.report(0),
-        }))
+        })
+    }
+
+    /// Boxes and triangles follow the vertices. Triangles that the build split keep several boxes, each now of the whole
+    /// triangle.
+    fn refit(&mut self, geometry: &Geometry, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        if geometry.triangles.len() != self.triangle_count {
+            return Err(TracerError::Failed(format!(
+                "a hierarchy over {} triangles cannot be fitted to {}: rebuild it",
+                self.triangle_count,
+                geometry.triangles.len()
+            )));
+        }
+        let scale = scale_for(geometry.diagonal());
+        let triangles = gather(geometry, scale, clock);
+        clock.host_phase("refit boxes", || refit(&mut self.bvh, &triangles));
+        self.triangles = order(&self.bvh, &triangles, clock);
+        self.scale = scale;
+        Ok(())
     }
 }
 
@@ -242,13 +281,34 @@ fn depth(bvh: &CwBvh) -> Result<usize, TracerError> {
         }
         deepest = deepest.max(level);
         for child in 0..node.imask.count_ones() {
-            open.push(((node.child_base_idx + child) as usize, level + 1));
+            let below = (node.child_base_idx + child) as usize;
+            // Refitting relies on it.
+            if below <= index {
+                return Err(TracerError::Failed(format!("node {below} comes before its parent {index}")));
+            }
+            open.push((below, level + 1));
         }
     }
     Ok(deepest)
 }
 
 impl Structure for BvhCpuStructure {
+    fn update(
+        &mut self,
+        update: Update,
+        geometry: &Geometry,
+        _viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        match update {
+            Update::Rebuild => *self = Self::build(geometry, parameters, clock)?,
+            Update::Refit => self.refit(geometry, clock)?,
+            Update::Reuse => {}
+        }
+        Ok(())
+    }
+
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
         let any = job.rays.query == Query::Any;
         let hits = hits.host_mut(job.rays.host.len())?;

@@ -6,5 +6,6 @@
 
 mod cpu;
 mod hierarchy;
+mod refit;
 
 pub use cpu::{BvhCpu, description};

@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{BindingResource, BufferUsages, ComputePipeline};
 use tracebench_api::{
     Counter, EndPoint, Geometry, Gpu, HitBuffer, Ledger, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
-    Tracer, TracerError, View, Viewpoint,
+    Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_kit::{
     EyeDepthRaster, EyeDepthTarget, NO_SURFACE, ViewUniform, bind_group, compute_pipeline, dispatch_linear,
@@ -75,17 +75,28 @@ impl Tracer for ScreenDda {
         _parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Box<dyn Structure>, TracerError> {
-        let Pipelines { gpu, raster, .. } = &*self.pipelines;
-        let on_device = geometry.on_device()?;
         let view = viewpoint.frame_view();
-        let target = EyeDepthTarget::new(gpu, view.size)?;
-        let bindings = raster.bind(gpu, &view)?;
-        let triangle_count = geometry.triangles.len() as u32;
-        clock.device_phase("rasterize depth buffer", |encoder| {
-            raster.record(encoder, &bindings, on_device, triangle_count, &target);
-        })?;
+        let target = EyeDepthTarget::new(&self.pipelines.gpu, view.size)?;
+        self.pipelines.rasterize(geometry, &view, &target, clock)?;
         let pipelines = Arc::clone(&self.pipelines);
         Ok(Box::new(ScreenDdaStructure { pipelines, view, target, diagonal: geometry.diagonal() }))
+    }
+}
+
+impl Pipelines {
+    fn rasterize(
+        &self,
+        geometry: &Geometry,
+        view: &View,
+        target: &EyeDepthTarget,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        let on_device = geometry.on_device()?;
+        let bindings = self.raster.bind(&self.gpu, view)?;
+        let triangle_count = geometry.triangles.len() as u32;
+        clock.device_phase("rasterize depth buffer", |encoder| {
+            self.raster.record(encoder, &bindings, on_device, triangle_count, target);
+        })
     }
 }
 
@@ -136,6 +147,35 @@ impl ScreenDdaStructure {
 }
 
 impl Structure for ScreenDdaStructure {
+    fn update(
+        &mut self,
+        update: Update,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        _parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        match update {
+            Update::Rebuild => {
+                let view = viewpoint.frame_view();
+                // A frame of the same size is drawn into the textures that are there.
+                if view.size == self.view.size {
+                    self.pipelines.rasterize(geometry, &view, &self.target, clock)?;
+                } else {
+                    let target = EyeDepthTarget::new(&self.pipelines.gpu, view.size)?;
+                    self.pipelines.rasterize(geometry, &view, &target, clock)?;
+                    self.target = target;
+                }
+                (self.view, self.diagonal) = (view, geometry.diagonal());
+                Ok(())
+            }
+            Update::Refit => Err(TracerError::Unsupported(
+                "screen-dda has no shape to keep: its depth buffer is rebuilt or reused".to_owned(),
+            )),
+            Update::Reuse => Ok(()),
+        }
+    }
+
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
         // Any hit is the same walk: its first hit is its nearest.
         self.record(&self.pipelines.trace, &job, hits, &[], clock)

@@ -1,0 +1,205 @@
+//! Structures that follow moving scenes and eyes, against fresh builds over fresh scenes of the same frame.
+
+use std::sync::Arc;
+
+use tracebench_api::glam::Vec3;
+use tracebench_api::{
+    EndPoint, Geometry, Gpu, Hit, HitBuffer, Invalidation, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer,
+    Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
+};
+use tracebench_harness::registry::{Registration, TRACERS};
+use tracebench_scenes::{Scene, procedural};
+use tracebench_tests::{Numbers, gpu, ray, viewpoint};
+
+/// A tracer with its presets' parameters.
+struct Subject {
+    name: String,
+    tracer: Box<dyn Tracer>,
+    parameters: Parameters,
+    follows_geometry_only: bool,
+    registration: &'static Registration,
+    gpu: Arc<Gpu>,
+}
+
+fn subjects() -> Vec<Subject> {
+    let gpu = gpu();
+    let subject = |registration: &'static Registration, preset: Preset| {
+        let description = (registration.describe)();
+        Subject {
+            name: format!("{}:{}", description.name, preset.name()),
+            tracer: registration.create(&Ok(Arc::clone(&gpu))).unwrap(),
+            parameters: Parameters::preset(&description.parameters, preset),
+            follows_geometry_only: !description.invalidated_by.contains(&Invalidation::Viewpoint),
+            registration,
+            gpu: Arc::clone(&gpu),
+        }
+    };
+    TRACERS.iter().flat_map(|each| Preset::ALL.map(|preset| subject(each, preset))).collect()
+}
+
+impl Subject {
+    fn build(&self, geometry: &Geometry, viewpoint: &Viewpoint) -> Box<dyn Structure> {
+        let mut clock = PhaseClock::new(Some(&self.gpu));
+        let structure = self.tracer.build(geometry, viewpoint, &self.parameters, &mut clock).unwrap();
+        clock.finish().unwrap();
+        structure
+    }
+
+    fn update(
+        &self,
+        structure: &mut dyn Structure,
+        update: Update,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+    ) -> Result<(), TracerError> {
+        let mut clock = PhaseClock::new(Some(&self.gpu));
+        structure.update(update, geometry, viewpoint, &self.parameters, &mut clock)?;
+        // A reused structure has no work to time.
+        if update != Update::Reuse {
+            let timing = clock.finish()?;
+            assert!(timing.total_ms >= 0.0 && !timing.phases.is_empty(), "{}", self.name);
+        }
+        Ok(())
+    }
+
+    fn hits(&self, structure: &dyn Structure, rays: &[Ray]) -> Vec<Hit> {
+        let rays = RayBuffer::new(Arc::new(rays.to_vec()), Query::Closest, Some(&self.gpu));
+        let residency = (self.registration.describe)().residency;
+        let mut hits = HitBuffer::new(rays.host.len(), residency, Some(&self.gpu)).unwrap();
+        hits.poison(Some(&self.gpu)).unwrap();
+        let mut clock = PhaseClock::new(Some(&self.gpu));
+        let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters: &self.parameters };
+        structure.trace(job, &mut hits, &mut clock).unwrap();
+        clock.finish().unwrap();
+        hits.read(Some(&self.gpu)).unwrap()
+    }
+}
+
+fn bytes(hits: &[Hit]) -> &[u8] {
+    bytemuck::cast_slice(hits)
+}
+
+/// A scene imported afresh, as it stands at a time.
+fn at(name: &str, time_s: f64) -> Scene {
+    let mut scene = procedural(name, 0.02).unwrap();
+    scene.set_time(time_s).unwrap();
+    scene
+}
+
+fn geometry(scene: &Scene, gpu: &Gpu) -> Geometry {
+    Geometry::new(scene.mesh.positions.clone(), scene.mesh.triangles.clone(), Some(gpu)).unwrap()
+}
+
+fn views(scene: &Scene) -> [Viewpoint; 2] {
+    let diagonal = scene.diagonal() as f32;
+    let view = |index: usize| {
+        let camera = &scene.cameras[index];
+        viewpoint(camera.eye.into(), camera.target.into(), 1e-3 * diagonal, 4.0 * diagonal, [96, 64])
+    };
+    [view(0), view(1)]
+}
+
+/// Rays from both eyes and from all over the scene.
+fn rays(scene: &Scene, seed: u64) -> Vec<Ray> {
+    let mut numbers = Numbers::new(seed);
+    let (low, high) = (Vec3::from(scene.bounds_min).as_dvec3(), Vec3::from(scene.bounds_max).as_dvec3());
+    let mut place = || (low + high) / 2.0 + numbers.point() * (high - low) / 2.0;
+    let mut rays = Vec::new();
+    for index in 0..1500 {
+        let eye = Vec3::from(scene.cameras[index % 2].eye).as_dvec3();
+        let from = if index % 3 == 0 { place() } else { eye };
+        rays.push(ray(from, place() - from));
+    }
+    rays
+}
+
+/// One that deforms all over, one whose parts move rigidly, with a later time each.
+const MOVING: [(&str, f64); 2] = [("cloth", 0.9), ("hangar", 2.3)];
+
+/// Proves that vertices are moved on the device without a new import: a structure that is rebuilt or refitted over the
+/// moved geometry gives the hits of a fresh build over a fresh scene of that frame, bit for bit, and one that is reused
+/// gives those of before, which are others (the negative control). Back at the first frame all is as it was.
+#[test]
+fn structures_follow_moving_scenes() {
+    for subject in subjects() {
+        for (name, time_s) in MOVING {
+            let context = format!("{} over {name}", subject.name);
+            let (start, later) = (at(name, 0.0), at(name, time_s));
+            assert_eq!(start.mesh.triangles, later.mesh.triangles);
+            let (view, rays) = (views(&start)[0], rays(&later, 5));
+            let fresh = subject.build(&geometry(&later, &subject.gpu), &view);
+            let expected = subject.hits(&*fresh, &rays);
+            for update in Update::ALL {
+                let mut moving = geometry(&start, &subject.gpu);
+                let mut structure = subject.build(&moving, &view);
+                let before = subject.hits(&*structure, &rays);
+                let hit_count = before.iter().filter(|hit| hit.is_hit()).count();
+                assert!(hit_count > 100, "{context}: {hit_count} hits");
+                moving = moving.moved_to(later.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
+                match subject.update(&mut *structure, update, &moving, &view) {
+                    Ok(()) => {}
+                    Err(TracerError::Unsupported(reason)) => {
+                        assert!(update == Update::Refit && !reason.is_empty(), "{context}: {reason}");
+                        assert_eq!(bytes(&subject.hits(&*structure, &rays)), bytes(&before), "{context}");
+                        continue;
+                    }
+                    Err(error) => panic!("{context} {}: {error}", update.name()),
+                }
+                let found = subject.hits(&*structure, &rays);
+                if update == Update::Reuse {
+                    assert_eq!(bytes(&found), bytes(&before), "{context}");
+                    assert_ne!(bytes(&found), bytes(&expected), "{context}: nothing moves");
+                    continue;
+                }
+                let same = found.iter().zip(&expected).filter(|(a, b)| a == b).count();
+                assert_eq!(same, rays.len(), "{context} {}", update.name());
+                structure.validate().unwrap();
+                moving = moving.moved_to(start.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
+                subject.update(&mut *structure, update, &moving, &view).unwrap();
+                assert_eq!(bytes(&subject.hits(&*structure, &rays)), bytes(&before), "{context} {}", update.name());
+            }
+        }
+    }
+}
+
+/// Proves that a rebuild follows the eye, in another frame size too, and that what does not depend on the viewpoint gives
+/// the same hits when it is reused, while what depends on it gives those of the old view.
+#[test]
+fn structures_follow_the_eye() {
+    let scene = at("cloth", 0.0);
+    let rays = rays(&scene, 6);
+    for subject in subjects() {
+        let geometry = geometry(&scene, &subject.gpu);
+        let [first, second] = views(&scene);
+        for other in [second, Viewpoint { frame: [40, 56], ..second }] {
+            let expected = subject.hits(&*subject.build(&geometry, &other), &rays);
+            let mut structure = subject.build(&geometry, &first);
+            let before = subject.hits(&*structure, &rays);
+            assert_eq!(before == expected, subject.follows_geometry_only, "{}", subject.name);
+            subject.update(&mut *structure, Update::Reuse, &geometry, &other).unwrap();
+            assert_eq!(bytes(&subject.hits(&*structure, &rays)), bytes(&before), "{}", subject.name);
+            subject.update(&mut *structure, Update::Rebuild, &geometry, &other).unwrap();
+            assert_eq!(bytes(&subject.hits(&*structure, &rays)), bytes(&expected), "{}", subject.name);
+        }
+    }
+}
+
+/// Proves that a structure cannot be fitted to other triangles, nor a scene moved to another number of vertices, and that
+/// the structure answers as before then.
+#[test]
+fn other_triangles_are_refused() {
+    let (scene, other) = (at("cloth", 0.0), at("hangar", 0.0));
+    let rays = rays(&scene, 7);
+    for subject in subjects() {
+        let geometry = geometry(&scene, &subject.gpu);
+        let view = views(&scene)[0];
+        let mut structure = subject.build(&geometry, &view);
+        let before = subject.hits(&*structure, &rays);
+        let others = Geometry::new(other.mesh.positions.clone(), other.mesh.triangles.clone(), Some(&subject.gpu));
+        let error = subject.update(&mut *structure, Update::Refit, &others.unwrap(), &view).unwrap_err();
+        assert!(!error.to_string().is_empty());
+        assert_eq!(bytes(&subject.hits(&*structure, &rays)), bytes(&before), "{}", subject.name);
+        let error = geometry.moved_to(other.mesh.positions.clone(), Some(&subject.gpu)).unwrap_err();
+        assert!(error.to_string().contains("vertices"), "{error}");
+    }
+}
