@@ -17,7 +17,7 @@ const LARGEST_FACE: u32 = 8_192;
 
 #[derive(Args)]
 pub(super) struct RunArguments {
-    /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas.
+    /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. `all`: every listed one.
     #[arg(long, default_value = "room")]
     pub scene: String,
     /// Tracers: NAME or NAME:PRESET with commas, all, or all:improved. A plain name means the published preset.

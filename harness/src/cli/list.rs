@@ -116,6 +116,8 @@ fn scenes() -> Vec<Value> {
             "description": entry.description,
             "triangles_at_scale_1": entry.triangles_at_scale_1,
             "closed": entry.closed,
+            "watertight": entry.watertight,
+            "animation_s": entry.animation_s,
             "viewpoints": camera_names(entry.name),
         })
     };
@@ -126,7 +128,9 @@ fn scenes_text() -> String {
     let entry = |entry: &CatalogueEntry| {
         let CatalogueEntry { name, description, triangles_at_scale_1, .. } = entry;
         let viewpoints = camera_names(name).join(", ");
-        format!("{name:<10} {description} ({triangles_at_scale_1} triangles)\n{:10} viewpoints: {viewpoints}\n", "")
+        let moves = entry.animation_s.map_or_else(String::new, |seconds| format!(", moves for {seconds} s"));
+        let head = format!("{name:<10} {description} ({triangles_at_scale_1} triangles{moves})\n");
+        format!("{head}{:10} viewpoints: {viewpoints}\n", "")
     };
     let entries: String = tracebench_scenes::catalogue().iter().map(entry).collect();
     entries + "Any .gltf or .glb file is a scene too, by its path.\n"

@@ -30,9 +30,22 @@ fn parts<'a>(list: &'a str, option: &str) -> Result<Vec<&'a str>, CliError> {
     Ok(parts)
 }
 
-/// Scenes: catalogue names, or paths to .gltf and .glb files.
+/// Scenes: catalogue names, or paths to .gltf and .glb files; `all` is the whole catalogue.
 pub(super) fn scenes(list: &str) -> Result<Vec<SceneSource>, CliError> {
-    parts(list, "--scene")?.into_iter().map(scene).collect()
+    let mut found: Vec<SceneSource> = Vec::new();
+    for part in parts(list, "--scene")? {
+        let named = match part {
+            "all" => tracebench_scenes::catalogue().iter().map(|entry| entry.name).collect(),
+            name => vec![name],
+        };
+        for name in named {
+            let source = scene(name)?;
+            if !found.contains(&source) {
+                found.push(source);
+            }
+        }
+    }
+    Ok(found)
 }
 
 pub(super) fn scene(name: &str) -> Result<SceneSource, CliError> {
@@ -196,6 +209,8 @@ mod tests {
     #[test]
     fn lists_mean_what_they_say() {
         assert_eq!(scenes("room,a/b.glb").unwrap().len(), 2);
+        let whole = tracebench_scenes::catalogue().len();
+        assert_eq!((scenes("all").unwrap().len(), scenes("room,all,a.glb").unwrap().len()), (whole, whole + 1));
         let all = tracers("all:improved", &[]).unwrap();
         assert!(all.len() == TRACERS.len() && all.iter().all(|each| !each.required && each.preset == Preset::Improved));
         let set = tracers("bvh-cpu,bvh-cpu:improved", &["bvh-cpu.build=fastest".to_owned()]).unwrap();

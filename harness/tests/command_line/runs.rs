@@ -16,7 +16,7 @@ fn lists() {
     };
     for (kind, expected) in [
         ("tracers", vec!["bvh-cpu", "screen-dda"]),
-        ("scenes", vec!["room"]),
+        ("scenes", vec!["room", "solids", "cloth", "hangar", "candy", "atrium", "foliage", "smithy"]),
         (
             "rays",
             vec![
@@ -338,4 +338,20 @@ fn pictures() {
         }
     }
     assert_eq!(names(&bench.path("pictures")).len(), 6);
+}
+
+/// Proves that a time moves a scene that has an animation, later than its end no further, and leaves others alone.
+#[test]
+fn times_move_scenes() {
+    let bench = Bench::new();
+    let hash = |scene: &str, time: &str| {
+        let run = bench.run(&["--scene", scene, "--time", time, "--tracer", "bvh-cpu", "--rays", "primary"], "out");
+        let found = run["runs"][0]["scene"]["sha256"].as_str().unwrap().to_owned();
+        (found, run["runs"][0]["traces"][0]["judgement"]["agreement"]["tight"].as_f64().unwrap())
+    };
+    let (start, later, end) = (hash("cloth", "0"), hash("cloth", "1"), hash("cloth", "1000"));
+    assert!(start.0 != later.0 && later.0 != end.0 && start.0 != end.0);
+    assert!([&start, &later, &end].iter().all(|(_, agreement)| *agreement > 0.98));
+    assert_eq!(hash("room", "0").0, hash("room", "1").0);
+    assert_eq!(hash("cloth", "-5").0, start.0);
 }
