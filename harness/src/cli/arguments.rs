@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use tracebench_scenes::{SCALE_MAX, SCALE_MIN};
+
 use super::{CliError, names};
 use crate::picture::What;
 use crate::plan::{Plan, RUN_PRESETS, RunPreset, ViewRequest};
@@ -60,6 +62,9 @@ pub(super) struct CommonArguments {
     /// Animation time; scenes that do not move are the same at every time.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = seconds, allow_hyphen_values = true)]
     pub time: f64,
+    /// Factor on the triangles of procedural scenes, in place of the run preset's.
+    #[arg(long, value_name = "FACTOR", value_parser = scale)]
+    pub scale: Option<f64>,
     /// A parameter on top of the preset: tracer.parameter=value, as in `list tracers`, or rays.parameter=value, as in
     /// `list rays`. May be repeated.
     #[arg(long = "set", value_name = "T.P=V", allow_hyphen_values = true)]
@@ -88,6 +93,12 @@ pub(super) struct PictureArguments {
     /// PNG file to write.
     #[arg(long, value_name = "F.png")]
     pub out: PathBuf,
+}
+
+fn scale(text: &str) -> Result<f64, String> {
+    let known = SCALE_MIN..=SCALE_MAX;
+    let found = text.parse().ok().filter(|scale: &f64| known.contains(scale));
+    found.ok_or_else(|| format!("a number from {SCALE_MIN} to {SCALE_MAX}"))
 }
 
 fn frame(text: &str) -> Result<[u32; 2], String> {
@@ -139,6 +150,7 @@ impl RunArguments {
             frame: self.frame.unwrap_or(preset.frame),
             face: self.face.unwrap_or(preset.face),
             samples: self.samples.map_or(preset.samples, |samples| samples as usize),
+            scene_scale: self.common.scale.unwrap_or(preset.scene_scale),
             ..preset
         };
         let ray_parameters = names::ray_values(&self.common.settings)?;

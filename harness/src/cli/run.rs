@@ -142,7 +142,13 @@ pub(super) fn picture(arguments: &PictureArguments, progress: &Progress) -> Resu
         tracers: vec![TracerRequest { required: true, ..tracer.clone() }],
         ray_sets: RAY_SETS.iter().filter(|set| set.name == "primary").copied().collect(),
         ray_parameters: names::ray_values(&arguments.common.settings)?,
-        preset: RunPreset { ray_image: arguments.size, frame: arguments.size, samples: 1, ..quick },
+        preset: RunPreset {
+            ray_image: arguments.size,
+            frame: arguments.size,
+            samples: 1,
+            scene_scale: arguments.common.scale.unwrap_or(quick.scene_scale),
+            ..quick
+        },
         view: arguments.common.view()?,
         time_s: arguments.common.time,
         seed: 1,

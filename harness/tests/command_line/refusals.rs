@@ -29,6 +29,8 @@ fn wrong_arguments() {
         (vec!["--frame", "100000x1"], vec!["--frame", "16384"]),
         (vec!["--face", "0"], vec!["--face"]),
         (vec!["--face", "1000000"], vec!["--face"]),
+        (vec!["--scale", "0"], vec!["--scale", "0.001 to 64"]),
+        (vec!["--scale", "NaN"], vec!["--scale"]),
         (vec!["--samples", "0"], vec!["--samples"]),
         (vec!["--samples", "-1"], vec![]),
         (vec!["--seed", "x"], vec!["--seed"]),

@@ -354,4 +354,10 @@ fn times_move_scenes() {
     assert!([&start, &later, &end].iter().all(|(_, agreement)| *agreement > 0.98));
     assert_eq!(hash("room", "0").0, hash("room", "1").0);
     assert_eq!(hash("cloth", "-5").0, start.0);
+    let triangles = |scale: &str| {
+        let run = bench.run(&["--scale", scale, "--tracer", "bvh-cpu", "--rays", "primary"], "out");
+        assert_eq!(run["runs"][0]["scene"]["scale"].as_f64().unwrap().to_string(), scale);
+        run["runs"][0]["scene"]["triangles"].as_u64().unwrap()
+    };
+    assert!(triangles("0.2") < triangles("0.5"));
 }
