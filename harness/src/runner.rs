@@ -350,7 +350,10 @@ fn sample_traces(
         }
     }
     bar.finish_and_clear();
+    // Finding the causes of many wrong rays takes as long as telling the truth of as many.
+    let bar = progress.bar(&format!("judge {}", rays.set.name), entries.len() as u64);
     for (entry, sampled) in entries.iter_mut().zip(sampled) {
+        bar.inc(1);
         let Some(Sampled { hits, timings }) = sampled else { continue };
         let answered = entry.attempt(|entry| {
             let hits = hits.read(session.gpu())?;
