@@ -1,5 +1,6 @@
 //! The harness of tracebench: rays, ground truth, judge, controls, runner, results, reports.
 
+pub mod cases;
 pub mod cli;
 pub mod controls;
 pub mod hash;
@@ -15,6 +16,7 @@ pub mod report;
 pub mod results;
 pub mod runner;
 pub mod session;
+pub mod stability;
 pub mod statistics;
 pub mod truth;
 pub mod viewpoint;

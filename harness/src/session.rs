@@ -184,6 +184,25 @@ impl Session {
         Ok(session)
     }
 
+    /// Takes rays that were made elsewhere, uploads them and tells their truth.
+    ///
+    /// # Errors
+    /// [`SessionError`] if the truth fails its audit.
+    pub fn of_rays(
+        truth: Truth,
+        viewpoint: Viewpoint,
+        set: RaySet,
+        rays: Vec<Ray>,
+        gpu: Option<Arc<Gpu>>,
+    ) -> Result<Self, SessionError> {
+        let rays = Arc::new(rays);
+        let answers = Arc::new(truth.answer(&rays, set.query, &Cache::none(), &Progress::new(true))?);
+        let sha256 = crate::hash::sha256_of(&rays);
+        let buffer = RayBuffer::new(rays, set.query, gpu.as_deref());
+        let rays = vec![PreparedRays { set, buffer, answers, sha256 }];
+        Ok(Self { gpu, truth, viewpoint, rays, skipped: Vec::new() })
+    }
+
     /// The scene's triangles.
     pub fn geometry(&self) -> &Geometry {
         self.truth.geometry()

@@ -7,6 +7,7 @@ use tracebench_scenes::CatalogueEntry;
 
 use super::CliError;
 use super::output::print;
+use crate::cases::{CASES, Case};
 use crate::progress::Progress;
 use crate::rays::{RAY_SETS, RaySet, ray_parameters};
 use crate::registry::TRACERS;
@@ -33,6 +34,7 @@ enum Kind {
     Tracers,
     Scenes,
     Rays,
+    Cases,
 }
 
 fn print_json(value: &Value) -> Result<(), CliError> {
@@ -62,6 +64,7 @@ pub(super) fn list(arguments: &ListArguments) -> Result<(), CliError> {
         Kind::Tracers => tracers(),
         Kind::Scenes => scenes(),
         Kind::Rays => rays(),
+        Kind::Cases => cases(),
     };
     if arguments.json {
         return print_json(&Value::Array(items));
@@ -70,6 +73,7 @@ pub(super) fn list(arguments: &ListArguments) -> Result<(), CliError> {
         Kind::Tracers => TRACERS.iter().map(|registration| tracer_text(&(registration.describe)())).collect(),
         Kind::Scenes => scenes_text(),
         Kind::Rays => rays_text(),
+        Kind::Cases => CASES.iter().map(case_text).collect(),
     })
 }
 
@@ -163,4 +167,17 @@ fn rays() -> Vec<Value> {
         json!({ "name": set.name, "query": set.query, "summary": set.summary, "parameters": parameters })
     };
     RAY_SETS.iter().map(item).collect()
+}
+
+fn cases() -> Vec<Value> {
+    let item = |case: &Case| {
+        let knob = json!({ "name": case.knob.name, "unit": case.knob.unit, "values": case.knob.values });
+        json!({ "name": case.name, "summary": case.summary, "knob": knob })
+    };
+    CASES.iter().map(item).collect()
+}
+
+fn case_text(case: &Case) -> String {
+    let values: Vec<String> = case.knob.values.iter().map(f64::to_string).collect();
+    format!("{:<20} {}\n{:20} {}: {}\n", case.name, case.summary, "", case.knob.label(), values.join(", "))
 }

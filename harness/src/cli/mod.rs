@@ -1,4 +1,4 @@
-//! The command line: `tracebench adapters | list | run | report | picture`.
+//! The command line: `tracebench adapters | list | run | report | picture | stability`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
 
@@ -7,6 +7,7 @@ mod list;
 mod names;
 mod output;
 mod run;
+mod stability;
 
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -43,6 +44,8 @@ enum Verb {
     Report(run::ReportArguments),
     /// Draw what a tracer sees, or gets wrong, as a PNG.
     Picture(arguments::PictureArguments),
+    /// Run minimal scenes of one difficulty each and compare what tracers get wrong with what is expected of them.
+    Stability(stability::StabilityArguments),
 }
 
 /// What ends the program early.
@@ -97,6 +100,7 @@ pub fn main() -> ExitCode {
         Verb::Run(arguments) => run::run(arguments, &progress),
         Verb::Report(arguments) => run::report(arguments, &progress),
         Verb::Picture(arguments) => run::picture(arguments, &progress),
+        Verb::Stability(arguments) => stability::stability(arguments, &progress),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

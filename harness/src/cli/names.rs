@@ -5,6 +5,7 @@ use std::path::Path;
 use tracebench_api::{ParameterDescription, ParameterError, Parameters, Preset};
 
 use super::CliError;
+use crate::cases::{self, CASES, Case};
 use crate::plan::{SceneSource, TracerRequest};
 use crate::rays::{self, RAY_SETS, RaySet};
 use crate::registry::{self, TRACERS};
@@ -72,6 +73,16 @@ pub(super) fn ray_sets(list: &str) -> Result<Vec<RaySet>, CliError> {
     parts(list, "--rays")?.into_iter().map(|name| find(name).ok_or_else(|| unknown("ray set", name, &known))).collect()
 }
 
+/// Cases: names, or all.
+pub(super) fn cases(list: &str) -> Result<Vec<&'static Case>, CliError> {
+    if list == "all" {
+        return Ok(CASES.iter().collect());
+    }
+    let known: Vec<&str> = CASES.iter().map(|case| case.name).collect();
+    let find = |name| cases::find(name).ok_or_else(|| unknown("case", name, &known));
+    parts(list, "--case")?.into_iter().map(find).collect()
+}
+
 fn preset(name: &str) -> Result<Preset, CliError> {
     let known: Vec<&str> = Preset::ALL.iter().map(|preset| preset.name()).collect();
     Preset::ALL.into_iter().find(|preset| preset.name() == name).ok_or_else(|| unknown("preset", name, &known))
@@ -125,6 +136,14 @@ pub(super) fn ray_values(settings: &[String]) -> Result<Parameters, CliError> {
         }
     }
     Ok(parameters)
+}
+
+/// Refuses what `--set` says about ray sets where there are none.
+pub(super) fn tracers_only(settings: &[String]) -> Result<(), CliError> {
+    match settings.iter().find(|setting| setting.starts_with("rays.")) {
+        None => Ok(()),
+        Some(setting) => Err(CliError::Argument(format!("--set {setting}: cases bring their own rays"))),
+    }
 }
 
 /// The name under which parameters of ray sets are set.

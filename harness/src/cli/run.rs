@@ -21,7 +21,7 @@ pub(super) struct ReportArguments {
     path: PathBuf,
 }
 
-fn needs_device(requests: &[TracerRequest]) -> bool {
+pub(super) fn needs_device(requests: &[TracerRequest]) -> bool {
     requests.iter().any(|request| request.registration.needs_device())
 }
 
@@ -49,14 +49,14 @@ pub(super) fn run(arguments: &RunArguments, progress: &Progress) -> Result<(), C
 }
 
 /// The folder for results, made before the work is done: one that cannot be written is refused then.
-struct OutputFolder {
-    path: PathBuf,
+pub(super) struct OutputFolder {
+    pub(super) path: PathBuf,
     /// What was made for it, the outermost last; removed again, while empty, when the run fails.
     made: Vec<PathBuf>,
 }
 
 impl OutputFolder {
-    fn open(path: &Path) -> Result<Self, CliError> {
+    pub(super) fn open(path: &Path) -> Result<Self, CliError> {
         let fail = |reason: std::io::Error| {
             CliError::Other(format!(
                 "cannot write to the output folder {}: {reason}; choose another with --out",
@@ -72,7 +72,7 @@ impl OutputFolder {
     }
 
     /// A new folder, named after the time; two runs that begin in the same second get one each.
-    fn fresh() -> Result<Self, CliError> {
+    pub(super) fn fresh() -> Result<Self, CliError> {
         let parent = Self::open(Path::new("tracebench-out"))?;
         let stamp = crate::machine::utc_now().replace(':', "");
         for attempt in 1..1000 {
@@ -88,7 +88,7 @@ impl OutputFolder {
     }
 
     /// A run that failed leaves nothing; a folder that is not empty stays, whatever happens here.
-    fn abandon(&self) {
+    pub(super) fn abandon(&self) {
         for path in &self.made {
             if std::fs::remove_dir(path).is_err() {
                 break;

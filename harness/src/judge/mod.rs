@@ -93,6 +93,17 @@ pub enum Rule {
     Footprint,
 }
 
+impl Rule {
+    /// The name in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::HitMiss => "hit_miss",
+            Self::Tight => "tight",
+            Self::Footprint => "footprint",
+        }
+    }
+}
+
 /// Answers that no judge can take.
 #[derive(Debug, thiserror::Error)]
 pub enum JudgeError {

@@ -3,7 +3,7 @@
 mod eye;
 mod order;
 mod parameters;
-mod sampling;
+pub(crate) mod sampling;
 mod surface;
 #[cfg(test)]
 mod tests;
@@ -51,6 +51,7 @@ enum Kind {
     Temporal,
     Lens,
     LightField,
+    Given,
 }
 
 /// A ray set as data.
@@ -70,6 +71,13 @@ pub struct RaySet {
 const fn set(name: &'static str, kind: Kind, parameters: &'static [&'static str], summary: &'static str) -> RaySet {
     let query = if matches!(kind, Kind::AmbientOcclusion | Kind::Visibility) { Query::Any } else { Query::Closest };
     RaySet { name, query, summary, parameters, kind }
+}
+
+impl RaySet {
+    /// Rays that were not made here.
+    pub const fn given(name: &'static str, query: Query) -> Self {
+        Self { name, query, summary: "given", parameters: &[], kind: Kind::Given }
+    }
 }
 
 /// Every ray set.
@@ -237,6 +245,8 @@ pub fn make(
         Kind::Temporal => eye::temporal(scene),
         Kind::Lens => eye::lens(scene, primary),
         Kind::LightField => eye::light_field(scene),
+        // Their owner has them.
+        Kind::Given => Vec::new(),
     };
     if made.is_empty() {
         return Err(RayError::Empty(why_empty(set.kind, primary)));

@@ -6,12 +6,12 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
 /// Numbers for one ray.
-pub(super) struct Stream(Pcg64Mcg);
+pub(crate) struct Stream(Pcg64Mcg);
 
 impl Stream {
     /// A generator of its own for each ray, so that rays do not depend on the number of cores or on other rays. `tag`
     /// tells the sets apart, below 2^16; `index` is below 2^48.
-    pub(super) fn new(seed: u64, tag: u64, index: u64) -> Self {
+    pub(crate) fn new(seed: u64, tag: u64, index: u64) -> Self {
         let mut state = [0; 16];
         state[..8].copy_from_slice(&seed.to_le_bytes());
         state[8..].copy_from_slice(&((tag << 48) ^ index).to_le_bytes());
@@ -24,7 +24,7 @@ impl Stream {
     }
 
     /// In [0, 1).
-    pub(super) fn unit(&mut self) -> f64 {
+    pub(crate) fn unit(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
@@ -34,7 +34,7 @@ impl Stream {
     }
 
     /// A point of the unit disk, evenly spread, with its squared radius. Rejection needs no sine.
-    pub(super) fn disk(&mut self) -> (f64, f64, f64) {
+    pub(crate) fn disk(&mut self) -> (f64, f64, f64) {
         loop {
             let (x, y) = (self.signed(), self.signed());
             let radius2 = x * x + y * y;
@@ -46,14 +46,14 @@ impl Stream {
 
     /// A unit vector with density cos(angle to `normal`) / pi: a point of the unit disk, lifted to the hemisphere
     /// (Malley's method).
-    pub(super) fn cosine(&mut self, normal: DVec3) -> DVec3 {
+    pub(crate) fn cosine(&mut self, normal: DVec3) -> DVec3 {
         let (x, y, radius2) = self.disk();
         let (across, along) = normal.any_orthonormal_pair();
         (across * x + along * y + normal * (1.0 - radius2).sqrt()).normalize()
     }
 
     /// A unit vector, evenly spread over the sphere.
-    pub(super) fn sphere(&mut self) -> DVec3 {
+    pub(crate) fn sphere(&mut self) -> DVec3 {
         loop {
             let point = DVec3::new(self.signed(), self.signed(), self.signed());
             let length2 = point.length_squared();
@@ -64,14 +64,14 @@ impl Stream {
     }
 
     /// A unit vector, evenly spread over the hemisphere about `normal`.
-    pub(super) fn hemisphere(&mut self, normal: DVec3) -> DVec3 {
+    pub(crate) fn hemisphere(&mut self, normal: DVec3) -> DVec3 {
         let direction = self.sphere();
         if direction.dot(normal) < 0.0 { -direction } else { direction }
     }
 
     /// A microfacet's normal about `normal` with the GGX distribution of width `alpha` (Walter, Marschner, Li, Torrance,
     /// *Microfacet Models for Refraction through Rough Surfaces*, EGSR 2007, eq. 35).
-    pub(super) fn ggx(&mut self, normal: DVec3, alpha: f64) -> DVec3 {
+    pub(crate) fn ggx(&mut self, normal: DVec3, alpha: f64) -> DVec3 {
         let share = self.unit();
         let cosine2 = (1.0 - share) / (1.0 + (alpha * alpha - 1.0) * share);
         let (x, y, radius2) = loop {
@@ -87,13 +87,13 @@ impl Stream {
 }
 
 /// A direction mirrored at a plane.
-pub(super) fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
+pub(crate) fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
     (direction - normal * (2.0 * direction.dot(normal))).normalize()
 }
 
 /// A direction bent by Snell's law where it enters matter `index` times as dense; `normal` is on the side that it
 /// comes from. `None` where it is reflected instead, which happens on the way out only.
-pub(super) fn refract(direction: DVec3, normal: DVec3, index: f64) -> Option<DVec3> {
+pub(crate) fn refract(direction: DVec3, normal: DVec3, index: f64) -> Option<DVec3> {
     let ratio = 1.0 / index;
     let cosine = -direction.dot(normal);
     let inner2 = 1.0 - ratio * ratio * (1.0 - cosine * cosine);

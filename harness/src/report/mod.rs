@@ -12,6 +12,7 @@ mod format;
 mod group;
 mod markdown;
 mod metrics;
+mod stability;
 mod summary;
 mod tables;
 #[cfg(test)]
@@ -23,6 +24,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 pub use error::ReportError;
+pub use stability::{STABILITY_TABLE, matrix as stability_matrix, write as write_stability};
 
 use crate::results::{Run, SCHEMA};
 

@@ -2,6 +2,7 @@
 
 mod refusals;
 mod runs;
+mod stability;
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;

@@ -5,6 +5,7 @@ mod canvas;
 mod frame;
 mod palette;
 mod speed;
+mod strength;
 #[cfg(test)]
 mod tests;
 mod tolerance;
@@ -16,6 +17,7 @@ use super::format;
 use super::group::{Group, RaySet};
 use super::verdict::{self, Verdict};
 use crate::results::{Run, TracerRun};
+use crate::stability::Stability;
 use canvas::{DrawError, Figure};
 
 /// The most characters of a scene's name in a title.
@@ -49,6 +51,13 @@ pub(super) fn charts(run: &Run, groups: &[Group<'_>]) -> Result<Vec<ChartFile>, 
             draw(&format!("{}{}", STEMS[1], group.stem), &figure, &mut files)?;
         }
     }
+    Ok(files)
+}
+
+/// The chart of a run of cases.
+pub(super) fn strength_charts(stability: &Stability) -> Result<Vec<ChartFile>, ReportError> {
+    let mut files = Vec::new();
+    draw("error_vs_strength", &strength::StrengthFigure::new(stability), &mut files)?;
     Ok(files)
 }
 

@@ -106,8 +106,13 @@ pub(super) struct Styles {
 impl Styles {
     /// By the order in which labels first appear.
     pub(super) fn of(run: &Run) -> Self {
+        Self::of_labels(run.runs.iter().map(|one| one.tracer.label()))
+    }
+
+    /// By the order of the labels themselves.
+    pub(super) fn of_labels(all: impl Iterator<Item = String>) -> Self {
         let mut labels: Vec<String> = Vec::new();
-        for label in run.runs.iter().map(|one| one.tracer.label()) {
+        for label in all {
             if !labels.contains(&label) {
                 labels.push(label);
             }

@@ -1,0 +1,120 @@
+//! What is expected of a tracer on a case, and whether it came.
+
+use super::{bvh_cpu, screen_dda};
+pub use crate::judge::Rule;
+
+/// What is expected of a tracer with its published preset on a case. Shares are of the rays that are no tie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Expectation {
+    /// No wrong ray under `tight`, at every strength.
+    Exact,
+    /// Few wrong rays at every strength.
+    Bounded {
+        /// The rule by which they are wrong.
+        rule: Rule,
+        /// Most of them, share.
+        most_wrong: f64,
+        /// Why so many may be.
+        reason: &'static str,
+    },
+    /// The method cannot do it, and is expected not to.
+    KnownFailure {
+        /// The rule by which rays are wrong.
+        rule: Rule,
+        /// The value of the knob from which on it fails: more than `below` are wrong.
+        from: f64,
+        /// Most wrong rays at weaker values, share.
+        below: f64,
+        /// Least wrong rays at the hardest value, share.
+        least_wrong: f64,
+        /// Why the method fails.
+        reason: &'static str,
+        /// Which paper says so, with section, or where it follows from.
+        source: &'static str,
+    },
+}
+
+/// What is expected of one tracer, by case.
+pub type Column = &'static [(&'static str, Expectation)];
+
+/// Every tracer of which something is expected.
+pub const COLUMNS: &[(&str, Column)] = &[("bvh-cpu", bvh_cpu::EXPECTATIONS), ("screen-dda", screen_dda::EXPECTATIONS)];
+
+/// What is expected of a tracer; nothing if it has no column.
+pub fn column(tracer: &str) -> Column {
+    COLUMNS.iter().find(|(name, _)| *name == tracer).map_or(&[], |(_, column)| column)
+}
+
+/// Shares of wrong rays under the three rules; of any-hit rays the same three times.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Wrong {
+    /// Hit or miss is wrong.
+    pub hit_miss: f64,
+    /// Under `tight`.
+    pub tight: f64,
+    /// Under `footprint`.
+    pub footprint: f64,
+}
+
+impl Wrong {
+    /// The share under a rule.
+    pub fn under(&self, rule: Rule) -> f64 {
+        match rule {
+            Rule::HitMiss => self.hit_miss,
+            Rule::Tight => self.tight,
+            Rule::Footprint => self.footprint,
+        }
+    }
+}
+
+/// A surprise at one strength.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Surprise {
+    /// More rays are wrong than may be.
+    Failure {
+        /// Share of wrong rays.
+        wrong: f64,
+        /// The rule.
+        rule: Rule,
+        /// Most that were allowed, share.
+        allowed: f64,
+    },
+    /// Fewer rays are wrong than a known failure must have.
+    Success {
+        /// Share of wrong rays.
+        wrong: f64,
+        /// The rule.
+        rule: Rule,
+        /// Least that were expected, share.
+        expected: f64,
+    },
+}
+
+impl Expectation {
+    /// The rule that it is about.
+    pub fn rule(&self) -> Rule {
+        match self {
+            Self::Exact => Rule::Tight,
+            Self::Bounded { rule, .. } | Self::KnownFailure { rule, .. } => *rule,
+        }
+    }
+
+    /// What is surprising about the wrong rays at one of a knob's values.
+    pub fn surprise(&self, values: &[f64], index: usize, wrong: &Wrong) -> Option<Surprise> {
+        let rule = self.rule();
+        let wrong = wrong.under(rule);
+        let at_most = |allowed: f64| (wrong > allowed).then_some(Surprise::Failure { wrong, rule, allowed });
+        match *self {
+            Self::Exact => at_most(0.0),
+            Self::Bounded { most_wrong, .. } => at_most(most_wrong),
+            Self::KnownFailure { from, below, least_wrong, .. } => {
+                let first = values.iter().position(|value| *value == from).unwrap_or(0);
+                if index < first {
+                    return at_most(below);
+                }
+                let expected = if index + 1 == values.len() { least_wrong } else { below };
+                (wrong < expected || wrong <= below).then_some(Surprise::Success { wrong, rule, expected })
+            }
+        }
+    }
+}

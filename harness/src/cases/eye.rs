@@ -1,0 +1,149 @@
+//! Cases about where the eye stands.
+
+use glam::{DVec3, Vec3};
+use tracebench_api::{Query, TracerError};
+
+use super::sketch::{Camera, RAYS, Shots, Sketch};
+use super::{Case, Feature, Knob, Probe, Setup};
+
+pub(super) const INSIDE: Case = Case {
+    name: "eye-inside-object",
+    summary: "the eye within a closed shell ever smaller than the scene; half of the rays start outside of it",
+    knob: Knob { name: "shell radius", unit: "diagonals", values: &[0.2, 0.05, 0.01, 0.004] },
+    make: inside,
+    most_ties: 0.06,
+    feature: Feature {
+        what: "hit the shell within a hundredth of the diagonal",
+        least: 0.3,
+        has: |probe, index| probe.hit(index).is_some_and(|hit| hit.t < 0.01 * probe.truth.diagonal()),
+    },
+};
+
+fn inside(radius: f64) -> Result<Setup, TracerError> {
+    let mut sketch = Sketch::default();
+    let mut shots = Shots::new(10);
+    for corner in [DVec3::splat(-2.0), DVec3::splat(2.0)] {
+        sketch.speck(corner);
+    }
+    let radius = radius * 48.0_f64.sqrt();
+    sketch.sphere(DVec3::ZERO, radius, 6, || true);
+    for index in 0..30 {
+        let place = DVec3::new(f64::from(index % 6) * 0.36 - 0.9, f64::from(index / 6) * 0.42 - 0.84, -1.9);
+        sketch.plate_around(place, DVec3::new(0.12, 0.0, 0.02), DVec3::new(0.0, 0.14, -0.03));
+    }
+    let stage = sketch.seen_by(Camera::default())?;
+    shots.through_centres(&stage.view, RAYS / 2);
+    for _ in 0..RAYS / 2 {
+        let target = DVec3::new(shots.signed(), shots.signed(), -1.9);
+        let origin = target * 0.8 + 0.05 * shots.point();
+        shots.towards(origin, target);
+    }
+    Ok(stage.with(shots, Query::Closest))
+}
+
+/// Nearer to the eye than the near distance that viewpoints get.
+fn before_near(probe: &Probe<'_>, index: usize) -> bool {
+    let view = probe.view();
+    probe.point(index).is_some_and(|point| (point - view.eye).dot(view.forward) < view.near)
+}
+
+pub(super) const ON_SURFACE: Case = Case {
+    name: "eye-on-surface",
+    summary: "the eye ever closer above a floor",
+    knob: Knob { name: "height", unit: "diagonals", values: &[0.1, 0.01, 1e-3, 1e-4, 1e-5] },
+    make: on_surface,
+    most_ties: 0.06,
+    feature: Feature { what: "hit the floor before near", least: 0.2, has: before_near },
+};
+
+fn on_surface(height: f64) -> Result<Setup, TracerError> {
+    let mut sketch = Sketch::default();
+    // A slanted floor, 2 by 2: what is close to the eye has no special coordinates.
+    let (along, upward) = (DVec3::new(1.0, 0.02, 0.0), DVec3::new(0.0, 0.05, -1.0));
+    let normal = along.cross(upward).normalize();
+    let floor = -normal * (height * 8.0_f64.sqrt());
+    sketch.plate_around(floor, along, upward);
+    let stage = sketch.seen_by(Camera::default())?;
+    let mut shots = Shots::new(11);
+    shots.through_centres(&stage.view, RAYS);
+    Ok(stage.with(shots, Query::Closest))
+}
+
+pub(super) const AT_VERTEX: Case = Case {
+    name: "eye-at-vertex",
+    summary: "the eye ever closer to the tip of a cone that points at it",
+    knob: Knob { name: "distance", unit: "diagonals", values: &[0.1, 0.01, 1e-3, 1e-4, 1e-5] },
+    make: at_vertex,
+    most_ties: 0.06,
+    feature: Feature { what: "hit the cone before near", least: 0.2, has: before_near },
+};
+
+fn at_vertex(distance: f64) -> Result<Setup, TracerError> {
+    const SIDES: u32 = 9;
+    let tip = DVec3::new(0.0, 0.0, -distance * 2.5);
+    let rim = |side: u32| {
+        let (sine, cosine) = (std::f64::consts::TAU * f64::from(side % SIDES) / f64::from(SIDES)).sin_cos();
+        tip + DVec3::new(0.5 * cosine, 0.5 * sine, -1.0)
+    };
+    let mut sketch = Sketch::default();
+    for side in 0..SIDES {
+        sketch.triangle([tip, rim(side), rim(side + 1)]);
+    }
+    // Keeps the diagonal at about 2.5 and gives rays beside the cone something to hit.
+    sketch.plate(DVec3::new(-0.6, -1.2, -1.9), DVec3::X * 1.2, DVec3::Y * 0.5);
+    sketch.speck(DVec3::new(0.6, 1.0, -0.5));
+    let stage = sketch.seen_by(Camera::default())?;
+    let mut shots = Shots::new(12);
+    shots.through_centres(&stage.view, RAYS);
+    Ok(stage.with(shots, Query::Closest))
+}
+
+pub(super) const BEFORE_NEAR: Case = Case {
+    name: "before-near",
+    summary: "a plate before half of the view, at last nearer than near",
+    knob: Knob { name: "depth", unit: "near distances", values: &[10.0, 1.5, 0.75, 0.25, 0.01] },
+    make: nearer_than_near,
+    most_ties: 0.06,
+    feature: Feature { what: "hit what is nearer than near", least: 0.2, has: before_near },
+};
+
+fn nearer_than_near(depth: f64) -> Result<Setup, TracerError> {
+    const NEAR: f64 = 0.004;
+    let depth = depth * NEAR;
+    let mut sketch = Sketch::default();
+    sketch.plate(DVec3::new(-0.8, -0.4, -1.0) * depth, DVec3::new(0.7, 0.0, 0.0) * depth, DVec3::Y * 0.9 * depth);
+    sketch.plate(DVec3::new(-1.1, -1.3, -3.0), DVec3::new(1.9, 0.0, 0.1), DVec3::new(0.0, 1.7, 0.2));
+    let stage = sketch.seen_by(Camera { near: Some(NEAR as f32), ..Camera::default() })?;
+    let mut shots = Shots::new(13);
+    shots.through_centres(&stage.view, RAYS);
+    Ok(stage.with(shots, Query::Closest))
+}
+
+pub(super) const DEPTH_RANGE: Case = Case {
+    name: "depth-range",
+    summary: "plates side by side in one view at depths from a thousandth on, ten times deeper each",
+    knob: Knob { name: "range", unit: "decades of depth", values: &[1.0, 2.0, 4.0, 6.0, 8.0] },
+    make: depth_range,
+    // A tie's move is relative to the scene: on the nearest plates of the widest range it is larger than the plates.
+    most_ties: 0.4,
+    feature: Feature {
+        what: "hit at less than a hundred-thousandth of the greatest depth",
+        least: 0.15,
+        has: |probe, index| probe.point(index).is_some_and(|point| -point.z < 1e-5 * probe.view().far),
+    },
+};
+
+fn depth_range(decades: f64) -> Result<Setup, TracerError> {
+    let plates = decades as i32 + 1;
+    let width = 1.1 / f64::from(plates);
+    let mut sketch = Sketch::default();
+    for plate in 0..plates {
+        let depth = 1e-3 * 10_f64.powi(plate);
+        let corner = DVec3::new(-0.55 + width * f64::from(plate), -0.4, -1.0);
+        sketch.plate(corner * depth, DVec3::X * (0.9 * width * depth), DVec3::new(0.0, 0.75, 0.2) * depth);
+    }
+    let stage = sketch.seen_by(Camera { near: Some(5e-4), target: Vec3::NEG_Z, ..Camera::default() })?;
+    let mut shots = Shots::new(15);
+    shots.through_centres(&stage.view, RAYS);
+    Ok(stage.with(shots, Query::Closest))
+}

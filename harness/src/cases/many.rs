@@ -1,0 +1,159 @@
+//! Cases about many surfaces in one place: lists, voxels, hierarchies that grow.
+
+use glam::{DVec3, Vec3};
+use tracebench_api::{Query, TracerError};
+
+use super::sketch::{Camera, RAYS, Shots, Sketch};
+use super::{Case, Feature, Knob, Setup};
+
+/// Edge of a voxel where the scene spans 1 and a grid has 64 of them along it, as in HHZ14.
+const VOXEL_EDGE: f64 = 1.0 / 64.0;
+
+pub(super) const VOXEL: Case = Case {
+    name: "voxel-stack",
+    summary: "stacks of plates in single voxels of a 64-cubed grid; rays from all around",
+    knob: Knob { name: "surfaces", unit: "a voxel", values: &[1.0, 2.0, 4.0, 8.0, 32.0] },
+    make: voxel,
+    most_ties: 0.06,
+    feature: Feature {
+        what: "meet four surfaces within a voxel",
+        least: 0.2,
+        has: |probe, index| probe.surfaces(index, 2.0 * VOXEL_EDGE, 4) == 4,
+    },
+};
+
+fn voxel(surfaces: f64) -> Result<Setup, TracerError> {
+    const STACKS: usize = 24;
+    let mut sketch = Sketch::default();
+    let mut shots = Shots::new(5);
+    for corner in [DVec3::ZERO, DVec3::ONE] {
+        sketch.speck(corner);
+    }
+    let mut centres = Vec::new();
+    for _ in 0..STACKS {
+        // The middle of a voxel.
+        let centre = ((DVec3::splat(0.5) + 0.35 * shots.point()) / VOXEL_EDGE).floor() * VOXEL_EDGE;
+        let centre = centre + DVec3::splat(0.5 * VOXEL_EDGE);
+        let normal = shots.direction();
+        let (across, upward) = normal.any_orthonormal_pair();
+        for layer in 0..surfaces as u32 {
+            let height = ((f64::from(layer) + 0.5) / surfaces - 0.5) * 0.5 * VOXEL_EDGE;
+            let half = 0.25 * VOXEL_EDGE;
+            sketch.plate_around(centre + normal * height, across * half, upward * half);
+        }
+        centres.push(centre);
+    }
+    let camera = Camera {
+        eye: Vec3::new(0.5, 0.5, 2.0),
+        target: Vec3::splat(0.5),
+        vertical_fov: 0.8,
+        frame: [512, 512],
+        ..Camera::default()
+    };
+    let stage = sketch.seen_by(camera)?;
+    for index in 0..RAYS {
+        let target = centres[index % STACKS] + shots.point() * (0.35 * VOXEL_EDGE);
+        let origin = target + shots.direction() * 0.1;
+        shots.towards(origin, target);
+    }
+    Ok(stage.with(shots, Query::Closest))
+}
+
+pub(super) const EQUAL_TRIANGLES: Case = Case {
+    name: "equal-triangles",
+    summary: "one triangle thousands of times over: hierarchies over equal boxes grow deep, lists long",
+    knob: Knob { name: "copies", unit: "", values: &[16.0, 256.0, 1024.0, 4096.0] },
+    make: equal_triangles,
+    most_ties: 0.06,
+    feature: Feature {
+        what: "hit a triangle of which there are thousands",
+        least: 0.2,
+        has: |probe, index| probe.hit(index).is_some() && probe.truth.geometry().triangles.len() > 1000,
+    },
+};
+
+fn equal_triangles(copies: f64) -> Result<Setup, TracerError> {
+    let mut sketch = Sketch::default();
+    for _ in 0..copies as u32 {
+        sketch.triangle([[-1.0, -1.0, -3.0], [1.4, -0.8, -3.2], [0.1, 1.3, -2.7]].map(DVec3::from));
+    }
+    let stage = sketch.seen_by(Camera::default())?;
+    let mut shots = Shots::new(22);
+    // Every ray is tested against every copy, several times over for its truth.
+    shots.through_centres(&stage.view, RAYS / 2);
+    Ok(stage.with(shots, Query::Closest))
+}
+
+pub(super) const LAYERS: Case = Case {
+    name: "stacked-layers",
+    summary: "plates one behind another in the same pixels; half of the rays start among them",
+    knob: Knob { name: "layers", unit: "a pixel", values: &[1.0, 4.0, 32.0, 256.0, 2048.0] },
+    make: layers,
+    most_ties: 0.06,
+    feature: Feature {
+        what: "meet a hundred layers",
+        least: 0.2,
+        has: |probe, index| probe.surfaces(index, 10.0, 100) == 100,
+    },
+};
+
+fn layers(layers: f64) -> Result<Setup, TracerError> {
+    let mut sketch = Sketch::default();
+    for layer in 0..layers as u32 {
+        let depth = -2.0 - 2.0 * (f64::from(layer) + 0.5) / layers;
+        sketch.plate_around(DVec3::new(0.05, 0.05, depth), DVec3::new(0.8, 0.0, 0.001), DVec3::new(0.0, 0.8, 0.0));
+    }
+    let stage = sketch.seen_by(Camera::default())?;
+    let mut shots = Shots::new(23);
+    shots.through_centres(&stage.view, RAYS / 2);
+    for _ in 0..RAYS / 2 {
+        let origin = DVec3::new(0.6 * shots.signed(), 0.6 * shots.signed(), -3.0 + shots.signed());
+        let direction = shots.direction();
+        shots.towards(origin, origin + DVec3::new(direction.x * 0.3, direction.y * 0.3, direction.z));
+    }
+    Ok(stage.with(shots, Query::Closest))
+}
+
+pub(super) const CROWD: Case = Case {
+    name: "crowded-pixel",
+    summary: "a cloud of tiny triangles within one pixel and one voxel; any hit is asked",
+    knob: Knob { name: "triangles", unit: "", values: &[8.0, 64.0, 512.0, 4096.0] },
+    make: crowd,
+    most_ties: 0.06,
+    feature: Feature {
+        what: "meet something less than a twentieth of a pixel wide",
+        least: 0.3,
+        has: |probe, index| {
+            let triangle = probe.triangle(index).zip(probe.point(index));
+            triangle.is_some_and(|((_, least), point)| least < 0.05 * probe.pixel(point))
+        },
+    },
+};
+
+fn crowd(triangles: f64) -> Result<Setup, TracerError> {
+    let mut sketch = Sketch::default();
+    let mut shots = Shots::new(24);
+    // The middle of a pixel of the default camera at depth 4, a hundredth of a voxel of a scene this wide.
+    let centre = DVec3::new(0.5, 0.5, 0.0) * (super::sketch::PIXEL * 4.0) - DVec3::Z * 4.0;
+    let radius = 0.4 * super::sketch::PIXEL * 4.0;
+    for corner in [DVec3::new(-2.0, -2.0, -6.0), DVec3::new(2.0, 2.0, -2.0)] {
+        sketch.speck(corner);
+    }
+    // The more, the smaller: so that the cloud never becomes one solid thing.
+    let size = 3.0 * radius / triangles.sqrt();
+    for _ in 0..triangles as u32 {
+        let at = centre + shots.direction() * (radius * shots.unit());
+        let corners = [0, 1, 2].map(|_| at + shots.direction() * size);
+        sketch.triangle(corners);
+    }
+    let stage = sketch.seen_by(Camera::default())?;
+    for index in 0..RAYS {
+        let target = centre + shots.direction() * (radius * shots.unit());
+        let origin = match index % 2 {
+            0 => stage.view.eye,
+            _ => centre + shots.direction(),
+        };
+        shots.towards(origin, target);
+    }
+    Ok(stage.with(shots, Query::Any))
+}

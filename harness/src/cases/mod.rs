@@ -1,0 +1,112 @@
+//! Minimal scenes with one difficulty each and a knob for its strength, and what every tracer is expected to make of
+//! them.
+//!
+//! A case is data: [`CASES`] has all of them; what is expected of a tracer is one file a tracer, listed in
+//! [`expectation::COLUMNS`].
+
+mod bvh_cpu;
+pub mod expectation;
+mod eye;
+mod frames;
+mod many;
+mod probe;
+mod screen_dda;
+mod sketch;
+mod small;
+mod surfaces;
+
+use tracebench_api::{Geometry, Query, Ray, TracerError, Viewpoint};
+
+pub use expectation::{Expectation, Rule};
+pub use probe::Probe;
+
+/// What makes a case harder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Knob {
+    /// What is turned.
+    pub name: &'static str,
+    /// Unit; empty for counts and ratios.
+    pub unit: &'static str,
+    /// Its values from harmless to hard, rising or falling.
+    pub values: &'static [f64],
+}
+
+impl Knob {
+    /// Name and unit, for axes and tables.
+    pub fn label(&self) -> String {
+        if self.unit.is_empty() { self.name.to_owned() } else { format!("{} ({})", self.name, self.unit) }
+    }
+}
+
+/// A case at one strength.
+pub struct Setup {
+    /// Its triangles, in host memory.
+    pub geometry: Geometry,
+    /// Where it is seen from, with resolutions.
+    pub viewpoint: Viewpoint,
+    /// Its rays, the same on every run.
+    pub rays: Vec<Ray>,
+    /// What is asked of them.
+    pub query: Query,
+}
+
+/// What a share of the rays must have at the hardest strength: else the case would measure nothing.
+#[derive(Clone, Copy)]
+pub struct Feature {
+    /// What, in words.
+    pub what: &'static str,
+    /// Least share of all rays.
+    pub least: f64,
+    /// Whether a ray has it.
+    pub has: fn(&Probe<'_>, usize) -> bool,
+}
+
+/// A minimal scene with one difficulty.
+#[derive(Clone, Copy)]
+pub struct Case {
+    /// Stable name.
+    pub name: &'static str,
+    /// What it is, in one line.
+    pub summary: &'static str,
+    /// What makes it harder.
+    pub knob: Knob,
+    /// The scene at a value of the knob.
+    pub make: fn(f64) -> Result<Setup, TracerError>,
+    /// Most ties at any strength, share of all rays.
+    pub most_ties: f64,
+    /// What shows the difficulty.
+    pub feature: Feature,
+}
+
+/// Every case, in the order of tables.
+pub const CASES: &[Case] = &[
+    surfaces::EDGE_ON,
+    small::WIRES,
+    small::LEAVES,
+    surfaces::SHEETS,
+    many::VOXEL,
+    surfaces::OPEN_MESH,
+    surfaces::HUGE,
+    surfaces::NEEDLES,
+    surfaces::COPLANAR,
+    eye::INSIDE,
+    eye::ON_SURFACE,
+    eye::AT_VERTEX,
+    eye::BEFORE_NEAR,
+    frames::CUBE_BORDERS,
+    eye::DEPTH_RANGE,
+    frames::COARSE_FRAME,
+    frames::WIDE_FRAME,
+    frames::SURFACE_STARTS,
+    frames::CELL_BORDERS,
+    frames::VIEW_CENTRE,
+    surfaces::FLAT_TILE,
+    many::EQUAL_TRIANGLES,
+    many::LAYERS,
+    many::CROWD,
+];
+
+/// Finds a case by name.
+pub fn find(name: &str) -> Option<&'static Case> {
+    CASES.iter().find(|case| case.name == name)
+}

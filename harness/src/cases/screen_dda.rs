@@ -1,0 +1,143 @@
+//! What is expected of `screen-dda`: one depth a pixel, sampled at pixel centres, from one view.
+
+use super::expectation::{Column, Expectation, Rule};
+
+/// Rays through the frame's own pixel centres find the depth that is stored there.
+const AT_SAMPLES: Expectation = Expectation::Bounded {
+    rule: Rule::Footprint,
+    most_wrong: 0.01,
+    reason: "eye rays through pixel centres get the very depth that was sampled there; only where an edge runs \
+             through a centre does the rasterizer's rounding of vertices decide otherwise",
+};
+
+/// A failure by a rule from a strength on.
+const fn fails(
+    rule: Rule,
+    from: f64,
+    below: f64,
+    least_wrong: f64,
+    reason: &'static str,
+    source: &'static str,
+) -> Expectation {
+    Expectation::KnownFailure { rule, from, below, least_wrong, reason, source }
+}
+
+const BEHIND: &str = "one depth a pixel: what lies behind the first surface is not stored, and rays that start behind \
+                      one meet its assumed thickness or nothing";
+const BEFORE_NEAR: &str = "what is nearer than near is clipped away when depth is rasterized";
+const BETWEEN: &str = "what covers no pixel's centre is not stored, and what covers one fills its pixel";
+const STEP: &str = "a hit is placed at the position of the step, up to half a pixel of the ray's image away, and \
+                    within a thickness that every surface is taken to have";
+const STEP_SOURCE: &str = "McGuire and Mara 2014, listing 1; DIRT, section 5.1, on thickness";
+const LAYERS_SOURCE: &str = "DIRT, section 2, on single depth layers; VVP16, section 2, Figure 2";
+const SAMPLES_SOURCE: &str =
+    "VVP16, section 4.2, limitations: what is stored is bounded by resolution and pixel samples";
+
+pub(super) const EXPECTATIONS: Column = &[
+    (
+        "edge-on",
+        fails(
+            Rule::HitMiss,
+            80.0,
+            0.02,
+            0.6,
+            "a surface along the line of sight covers few pixel centres or none, so rays that cross it find nothing",
+            "VVP16, section 4.2, limitations: geometry parallel to the view direction is not captured",
+        ),
+    ),
+    ("wires", fails(Rule::HitMiss, 1.0, 0.12, 0.4, BETWEEN, SAMPLES_SOURCE)),
+    ("leaves", fails(Rule::HitMiss, 1.0, 0.12, 0.3, BETWEEN, SAMPLES_SOURCE)),
+    ("close-sheets", fails(Rule::Footprint, 0.1, 0.2, 0.6, BEHIND, LAYERS_SOURCE)),
+    ("voxel-stack", fails(Rule::Tight, 1.0, 0.2, 0.7, STEP, STEP_SOURCE)),
+    ("open-mesh", AT_SAMPLES),
+    ("huge-triangle", AT_SAMPLES),
+    (
+        "needles",
+        Expectation::Bounded {
+            rule: Rule::Footprint,
+            most_wrong: 0.01,
+            reason: "needles that tile a plate leave no pixel centre uncovered, and neighbours have almost one depth",
+        },
+    ),
+    ("coplanar-copies", AT_SAMPLES),
+    ("eye-inside-object", fails(Rule::Footprint, 0.2, 0.05, 0.15, BEHIND, LAYERS_SOURCE)),
+    (
+        "eye-on-surface",
+        fails(
+            Rule::Footprint,
+            1e-4,
+            0.02,
+            0.4,
+            BEFORE_NEAR,
+            "VVP16, section 3.2, which pulls its views back by near to cover what is clipped",
+        ),
+    ),
+    (
+        "eye-at-vertex",
+        fails(
+            Rule::Footprint,
+            1e-4,
+            0.05,
+            0.35,
+            BEFORE_NEAR,
+            "VVP16, section 3.2, which pulls its views back by near to cover what is clipped",
+        ),
+    ),
+    (
+        "before-near",
+        fails(
+            Rule::Footprint,
+            0.75,
+            0.02,
+            0.25,
+            BEFORE_NEAR,
+            "VVP16, section 3.2, which pulls its views back by near to cover what is clipped",
+        ),
+    ),
+    (
+        "cube-borders",
+        fails(
+            Rule::HitMiss,
+            0.1,
+            0.2,
+            0.4,
+            "most of the directions between cube faces leave the one view that there is",
+            "VVP16, section 2, on surfaces outside of the primary view",
+        ),
+    ),
+    ("depth-range", AT_SAMPLES),
+    ("coarse-frame", fails(Rule::Footprint, 65.0, 0.05, 0.8, BETWEEN, SAMPLES_SOURCE)),
+    ("wide-frame", AT_SAMPLES),
+    (
+        "surface-starts",
+        fails(
+            Rule::HitMiss,
+            1e-4,
+            0.05,
+            0.05,
+            "the surface that a ray starts on lies within a pixel and within the assumed thickness of the start: it \
+             is hit again",
+            "McGuire and Mara 2014, listing 1, whose walk begins a part of a stride off; DIRT, section 5.1, on thickness",
+        ),
+    ),
+    (
+        "cell-borders",
+        Expectation::Bounded {
+            rule: Rule::HitMiss,
+            most_wrong: 0.04,
+            reason: "on a border the walk samples one of the two pixels: both show the wall, but at its rim",
+        },
+    ),
+    (
+        "through-view-centre",
+        Expectation::Bounded {
+            rule: Rule::HitMiss,
+            most_wrong: 0.08,
+            reason: "the closer a ray passes by the eye the shorter its image, at last one pixel, whose depth it hits",
+        },
+    ),
+    ("flat-tile", AT_SAMPLES),
+    ("equal-triangles", AT_SAMPLES),
+    ("stacked-layers", fails(Rule::Footprint, 4.0, 0.2, 0.35, BEHIND, LAYERS_SOURCE)),
+    ("crowded-pixel", fails(Rule::HitMiss, 8.0, 0.05, 0.15, BETWEEN, SAMPLES_SOURCE)),
+];

@@ -1,0 +1,182 @@
+//! What cases are drawn with: triangles, a camera, seeded rays.
+
+use glam::{DVec3, Vec3};
+use tracebench_api::{Geometry, Query, Ray, TracerError, View, Viewpoint};
+
+use super::Setup;
+use crate::rays::sampling::Stream;
+use crate::viewpoint::Pose;
+
+/// Rays of a case where nothing else is said.
+pub(super) const RAYS: usize = 1200;
+
+/// Triangles in the making.
+#[derive(Default)]
+pub(super) struct Sketch {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Sketch {
+    pub(super) fn triangle(&mut self, corners: [DVec3; 3]) {
+        let first = self.positions.len() as u32;
+        self.positions.extend(corners.map(|corner| corner.as_vec3().to_array()));
+        self.triangles.push([first, first + 1, first + 2]);
+    }
+
+    /// A parallelogram of two triangles: a corner and the two edges that start there.
+    pub(super) fn plate(&mut self, corner: DVec3, along: DVec3, upward: DVec3) {
+        let first = self.positions.len() as u32;
+        let corners = [corner, corner + along, corner + along + upward, corner + upward];
+        self.positions.extend(corners.map(|corner| corner.as_vec3().to_array()));
+        self.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    }
+
+    /// A parallelogram round its centre, by its half edges.
+    pub(super) fn plate_around(&mut self, centre: DVec3, half_along: DVec3, half_upward: DVec3) {
+        self.plate(centre - half_along - half_upward, 2.0 * half_along, 2.0 * half_upward);
+    }
+
+    /// A triangle so small that nothing meets it: it only widens the scene's bounds.
+    pub(super) fn speck(&mut self, at: DVec3) {
+        let edge = 1e-6 * at.length().max(1.0);
+        self.triangle([at, at + DVec3::X * edge, at + DVec3::Y * edge]);
+    }
+
+    /// A sphere of 12 `cells`² triangles that share their vertices, turned off the axes so that none of its edges lies
+    /// along one; `keep` says which triangles stay.
+    pub(super) fn sphere(&mut self, centre: DVec3, radius: f64, cells: u32, mut keep: impl FnMut() -> bool) {
+        let turn = glam::DQuat::from_xyzw(0.17, 0.31, -0.23, 0.9).normalize();
+        for face in 0..6 {
+            let first = self.positions.len() as u32;
+            let side = if face % 2 == 0 { 1.0 } else { -1.0 };
+            for row in 0..=cells {
+                for column in 0..=cells {
+                    let place = |step: u32| 2.0 * f64::from(step) / f64::from(cells) - 1.0;
+                    let (across, upward) = (place(column) * side, place(row));
+                    let on_cube = match face / 2 {
+                        0 => DVec3::new(side, across, upward),
+                        1 => DVec3::new(upward, side, across),
+                        _ => DVec3::new(across, upward, side),
+                    };
+                    let point = centre + turn * on_cube.normalize() * radius;
+                    self.positions.push(point.as_vec3().to_array());
+                }
+            }
+            for row in 0..cells {
+                for column in 0..cells {
+                    let corner = first + row * (cells + 1) + column;
+                    let (right, up) = (corner + 1, corner + cells + 1);
+                    for triangle in [[corner, right, up + 1], [corner, up + 1, up]] {
+                        if keep() {
+                            self.triangles.push(triangle);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// The scene seen by a camera.
+    pub(super) fn seen_by(self, camera: Camera) -> Result<Stage, TracerError> {
+        let geometry = Geometry::new(self.positions, self.triangles, None)?;
+        let pose = Pose {
+            name: "case".to_owned(),
+            eye: camera.eye,
+            target: camera.target,
+            up: Vec3::Y,
+            vertical_fov: camera.vertical_fov,
+        };
+        let mut viewpoint = pose.viewpoint(&geometry, camera.frame, camera.face);
+        viewpoint.near = camera.near.unwrap_or(viewpoint.near);
+        let view = viewpoint.frame_view();
+        Ok(Stage { geometry, viewpoint, view })
+    }
+}
+
+/// Where a case is seen from.
+pub(super) struct Camera {
+    pub(super) eye: Vec3,
+    pub(super) target: Vec3,
+    /// Radians.
+    pub(super) vertical_fov: f32,
+    /// Pixels.
+    pub(super) frame: [u32; 2],
+    /// Edge of the cube faces, pixels.
+    pub(super) face: u32,
+    /// Near distance, scene units; a thousandth of the diagonal if `None`.
+    pub(super) near: Option<f32>,
+}
+
+impl Default for Camera {
+    /// From the coordinates' origin along -z, 60 degrees over 256 x 256 pixels.
+    fn default() -> Self {
+        let vertical_fov = crate::viewpoint::DEFAULT_VERTICAL_FOV_DEGREES.to_radians();
+        Self { eye: Vec3::ZERO, target: Vec3::NEG_Z, vertical_fov, frame: [256, 256], face: 256, near: None }
+    }
+}
+
+/// Edge of a pixel of the default camera at depth 1, scene units.
+pub(super) const PIXEL: f64 = 2.0 * 0.577_350_269 / 256.0;
+
+/// A scene with its viewpoint.
+pub(super) struct Stage {
+    pub(super) geometry: Geometry,
+    pub(super) viewpoint: Viewpoint,
+    pub(super) view: View,
+}
+
+impl Stage {
+    pub(super) fn with(self, shots: Shots, query: Query) -> Setup {
+        Setup { geometry: self.geometry, viewpoint: self.viewpoint, rays: shots.rays, query }
+    }
+}
+
+/// Rays in the making, with the numbers that they are made from.
+pub(super) struct Shots {
+    stream: Stream,
+    rays: Vec<Ray>,
+}
+
+impl Shots {
+    /// `case` tells the cases' numbers apart.
+    pub(super) fn new(case: u64) -> Self {
+        Self { stream: Stream::new(1, 0x100, case), rays: Vec::new() }
+    }
+
+    /// In [0, 1).
+    pub(super) fn unit(&mut self) -> f64 {
+        self.stream.unit()
+    }
+
+    /// In [-1, 1).
+    pub(super) fn signed(&mut self) -> f64 {
+        2.0 * self.unit() - 1.0
+    }
+
+    /// In the cube from -1 to 1.
+    pub(super) fn point(&mut self) -> DVec3 {
+        DVec3::new(self.signed(), self.signed(), self.signed())
+    }
+
+    /// A unit vector.
+    pub(super) fn direction(&mut self) -> DVec3 {
+        self.stream.sphere()
+    }
+
+    /// A ray without an end; the direction is made a unit vector from the origin as f32 has it.
+    pub(super) fn towards(&mut self, origin: DVec3, target: DVec3) {
+        let origin = origin.as_vec3();
+        let direction = (target - origin.as_dvec3()).normalize_or(DVec3::NEG_Z).as_vec3();
+        self.rays.push(Ray { origin: origin.into(), t_min: 0.0, direction: direction.into(), t_max: Ray::UNBOUNDED });
+    }
+
+    /// From the eye through the centres of random pixels: what a sampled method knows best.
+    pub(super) fn through_centres(&mut self, view: &View, count: usize) {
+        for _ in 0..count {
+            let place = |edge: u32, part: f64| (part * f64::from(edge)).floor() + 0.5;
+            let (x, y) = (place(view.size[0], self.unit()), place(view.size[1], self.unit()));
+            self.towards(view.eye, view.eye + view.direction_through(x, y));
+        }
+    }
+}

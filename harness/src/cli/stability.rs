@@ -1,0 +1,54 @@
+//! `stability`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::output::print;
+use super::run::{OutputFolder, needs_device};
+use super::{CliError, names, open_device};
+use crate::plan::TracerRequest;
+use crate::progress::Progress;
+use crate::{report, stability};
+
+#[derive(Args)]
+pub(super) struct StabilityArguments {
+    /// Tracers: NAME or NAME:PRESET with commas, or all. Expectations are stated for the published preset.
+    #[arg(long, default_value = "all")]
+    tracer: String,
+    /// Cases: names from `list cases` with commas, or all.
+    #[arg(long, default_value = "all")]
+    case: String,
+    /// A parameter on top of the preset: tracer.parameter=value, as in `list tracers`. May be repeated. Verdicts are
+    /// shown then but do not count.
+    #[arg(long = "set", value_name = "T.P=V", allow_hyphen_values = true)]
+    settings: Vec<String>,
+    /// Adapter: part of its name, or its number in `adapters`.
+    #[arg(long, value_name = "NAME", value_parser = clap::builder::NonEmptyStringValueParser::new())]
+    adapter: Option<String>,
+    /// Folder for the results; a new one below tracebench-out/ if not given.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+pub(super) fn stability(arguments: &StabilityArguments, progress: &Progress) -> Result<(), CliError> {
+    // Arguments are checked before any device or file is touched.
+    let requests = names::tracers(&arguments.tracer, &arguments.settings)?;
+    names::tracers_only(&arguments.settings)?;
+    let cases = names::cases(&arguments.case)?;
+    let required = requests.iter().any(TracerRequest::must_have_device);
+    let device = open_device(arguments.adapter.as_deref(), needs_device(&requests), required)?;
+    let out = match &arguments.out {
+        Some(path) => OutputFolder::open(path)?,
+        None => OutputFolder::fresh()?,
+    };
+    let found = stability::run(&cases, &requests, &device, progress).inspect_err(|_| out.abandon())?;
+    report::write_stability(&found, &out.path)?;
+    let written = out.path.join(report::STABILITY_TABLE);
+    print(&format!("{}\n{}\n", report::stability_matrix(&found), written.display()))?;
+    let surprises = found.surprises();
+    if surprises.is_empty() || !found.counts {
+        return Ok(());
+    }
+    Err(CliError::Other(format!("{} unexpected: {}", surprises.len(), surprises.join("; "))))
+}

@@ -1,0 +1,103 @@
+//! `stability` and `list cases`.
+
+use super::*;
+
+const FEW: [&str; 5] = ["stability", "--quiet", "--case", "edge-on,needles", "--tracer"];
+
+/// Proves that the matrix is printed, all files are written and agree with it, and that what is expected ends with 0.
+#[test]
+fn a_matrix_and_its_files() {
+    let bench = Bench::new();
+    let outcome = bench.call(&[&FEW[..], &["all", "--out", "out"]].concat());
+    assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
+    let expected = ["error_vs_strength.png", "error_vs_strength.svg", "stability.json", "stability.md"];
+    assert_eq!(names(&bench.path("out")), expected.map(str::to_owned).into());
+    assert!(outcome.stdout.starts_with("| case | bvh-cpu | screen-dda |\n"), "{}", outcome.stdout);
+    assert!(outcome.stdout.contains("| edge-on | exact | known failure "), "{}", outcome.stdout);
+    let page = std::fs::read_to_string(bench.path("out/stability.md")).unwrap();
+    assert!(page.contains("| edge-on | exact | known failure "), "{page}");
+    let found: Value = serde_json::from_slice(&std::fs::read(bench.path("out/stability.json")).unwrap()).unwrap();
+    assert_eq!(found["schema"], 1);
+    assert!(found["machine"]["adapter"]["name"].is_string());
+    let case = &found["cases"][0];
+    assert_eq!((case["name"].as_str(), case["knob"]["unit"].as_str()), (Some("edge-on"), Some("degrees")));
+    assert!(case["strengths"][0]["rays"].as_u64().unwrap() >= 500);
+    let cell = &case["tracers"][1];
+    assert_eq!((cell["tracer"].as_str(), cell["verdict"].as_str()), (Some("screen-dda"), Some("known_failure")));
+    for field in ["kind", "rule", "most_wrong", "from", "least_wrong", "reason", "source"] {
+        assert!(!cell["expectation"][field].is_null(), "{field}: {cell}");
+    }
+    let measured = cell["measured"].as_array().unwrap();
+    assert_eq!(measured.len(), case["knob"]["values"].as_array().unwrap().len());
+    for at in measured {
+        let classes = at["classes"]["tight"].as_object().unwrap().values().map(|count| count.as_u64().unwrap());
+        let rays = case["strengths"][0]["rays"].as_u64().unwrap();
+        assert_eq!(classes.sum::<u64>() + at["ties"].as_u64().unwrap(), rays);
+        for rule in ["hit_miss", "tight", "footprint"] {
+            assert!(at["agreement"][rule].is_number(), "{at}");
+        }
+        assert_eq!(at["as_expected"], true);
+        assert!(at["causes"]["tight"].is_object());
+    }
+    // Beside the default place too, as `run` does.
+    let default = bench.call(&["stability", "--quiet", "--case", "edge-on", "--tracer", "bvh-cpu"]);
+    assert_eq!(default.status, 0, "{default:?}");
+    assert_eq!(names(&bench.path("tracebench-out")).len(), 1);
+}
+
+/// Proves that verdicts on changed parameters are shown but do not count, and that another preset is unstated.
+#[test]
+fn changed_parameters_do_not_count() {
+    let bench = Bench::new();
+    let changed = ["screen-dda", "--set", "screen-dda.max_steps=1", "--out", "out"];
+    let arguments = ["stability", "--quiet", "--case", "through-view-centre", "--tracer"];
+    let outcome = bench.call(&[&arguments[..], &changed].concat());
+    assert_eq!(outcome.status, 0, "{outcome:?}");
+    assert!(outcome.stdout.contains("do not count") && outcome.stdout.contains("UNEXPECTED"), "{outcome:?}");
+    let improved = bench.call(&[&FEW[..], &["bvh-cpu:improved", "--out", "improved"]].concat());
+    assert_eq!(improved.status, 0, "{improved:?}");
+    assert!(improved.stdout.contains("unstated"), "{improved:?}");
+}
+
+/// Proves that unknown names are refused with the nearest, before any file is touched.
+#[test]
+fn unknown_names() {
+    let bench = Bench::new();
+    for (arguments, parts) in [
+        (vec!["--case", "edge-off"], vec!["edge-off", "'edge-on'"]),
+        (vec!["--case", "wires,,leaves"], vec!["empty name"]),
+        (vec!["--tracer", "bvh-cpo"], vec!["'bvh-cpu'"]),
+        (vec!["--set", "screen-dda.strid=1"], vec!["'stride'"]),
+        (vec!["--set", "rays.order=tile"], vec!["rays.order=tile", "own rays"]),
+    ] {
+        bench.fails(&[&["stability"][..], &arguments].concat(), 2, &parts);
+    }
+    bench.fails(&["stability", "--adapter", "Voodoo 2"], 1, &["Voodoo 2"]);
+    assert!(names(bench.folder.path()).is_empty(), "{:?}", names(bench.folder.path()));
+}
+
+/// Proves that a tracer which the machine cannot run is skipped with the reason under `all`, and an error by name.
+#[test]
+fn cases_without_an_adapter() {
+    let bench = Bench::new();
+    let all = bench.call_without_adapter(&[&FEW[..], &["all", "--out", "all"]].concat());
+    assert_eq!(all.status, 0, "{all:?}");
+    assert!(all.stdout.contains("Skipped screen-dda") && all.stdout.contains("adapter"), "{all:?}");
+    let named = bench.call_without_adapter(&[&FEW[..], &["screen-dda", "--out", "named"]].concat());
+    assert_eq!((named.status, named.stdout.as_str()), (1, ""), "{named:?}");
+    assert!(!bench.path("named").exists());
+}
+
+/// Proves that cases are listed for people and for scripts.
+#[test]
+fn cases_are_listed() {
+    let bench = Bench::new();
+    let outcome = bench.call(&["list", "cases", "--json"]);
+    let value: Value = serde_json::from_str(&outcome.stdout).unwrap();
+    let text = bench.call(&["list", "cases"]).stdout;
+    let cases = value.as_array().unwrap();
+    assert!(cases.len() >= 20);
+    for case in cases {
+        assert!(text.contains(case["name"].as_str().unwrap()) && case["knob"]["values"].is_array(), "{case}");
+    }
+}

@@ -1,0 +1,130 @@
+//! The cases: that each shows its difficulty, and that every tracer does on them what is stated of it, neither worse nor
+//! better.
+
+mod negative;
+
+use std::sync::Arc;
+
+use tracebench_api::Gpu;
+use tracebench_api::{Parameters, Preset};
+use tracebench_harness::cases::{CASES, Case, Expectation, Rule, expectation};
+use tracebench_harness::plan::TracerRequest;
+use tracebench_harness::progress::Progress;
+use tracebench_harness::registry::TRACERS;
+use tracebench_harness::stability::{CaseRecord, Stability, Verdict, run};
+
+fn gpu() -> Arc<Gpu> {
+    tracebench_tests::gpu()
+}
+
+/// Every registered tracer with its published preset.
+fn requests() -> Vec<TracerRequest> {
+    let request = |registration: &tracebench_harness::registry::Registration| TracerRequest {
+        registration: *registration,
+        preset: Preset::Published,
+        parameters: Parameters::preset(&(registration.describe)().parameters, Preset::Published),
+        changed: Vec::new(),
+        required: true,
+    };
+    TRACERS.iter().map(request).collect()
+}
+
+fn run_all() -> Stability {
+    let cases: Vec<&Case> = CASES.iter().collect();
+    run(&cases, &requests(), &Ok(gpu()), &Progress::new(true)).unwrap()
+}
+
+/// What is wrong with a case itself, whatever tracers do.
+fn flaws(case: &Case, record: &CaseRecord) -> Vec<String> {
+    let mut flaws: Vec<String> = record.void.iter().cloned().collect();
+    let mut check = |right: bool, what: String| {
+        if !right {
+            flaws.push(format!("{}: {what}", case.name));
+        }
+    };
+    for strength in &record.strengths {
+        let count = strength.rays as f64;
+        check((500..=5000).contains(&strength.rays), format!("{} rays at {}", strength.rays, strength.strength));
+        for (of, least) in [(strength.true_hits, 0.05), (strength.true_misses, 0.05)] {
+            check(of as f64 >= least * count, format!("only {of} of {count} at {}", strength.strength));
+        }
+        let ties = strength.ties as f64 / count;
+        check(ties <= case.most_ties, format!("{ties} ties at {}", strength.strength));
+    }
+    let featured = record.strengths.last().unwrap().featured;
+    check(featured >= case.feature.least, format!("only {featured} {}", case.feature.what));
+    flaws
+}
+
+/// Proves for every case that at every strength some rays hit, some miss and few are ties, that at the hardest enough
+/// show the difficulty, that the controls score what they must; and for every tracer that it is as wrong as stated.
+#[test]
+fn every_tracer_is_as_expected() {
+    let begin = std::time::Instant::now();
+    let found = run_all();
+    for (case, record) in CASES.iter().zip(&found.cases) {
+        assert_eq!(flaws(case, record), Vec::<String>::new());
+        for cell in &record.tracers {
+            println!("{} {}: {}", case.name, cell.tracer, cell.text);
+        }
+    }
+    assert_eq!(found.surprises(), Vec::<String>::new());
+    let seconds = begin.elapsed().as_secs_f64();
+    assert!(seconds < 30.0, "{seconds} s");
+}
+
+/// Proves that rays, truth and answers are the same on every run.
+#[test]
+fn the_matrix_is_repeatable() {
+    let figures = |found: &Stability| {
+        let mut value = serde_json::to_value(&found.cases).unwrap();
+        value.sort_all_objects();
+        value.to_string()
+    };
+    let cases: Vec<&Case> = CASES.iter().step_by(5).collect();
+    let once = || figures(&run(&cases, &requests(), &Ok(gpu()), &Progress::new(true)).unwrap());
+    assert_eq!(once(), once());
+}
+
+/// Proves that names are unique and fit for a command line, that knobs go one way, and that `from` is one of a knob's
+/// values.
+#[test]
+fn the_registry_is_sane() {
+    let mut names: Vec<_> = CASES.iter().map(|case| case.name).collect();
+    assert!(names.iter().all(|name| name.chars().all(|c| c.is_ascii_lowercase() || c == '-')), "{names:?}");
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), CASES.len());
+    for case in CASES {
+        let values = case.knob.values;
+        assert!((4..=6).contains(&values.len()), "{}", case.name);
+        let rising = values.windows(2).all(|pair| pair[0] < pair[1]);
+        let falling = values.windows(2).all(|pair| pair[0] > pair[1]);
+        assert!(rising || falling, "{}: {values:?}", case.name);
+        assert!(!case.summary.contains('\n') && !case.summary.ends_with('.'), "{}", case.name);
+    }
+    for (tracer, column) in expectation::COLUMNS {
+        for (index, (name, expected)) in column.iter().enumerate() {
+            let case = tracebench_harness::cases::find(name).unwrap_or_else(|| panic!("{tracer}: no case {name}"));
+            assert!(column[..index].iter().all(|(other, _)| other != name), "{tracer}: {name} twice");
+            if let Expectation::KnownFailure { from, below, least_wrong, reason, source, .. } = expected {
+                assert!(case.knob.values.contains(from), "{tracer}, {name}: {from}");
+                assert!(below <= least_wrong && !reason.is_empty() && !source.is_empty(), "{tracer}, {name}");
+            }
+            if let Expectation::Bounded { most_wrong, reason, .. } = expected {
+                assert!((0.0..1.0).contains(most_wrong) && !reason.is_empty(), "{tracer}, {name}");
+            }
+        }
+    }
+}
+
+/// Proves that something is stated for the tracers of today on every case.
+#[test]
+fn every_case_is_stated() {
+    for tracer in ["bvh-cpu", "screen-dda"] {
+        let column = expectation::column(tracer);
+        for case in CASES {
+            assert!(column.iter().any(|(name, _)| *name == case.name), "{tracer}: {} is unstated", case.name);
+        }
+    }
+}
