@@ -29,8 +29,9 @@ pub const TIGHT_ABSOLUTE: f64 = 1e-6;
 const TIE_ULPS: f64 = 4.0;
 
 /// The least coordinate, in scene diagonals, whose ulps count: next to the coordinates' origin the ulps of an origin's
-/// own coordinates shrink to nothing, while the scene around it is no finer than elsewhere.
-const TIE_LEAST_COORDINATE_DIAGONALS: f64 = 1.0 / 16.0;
+/// own coordinates shrink below what even f64 tells. No larger than that needs, so that fine things in large scenes keep
+/// their edges.
+const TIE_LEAST_COORDINATE_DIAGONALS: f64 = 1e-4;
 
 /// Rays of each set that are audited by brute force, at most; fewer in large scenes, but never fewer than four.
 const AUDITED_RAYS: usize = 32;
@@ -51,8 +52,8 @@ pub struct TrueHit {
 pub struct Answer {
     /// The nearest hit within the ray's span, of any-hit rays too.
     pub hit: Option<TrueHit>,
-    /// Whether the answer hangs on rounding: it changes when the origin moves by 4 ulp of its largest coordinate (or of a
-    /// sixteenth of the scene's diagonal, if that is more) in any of four directions square to the ray. A property of ray and scene, never of a candidate.
+    /// Whether the answer hangs on rounding: it changes when the origin moves by 4 ulp of its largest coordinate (or of 1e-4
+    /// scene diagonals, if that is more) in any of four directions square to the ray. A property of ray and scene, never of a candidate.
     pub tie: bool,
 }
 
