@@ -47,7 +47,7 @@ pub(super) const EXPECTATIONS: Column = &[
     ),
     ("wires", fails(Rule::HitMiss, 1.0, 0.12, 0.4, BETWEEN, SAMPLES_SOURCE)),
     ("leaves", fails(Rule::HitMiss, 1.0, 0.12, 0.3, BETWEEN, SAMPLES_SOURCE)),
-    ("close-sheets", fails(Rule::Footprint, 0.1, 0.2, 0.6, BEHIND, LAYERS_SOURCE)),
+    ("close-sheets", fails(Rule::Footprint, 0.1, 0.2, 0.4, BEHIND, LAYERS_SOURCE)),
     ("voxel-stack", fails(Rule::Tight, 1.0, 0.2, 0.7, STEP, STEP_SOURCE)),
     ("open-mesh", AT_SAMPLES),
     ("huge-triangle", AT_SAMPLES),

@@ -77,8 +77,8 @@ fn sheets(gap: f64) -> Result<Setup, TracerError> {
                 let origin = place * 0.6 + DVec3::Z * (-1.0 - 0.5 * gap);
                 shots.towards(origin, origin + slope + DVec3::Z * side);
             }
-            2 => shots.towards(DVec3::new(0.1, 0.1, 0.0), place * 0.5 + front),
-            _ => shots.towards(DVec3::new(0.1, 0.1, 0.0), place.normalize_or(DVec3::X) * 2.5 + front),
+            2 => shots.towards(DVec3::ZERO, place * 0.5 + front),
+            _ => shots.towards(DVec3::ZERO, place.normalize_or(DVec3::X) * 2.5 + front),
         }
     }
     Ok(stage.with(shots, Query::Closest))

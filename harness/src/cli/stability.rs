@@ -9,6 +9,7 @@ use super::run::{OutputFolder, needs_device};
 use super::{CliError, names, open_device};
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
+use crate::stability::Stability;
 use crate::{report, stability};
 
 #[derive(Args)]
@@ -46,9 +47,43 @@ pub(super) fn stability(arguments: &StabilityArguments, progress: &Progress) -> 
     report::write_stability(&found, &out.path)?;
     let written = out.path.join(report::STABILITY_TABLE);
     print(&format!("{}\n{}\n", report::stability_matrix(&found), written.display()))?;
+    outcome(&found)
+}
+
+/// Whether all came as expected, where that counts.
+fn outcome(found: &Stability) -> Result<(), CliError> {
     let surprises = found.surprises();
     if surprises.is_empty() || !found.counts {
         return Ok(());
     }
     Err(CliError::Other(format!("{} unexpected: {}", surprises.len(), surprises.join("; "))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stability::Verdict;
+
+    /// Surprises in either direction and void cases end with 1 and name case and tracer, unless parameters were changed.
+    #[test]
+    fn surprises_are_errors() {
+        let requests = names::tracers("bvh-cpu", &[]).unwrap();
+        let device = Err(tracebench_api::TracerError::Unavailable("none is needed".to_owned()));
+        let cases = names::cases("edge-on").unwrap();
+        let found = stability::run(&cases, &requests, &device, &Progress::new(true)).unwrap();
+        assert!(outcome(&found).is_ok());
+        for verdict in [Verdict::UnexpectedFailure, Verdict::UnexpectedSuccess] {
+            let mut changed = found.clone();
+            changed.cases[0].tracers[0].verdict = verdict;
+            let error = outcome(&changed).unwrap_err();
+            assert!(error.to_string().contains("edge-on, bvh-cpu: exact"), "{error}");
+            assert_eq!(error.exit_code(), std::process::ExitCode::from(1));
+            changed.counts = false;
+            assert!(outcome(&changed).is_ok());
+        }
+        let mut void = found;
+        void.cases[0].void = Some("the oracle erred".to_owned());
+        assert!(outcome(&void).unwrap_err().to_string().contains("the oracle erred"));
+        assert!(report::stability_matrix(&void).contains("edge-on (VOID)"));
+    }
 }

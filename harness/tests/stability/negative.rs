@@ -31,7 +31,7 @@ struct Blind;
 mod blind {
     use tracebench_api::{
         Counter, Geometry, Hit, HitBuffer, MemoryReport, Parameters, PhaseClock, Status, Structure, TraceJob, Tracer,
-        TracerError, Viewpoint,
+        TracerError, Update, Viewpoint,
     };
 
     impl Tracer for super::Blind {
@@ -48,6 +48,17 @@ mod blind {
     }
 
     impl Structure for super::Blind {
+        fn update(
+            &mut self,
+            _update: Update,
+            _geometry: &Geometry,
+            _viewpoint: &Viewpoint,
+            _parameters: &Parameters,
+            _clock: &mut PhaseClock<'_>,
+        ) -> Result<(), TracerError> {
+            Ok(())
+        }
+
         fn trace(
             &self,
             job: TraceJob<'_>,

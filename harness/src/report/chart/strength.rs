@@ -143,27 +143,28 @@ fn draw_panel<DB: DrawingBackend>(canvas: &Canvas<DB>, panel: &Panel, scales: &S
     rect.title(canvas, &panel.title)?;
     rect.axis_names(canvas, &panel.knob, "wrong rays (%)")?;
     rect.edge(canvas)?;
+    let gap = (2.0 * HOLLOW + 1.0).min(0.8 * (scales.x(1) - scales.x(0)) / panel.curves.len().max(1) as f64);
+    // Tracers that coincide stand side by side.
+    let aside = |order: usize| gap * (order as f64 - (panel.curves.len() as f64 - 1.0) / 2.0);
+    // All lines before all markers: a line over a marker would hide which kind it is.
     for (order, curve) in panel.curves.iter().enumerate() {
-        // Tracers that coincide stand side by side.
-        let gap = (2.0 * HOLLOW + 1.0).min(0.8 * (scales.x(1) - scales.x(0)) / panel.curves.len() as f64);
-        let aside = gap * (order as f64 - (panel.curves.len() as f64 - 1.0) / 2.0);
-        let tight = scales.place(&curve.tight, aside);
-        let footprint = scales.place(&curve.footprint, aside);
-        for pair in tight.windows(2) {
+        for pair in scales.place(&curve.tight, aside(order)).windows(2) {
             if let [Some(from), Some(to)] = pair {
                 canvas.dashed(*from, *to, curve.style.colour, 1.0)?;
             }
         }
-        for pair in footprint.windows(2) {
+        for pair in scales.place(&curve.footprint, aside(order)).windows(2) {
             if let [Some(from), Some(to)] = pair {
                 canvas.path(&[*from, *to], curve.style.colour, 2.0)?;
             }
         }
+    }
+    for (order, curve) in panel.curves.iter().enumerate() {
         // Hollow ones first: they are larger, and where both rules agree the filled one sits inside.
-        for place in tight.into_iter().flatten() {
+        for place in scales.place(&curve.tight, aside(order)).into_iter().flatten() {
             canvas.hollow_marker(place, HOLLOW, curve.style)?;
         }
-        for place in footprint.into_iter().flatten() {
+        for place in scales.place(&curve.footprint, aside(order)).into_iter().flatten() {
             canvas.filled_marker(place, FILLED, curve.style)?;
         }
     }
