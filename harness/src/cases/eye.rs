@@ -124,8 +124,7 @@ pub(super) const DEPTH_RANGE: Case = Case {
     summary: "plates side by side in one view at depths from a thousandth on, ten times deeper each",
     knob: Knob { name: "range", unit: "decades of depth", values: &[1.0, 2.0, 4.0, 6.0, 8.0] },
     make: depth_range,
-    // A tie's move is relative to the scene: on the nearest plates of the widest range it is larger than the plates.
-    most_ties: 0.4,
+    most_ties: 0.06,
     feature: Feature {
         what: "hit at less than a hundred-thousandth of the greatest depth",
         least: 0.15,
