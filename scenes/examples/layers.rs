@@ -18,10 +18,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             _ => wanted = Some(argument),
         }
     }
-    println!(
-        "Seven views: 720 x 480 and six faces of 480 x 480. One view: 800 x 800. Averages over covered pixels, in"
-    );
-    println!("brackets over all.\n");
+    println!("Seven views: 720 x 480 and six faces of 480 x 480. One view: 800 x 800. Averages over all pixels, in");
+    println!("brackets over covered ones.\n");
     println!("| scene | viewpoint | fragments, 7 views | avg/max, 7 views | fragments, 1 view | avg/max, 1 view |");
     println!("| --- | --- | ---: | ---: | ---: | ---: |");
     let names = match wanted {

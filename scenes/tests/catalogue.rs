@@ -330,3 +330,31 @@ fn animations_are_smooth() {
         assert_eq!(scene.is_watertight(), entry.watertight, "{}", entry.name);
     }
 }
+
+/// Proves the table of docs/scenes.md: from their default viewpoints the scenes have the published layers within a
+/// quarter: average and maximum, where the average is of fragments a pixel or, where the paper counts those, of its
+/// fragments. `room` stands in for Bunny with the paper's 2.4 million fragments rather than with the 2 that they are
+/// rounded to.
+#[test]
+fn depth_layers_are_calibrated() {
+    let seven_view_pixels = 1_728_000.0;
+    for (name, seven, averages, maximum) in [
+        ("room", true, vec![2.4e6 / seven_view_pixels], 17.0),
+        ("candy", true, vec![3.0, 4.9e6 / seven_view_pixels], 30.0),
+        ("solids", true, vec![4.0, 6.6e6 / seven_view_pixels], 20.0),
+        ("smithy", true, vec![6.0, 9.4e6 / seven_view_pixels], 49.0),
+        ("atrium", false, vec![3.0], 29.0),
+        ("hangar", false, vec![7.0], 26.0),
+        ("foliage", false, vec![16.0], 96.0),
+    ] {
+        let scene = procedural(name, 1.0).unwrap();
+        let (size, face) = if seven { ([720, 480], Some(480)) } else { ([800, 800], None) };
+        let found = tracebench_scenes::count_layers(&scene, &scene.cameras[0], size, face).total();
+        let within = |found: f64, published: f64| (found / published - 1.0).abs() <= 0.25;
+        let average = found.average_of_all();
+        assert!(averages.iter().any(|published| within(average, *published)), "{name}: {average} of {averages:?}");
+        assert!(within(f64::from(found.max), maximum), "{name}: {} of {maximum}", found.max);
+        // Negative control: half of the layers are not within a quarter.
+        assert!(!averages.iter().any(|published| within(average / 2.0, *published)), "{name}");
+    }
+}

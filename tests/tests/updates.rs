@@ -203,3 +203,28 @@ fn other_triangles_are_refused() {
         assert!(error.to_string().contains("vertices"), "{error}");
     }
 }
+
+/// Proves that what depends on the size of the scene follows it: a scene that grows to three times its size, seen from
+/// as much farther, is traced as by a fresh build.
+#[test]
+fn structures_follow_growing_scenes() {
+    let scene = at("cloth", 1.5);
+    let grown: Vec<[f32; 3]> = scene.mesh.positions.iter().map(|position| position.map(|value| 3.0 * value)).collect();
+    for subject in subjects() {
+        let before = geometry(&scene, &subject.gpu);
+        let after = Geometry::new(grown.clone(), scene.mesh.triangles.clone(), Some(&subject.gpu)).unwrap();
+        let [first, _] = views(&scene);
+        let second = Viewpoint { eye: first.eye * 3.0, near: first.near * 3.0, far: first.far * 3.0, ..first };
+        let rays: Vec<Ray> =
+            rays(&scene, 8).into_iter().map(|ray| Ray { origin: ray.origin.map(|value| 3.0 * value), ..ray }).collect();
+        let expected = subject.hits(&*subject.build(&after, &second), &rays);
+        for update in [Update::Rebuild, Update::Refit] {
+            let mut structure = subject.build(&before, &first);
+            match subject.update(&mut *structure, update, &after, &second) {
+                Err(TracerError::Unsupported(_)) if update == Update::Refit => continue,
+                updated => updated.unwrap(),
+            }
+            assert_eq!(bytes(&subject.hits(&*structure, &rays)), bytes(&expected), "{}", subject.name);
+        }
+    }
+}

@@ -118,3 +118,35 @@ impl Expectation {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A known failure is one from its strength on alone: before it its own bound holds, neither twice of it nor less,
+    /// at the hardest strength the stated share at least is wrong, and in between more than the bound.
+    #[test]
+    fn known_failures_begin_where_they_are_said_to() {
+        let known = Expectation::KnownFailure {
+            rule: Rule::HitMiss,
+            from: 3.0,
+            below: 0.02,
+            least_wrong: 0.4,
+            reason: "",
+            source: "",
+        };
+        let surprise = |index: usize, wrong: f64| {
+            let found =
+                known.surprise(&[1.0, 2.0, 3.0, 4.0], index, &Wrong { hit_miss: wrong, tight: 1.0, footprint: 1.0 });
+            found.map(|surprise| matches!(surprise, Surprise::Failure { .. }))
+        };
+        for index in [0, 1] {
+            assert_eq!(
+                [0.0, 0.02, 0.021, 0.04].map(|wrong| surprise(index, wrong)),
+                [None, None, Some(true), Some(true)]
+            );
+        }
+        assert_eq!([0.0, 0.02, 0.021, 0.9].map(|wrong| surprise(2, wrong)), [Some(false), Some(false), None, None]);
+        assert_eq!([0.1, 0.39, 0.4, 0.9].map(|wrong| surprise(3, wrong)), [Some(false), Some(false), None, None]);
+    }
+}

@@ -195,7 +195,7 @@ pub(super) const COPLANAR: Case = Case {
     make: coplanar,
     most_ties: 0.06,
     feature: Feature {
-        what: "hit a triangle of which there are copies",
+        what: "hit a triangle of which there are more than a hundred copies",
         least: 0.3,
         has: |probe, index| {
             let geometry = probe.truth.geometry();

@@ -189,6 +189,13 @@ fn visibility_ends_at_its_targets() {
     for rays in [&inside, &outside] {
         assert!(rays.iter().all(|ray| end(ray).distance(end(rays[0])) < 1e-4), "one target each");
     }
+    // As documented, in plain numbers.
+    let (size, diagonal) = (high - low, (high - low).length());
+    let expected =
+        [low + size * DVec3::new(0.5, 0.8, 0.5), (low + high) / 2.0 + diagonal * DVec3::new(0.35, 0.9, 0.25)];
+    for (rays, expected) in [&inside, &outside].into_iter().zip(expected) {
+        assert!(end(rays[0]).distance(expected) < 1e-4, "{expected}");
+    }
     let reaches = |ray: &Ray| room.truth.closest(&Ray64::from(ray)).is_none();
     assert!(!outside.iter().any(|ray| reaches(ray)));
     let free = inside.iter().filter(|ray| reaches(ray)).count();
@@ -245,6 +252,16 @@ fn second_bounces_start_at_diffuse_hits() {
     assert_eq!(starts.len(), points.len());
     assert!(starts.iter().zip(&points).all(|(ray, point)| origin(ray).distance(*point) < 2.0 * offset));
     assert!(diffuse.iter().zip(&points).any(|(ray, point)| origin(ray).distance(*point) > 100.0 * offset));
+    // By numbers of its own: with those of the first bounce the angles to the surfaces would be the same.
+    let angles = |rays: &[Ray], starts: &Starts| -> Vec<f64> {
+        let hits = starts.rays.iter().zip(starts.answers.iter()).filter_map(|(ray, answer)| Some((ray, answer.hit?)));
+        let normals = hits.map(|(_, hit)| room.truth.normal(hit.primitive));
+        rays.iter().zip(normals).map(|(ray, normal)| direction(ray).dot(normal).abs()).collect()
+    };
+    let told = Starts::primary(Arc::new(diffuse.clone()), Arc::new(room.tell(&diffuse)));
+    let (first, second) = (angles(&diffuse, &room.primary()), angles(&starts, &told));
+    let same = first.iter().zip(&second).filter(|(a, b)| (*a - *b).abs() < 1e-4).count();
+    assert!(same * 20 < first.len(), "{same} of {}", first.len());
 }
 
 /// Refracted rays start inside of the box, bent by Snell's law, and leave it; a sheet without an inside has none, nor
@@ -283,6 +300,8 @@ fn random_rays_fill_the_bounds() {
     let rays = Place::solid().make("random");
     assert_eq!(rays.len(), 24 * 16);
     assert!(rays.iter().all(|ray| origin(ray).abs().max_element() <= 1.0));
+    let on_a_plane = |ray: &&Ray| (0..3).any(|axis| ray.origin[axis] == ray.origin[(axis + 1) % 3]);
+    assert_eq!(rays.iter().filter(on_a_plane).count(), 0);
     for axis in 0..3 {
         for part in [|ray: &Ray| ray.origin, |ray: &Ray| ray.direction] {
             let above = rays.iter().filter(|ray| part(ray)[axis] > 0.0).count();
@@ -297,6 +316,9 @@ fn pixel_random_starts_twenty_a_pixel() {
     let floor = Place::floor();
     let rays = floor.make("pixel-random");
     assert_eq!((rays.len(), bits(&rays).len()), (20 * floor.hits(), 20 * floor.hits()));
+    // The floor has one normal: directions that recur would be those of one stream.
+    let directions: BTreeSet<[u32; 3]> = rays.iter().map(|ray| ray.direction.map(f32::to_bits)).collect();
+    assert_eq!(directions.len(), rays.len());
     assert!(rays.chunks(20).all(|chunk| chunk.iter().all(|ray| ray.origin == chunk[0].origin)));
     assert_eq!(Place::floor().with("pixel_random_count", "3").make("pixel-random").len(), 3 * floor.hits());
     let scene = RayScene {

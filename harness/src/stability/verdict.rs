@@ -93,12 +93,13 @@ fn stated(case: &Case, expected: &Expectation, measured: &mut [Measured]) -> (Ve
     match expected {
         Expectation::Exact => (Verdict::Exact, "exact".to_owned()),
         Expectation::Bounded { rule, most_wrong, .. } => {
-            let text = format!("bounded {} ≤ {}", percent(worst(measured, *rule)), percent(*most_wrong));
+            let text =
+                format!("bounded {} ≤ {} ({})", percent(worst(measured, *rule)), percent(*most_wrong), rule.name());
             (Verdict::Bounded, text)
         }
         Expectation::KnownFailure { rule, .. } => {
             let hardest = measured.last().and_then(|each| each.wrong).map_or(1.0, |wrong| wrong.under(*rule));
-            (Verdict::KnownFailure, format!("known failure {}", percent(hardest)))
+            (Verdict::KnownFailure, format!("known failure {} ({})", percent(hardest), rule.name()))
         }
     }
 }
