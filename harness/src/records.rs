@@ -2,14 +2,17 @@
 
 use std::collections::BTreeMap;
 
-use tracebench_api::{ClockKind, Counter, EndPoint, Hit, MemoryReport, Ray, Status, Timing};
+use tracebench_api::{
+    ClockKind, Counter, EndPoint, Hit, MemoryReport, Parameters, Ray, Residency, Status, Timing, Value,
+};
 use tracebench_scenes::{Origin, Scene};
 
-use crate::plan::Plan;
+use crate::plan::{Plan, TracerRequest};
 use crate::results::{
-    BuildRecord, CounterRecord, Judgement, MemoryRecord, PhaseRecord, SceneRecord, Times, TraceRecord, ViewpointRecord,
+    BuildRecord, CounterRecord, Judgement, MemoryRecord, PhaseRecord, SceneRecord, Times, TraceRecord, TracerRecord,
+    ViewpointRecord,
 };
-use crate::session::{PreparedRays, Session};
+use crate::session::{Contender, PreparedRays, Session};
 use crate::statistics::{median, median_interval};
 use crate::viewpoint::Pose;
 
@@ -86,6 +89,28 @@ pub(crate) fn memory_record(memory: MemoryReport) -> MemoryRecord {
         structure: memory.structure,
         geometry_bytes: memory.geometry_bytes,
         build_peak_bytes: memory.build_peak_bytes,
+    }
+}
+
+/// Values as JSON has them.
+pub(crate) fn json_values(parameters: &Parameters) -> BTreeMap<String, serde_json::Value> {
+    let json = |value: &Value| serde_json::to_value(value).unwrap_or_default();
+    parameters.iter().map(|(name, value)| (name.to_owned(), json(value))).collect()
+}
+
+/// A contender as it was asked for; a control was not.
+pub(crate) fn tracer_record(contender: &Contender, request: Option<&TracerRequest>) -> TracerRecord {
+    let Contender { description, parameters, .. } = contender;
+    TracerRecord {
+        name: description.name.to_owned(),
+        preset: request.map_or("control", |request| request.preset.name()).to_owned(),
+        parameters: json_values(parameters),
+        changed: request.map(|request| request.changed.clone()).unwrap_or_default(),
+        residency: match description.residency {
+            Residency::Host => "host",
+            Residency::Device => "device",
+        }
+        .to_owned(),
     }
 }
 

@@ -1,11 +1,6 @@
 //! Runs a plan: builds and traces interleaved over the contenders, judges, and writes everything down.
 
-#[cfg(test)]
-mod tests;
-
-use std::collections::BTreeMap;
-
-use tracebench_api::{Geometry, HitBuffer, Parameters, RayBuffer, Residency, Timing, TracerError};
+use tracebench_api::{Geometry, HitBuffer, RayBuffer, Timing, TracerError};
 use tracebench_scenes::{Camera, Material, Scene, SceneError};
 
 use crate::controls::Control;
@@ -187,7 +182,7 @@ pub fn execute(plan: &Plan, device: &Device, cache: &Cache, progress: &Progress)
         started: machine::utc_now(),
         seed: plan.seed,
         preset: plan.preset.name.to_owned(),
-        ray_parameters: json_values(&plan.ray_parameters),
+        ray_parameters: records::json_values(&plan.ray_parameters),
         controls: Vec::new(),
         runs: Vec::new(),
         skipped: Vec::new(),
@@ -201,11 +196,6 @@ pub fn execute(plan: &Plan, device: &Device, cache: &Cache, progress: &Progress)
         return Err(RunError::Nothing(reasons.join("; ")));
     }
     Ok(run)
-}
-
-fn json_values(parameters: &Parameters) -> BTreeMap<String, serde_json::Value> {
-    let json = |value: &tracebench_api::Value| serde_json::to_value(value).unwrap_or_default();
-    parameters.iter().map(|(name, value)| (name.to_owned(), json(value))).collect()
 }
 
 /// A contender with what has been measured of it.
@@ -228,18 +218,7 @@ impl Entry {
     }
 
     fn record(&self) -> TracerRecord {
-        let Contender { description, parameters, .. } = &self.contender;
-        TracerRecord {
-            name: description.name.to_owned(),
-            preset: self.request.as_ref().map_or("control", |request| request.preset.name()).to_owned(),
-            parameters: json_values(parameters),
-            changed: self.request.as_ref().map(|request| request.changed.clone()).unwrap_or_default(),
-            residency: match description.residency {
-                Residency::Host => "host",
-                Residency::Device => "device",
-            }
-            .to_owned(),
-        }
+        records::tracer_record(&self.contender, self.request.as_ref())
     }
 
     /// Does something unless the entry has failed before; a failure takes it out of the race.
@@ -387,3 +366,6 @@ fn tracer_run(entry: Entry, scene: &SceneRecord, viewpoint: &ViewpointRecord) ->
         traces: entry.traces,
     })
 }
+
+#[cfg(test)]
+mod tests;

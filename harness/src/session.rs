@@ -50,6 +50,11 @@ pub struct PreparedRays {
 }
 
 impl PreparedRays {
+    fn new(set: RaySet, rays: Arc<Vec<Ray>>, answers: Arc<Vec<Answer>>, gpu: Option<&Gpu>) -> Self {
+        let sha256 = crate::hash::sha256_of(&rays);
+        Self { set, buffer: RayBuffer::new(rays, set.query, gpu), answers, sha256 }
+    }
+
     /// Numbers of rays that truth says hit and miss, without ties.
     pub fn hits_and_misses(&self) -> (u64, u64) {
         let count =
@@ -146,23 +151,23 @@ impl Session {
         // Most other sets start from the primary hits, so these are always told.
         let answers = Arc::new(truth.answer(&primary, Query::Closest, cache, progress)?);
         let primary = Starts::primary(primary, answers);
-        let mut session = Self { gpu, truth, viewpoint, rays: Vec::new(), skipped: Vec::new() };
+        let (mut prepared, mut skipped) = (Vec::new(), Vec::new());
+        let scene = RayScene {
+            truth: &truth,
+            viewpoint: &viewpoint,
+            path: request.path,
+            mirrors: request.mirrors,
+            image: request.image,
+            seed: request.seed,
+            parameters: request.parameters,
+        };
+        let tell = |rays: &Arc<Vec<Ray>>| truth.answer(rays, Query::Closest, cache, progress);
         for set in request.sets {
-            let scene = RayScene {
-                truth: &session.truth,
-                viewpoint: &session.viewpoint,
-                path: request.path,
-                mirrors: request.mirrors,
-                image: request.image,
-                seed: request.seed,
-                parameters: request.parameters,
-            };
-            let tell = |rays: &Arc<Vec<Ray>>| session.truth.answer(rays, Query::Closest, cache, progress);
             let made = match rays::make(set, &scene, &primary, tell) {
                 Ok(made) => made,
                 Err(RayError::Truth(error)) => return Err(error.into()),
                 Err(error) => {
-                    session.skipped.push(Skipped {
+                    skipped.push(Skipped {
                         tracer: None,
                         scene: scene_name.to_owned(),
                         rays: Some(set.name.to_owned()),
@@ -175,13 +180,11 @@ impl Session {
             let answers = if Arc::ptr_eq(&made, &primary.rays) {
                 Arc::clone(&primary.answers)
             } else {
-                Arc::new(session.truth.answer(&made, set.query, cache, progress)?)
+                Arc::new(truth.answer(&made, set.query, cache, progress)?)
             };
-            let sha256 = crate::hash::sha256_of(&made);
-            let buffer = RayBuffer::new(made, set.query, session.gpu.as_deref());
-            session.rays.push(PreparedRays { set: *set, buffer, answers, sha256 });
+            prepared.push(PreparedRays::new(*set, made, answers, gpu.as_deref()));
         }
-        Ok(session)
+        Ok(Self { gpu, truth, viewpoint, rays: prepared, skipped })
     }
 
     /// Takes rays that were made elsewhere, uploads them and tells their truth.
@@ -197,9 +200,7 @@ impl Session {
     ) -> Result<Self, SessionError> {
         let rays = Arc::new(rays);
         let answers = Arc::new(truth.answer(&rays, set.query, &Cache::none(), &Progress::new(true))?);
-        let sha256 = crate::hash::sha256_of(&rays);
-        let buffer = RayBuffer::new(rays, set.query, gpu.as_deref());
-        let rays = vec![PreparedRays { set, buffer, answers, sha256 }];
+        let rays = vec![PreparedRays::new(set, rays, answers, gpu.as_deref())];
         Ok(Self { gpu, truth, viewpoint, rays, skipped: Vec::new() })
     }
 

@@ -1,10 +1,14 @@
 //! What the tests across crates share: the device, tiny scenes, seeded numbers.
 
+mod fake;
+
 use std::cell::OnceCell;
 use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{AdapterChoice, Geometry, Gpu, Ray, ViewSet, Viewpoint};
+
+pub use fake::{Fake, Manner};
 
 /// A device for the calling test. Tests run side by side and a device's clock serves one sample at a time, so each
 /// thread has its own.

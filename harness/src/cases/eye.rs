@@ -11,7 +11,6 @@ pub(super) const INSIDE: Case = Case {
     summary: "the eye within a closed shell ever smaller than the scene; half of the rays start outside of it",
     knob: Knob { name: "shell radius", unit: "diagonals", values: &[0.2, 0.05, 0.01, 0.004] },
     make: inside,
-    most_ties: 0.06,
     feature: Feature {
         what: "hit the shell within a hundredth of the diagonal",
         least: 0.3,
@@ -52,7 +51,6 @@ pub(super) const ON_SURFACE: Case = Case {
     summary: "the eye ever closer above a floor",
     knob: Knob { name: "height", unit: "diagonals", values: &[0.1, 0.01, 1e-3, 1e-4, 1e-5] },
     make: on_surface,
-    most_ties: 0.06,
     feature: Feature { what: "hit the floor before near", least: 0.2, has: before_near },
 };
 
@@ -74,7 +72,6 @@ pub(super) const AT_VERTEX: Case = Case {
     summary: "the eye ever closer to the tip of a cone that points at it",
     knob: Knob { name: "distance", unit: "diagonals", values: &[0.1, 0.01, 1e-3, 1e-4, 1e-5] },
     make: at_vertex,
-    most_ties: 0.06,
     feature: Feature { what: "hit the cone before near", least: 0.2, has: before_near },
 };
 
@@ -92,10 +89,7 @@ fn at_vertex(distance: f64) -> Result<Setup, TracerError> {
     // Keeps the diagonal at about 2.5 and gives rays beside the cone something to hit.
     sketch.plate(DVec3::new(-0.6, -1.2, -1.9), DVec3::X * 1.2, DVec3::Y * 0.5);
     sketch.speck(DVec3::new(0.6, 1.0, -0.5));
-    let stage = sketch.seen_by(Camera::default())?;
-    let mut shots = Shots::new(12);
-    shots.through_centres(&stage.view, RAYS);
-    Ok(stage.with(shots, Query::Closest))
+    sketch.seen_by(Camera::default())?.through_centres(12)
 }
 
 pub(super) const BEFORE_NEAR: Case = Case {
@@ -103,7 +97,6 @@ pub(super) const BEFORE_NEAR: Case = Case {
     summary: "a plate before half of the view, at last nearer than near",
     knob: Knob { name: "depth", unit: "near distances", values: &[10.0, 1.5, 0.75, 0.25, 0.01] },
     make: nearer_than_near,
-    most_ties: 0.06,
     feature: Feature { what: "hit what is nearer than near", least: 0.2, has: before_near },
 };
 
@@ -113,10 +106,7 @@ fn nearer_than_near(depth: f64) -> Result<Setup, TracerError> {
     let mut sketch = Sketch::default();
     sketch.plate(DVec3::new(-0.8, -0.4, -1.0) * depth, DVec3::new(0.7, 0.0, 0.0) * depth, DVec3::Y * 0.9 * depth);
     sketch.plate(DVec3::new(-1.1, -1.3, -3.0), DVec3::new(1.9, 0.0, 0.1), DVec3::new(0.0, 1.7, 0.2));
-    let stage = sketch.seen_by(Camera { near: Some(NEAR as f32), ..Camera::default() })?;
-    let mut shots = Shots::new(13);
-    shots.through_centres(&stage.view, RAYS);
-    Ok(stage.with(shots, Query::Closest))
+    sketch.seen_by(Camera { near: Some(NEAR as f32), ..Camera::default() })?.through_centres(13)
 }
 
 pub(super) const DEPTH_RANGE: Case = Case {
@@ -124,7 +114,6 @@ pub(super) const DEPTH_RANGE: Case = Case {
     summary: "plates side by side in one view at depths from a thousandth on, ten times deeper each",
     knob: Knob { name: "range", unit: "decades of depth", values: &[1.0, 2.0, 4.0, 6.0, 8.0] },
     make: depth_range,
-    most_ties: 0.06,
     feature: Feature {
         what: "hit at less than a hundred-thousandth of the greatest depth",
         least: 0.15,
@@ -141,8 +130,5 @@ fn depth_range(decades: f64) -> Result<Setup, TracerError> {
         let corner = DVec3::new(-0.55 + width * f64::from(plate), -0.4, -1.0);
         sketch.plate(corner * depth, DVec3::X * (0.9 * width * depth), DVec3::new(0.0, 0.75, 0.2) * depth);
     }
-    let stage = sketch.seen_by(Camera { near: Some(5e-4), target: Vec3::NEG_Z, ..Camera::default() })?;
-    let mut shots = Shots::new(15);
-    shots.through_centres(&stage.view, RAYS);
-    Ok(stage.with(shots, Query::Closest))
+    sketch.seen_by(Camera { near: Some(5e-4), target: Vec3::NEG_Z, ..Camera::default() })?.through_centres(15)
 }

@@ -11,7 +11,6 @@ pub(super) const CUBE_BORDERS: Case = Case {
     summary: "rays from the eye and near it along the edges and corners between cube faces, onto a torn sphere",
     knob: Knob { name: "off the border", unit: "parts of the distance", values: &[0.1, 0.01, 1e-4, 1e-6, 0.0] },
     make: cube_borders,
-    most_ties: 0.06,
     feature: Feature {
         what: "run along a face's border",
         least: 0.9,
@@ -66,7 +65,6 @@ pub(super) const COARSE_FRAME: Case = Case {
     summary: "plates seen through ever fewer pixels, odd numbers of them, down to one; rays between pixel centres",
     knob: Knob { name: "frame edge", unit: "pixels", values: &[511.0, 255.0, 65.0, 17.0, 5.0, 1.0] },
     make: coarse_frame,
-    most_ties: 0.06,
     feature: Feature {
         what: "hit something smaller than a pixel",
         least: 0.3,
@@ -93,7 +91,6 @@ pub(super) const WIDE_FRAME: Case = Case {
     summary: "plates through ever wider and lower frames, to a single row; rays through pixel centres",
     knob: Knob { name: "width", unit: "heights", values: &[1.0, 8.0, 64.0, 512.0, 4096.0] },
     make: wide_frame,
-    most_ties: 0.06,
     feature: Feature {
         what: "hit something in a frame of one row",
         least: 0.2,
@@ -123,7 +120,6 @@ pub(super) const SURFACE_STARTS: Case = Case {
     summary: "rays that start ever closer above a floor, before a wall, in any direction off it",
     knob: Knob { name: "lift", unit: "diagonals", values: &[0.01, 1e-3, 1e-4, 1e-5, 2e-6] },
     make: surface_starts,
-    most_ties: 0.06,
     feature: Feature {
         what: "start within a hundred thousandth of a diagonal from the floor",
         least: 0.9,
@@ -151,7 +147,6 @@ pub(super) const CELL_BORDERS: Case = Case {
     summary: "rays whose image runs along a border between pixel columns or rows, ever closer to it",
     knob: Knob { name: "off the border", unit: "pixels", values: &[0.4, 0.1, 0.01, 1e-3, 0.0] },
     make: cell_borders,
-    most_ties: 0.06,
     feature: Feature {
         what: "start on a border",
         least: 0.9,
@@ -190,7 +185,6 @@ pub(super) const VIEW_CENTRE: Case = Case {
     summary: "rays from behind that pass ever closer by the eye and go on into the view, to a torn sphere",
     knob: Knob { name: "distance from the eye", unit: "diagonals", values: &[0.02, 0.005, 1e-3, 1e-5, 0.0] },
     make: view_centre,
-    most_ties: 0.06,
     feature: Feature { what: "pass the eye within a millionth of the diagonal", least: 0.9, has: passes_the_eye },
 };
 

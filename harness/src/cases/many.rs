@@ -14,7 +14,6 @@ pub(super) const VOXEL: Case = Case {
     summary: "stacks of plates in single voxels of a 64-cubed grid; rays from all around",
     knob: Knob { name: "surfaces", unit: "a voxel", values: &[1.0, 2.0, 4.0, 8.0, 32.0] },
     make: voxel,
-    most_ties: 0.06,
     feature: Feature {
         what: "meet four surfaces within a voxel",
         least: 0.2,
@@ -64,7 +63,6 @@ pub(super) const EQUAL_TRIANGLES: Case = Case {
     summary: "one triangle thousands of times over: hierarchies over equal boxes grow deep, lists long",
     knob: Knob { name: "copies", unit: "", values: &[16.0, 256.0, 1024.0, 4096.0] },
     make: equal_triangles,
-    most_ties: 0.06,
     feature: Feature {
         what: "hit a triangle of which there are thousands",
         least: 0.2,
@@ -89,7 +87,6 @@ pub(super) const LAYERS: Case = Case {
     summary: "plates one behind another in the same pixels; half of the rays start among them",
     knob: Knob { name: "layers", unit: "a pixel", values: &[1.0, 4.0, 32.0, 256.0, 2048.0] },
     make: layers,
-    most_ties: 0.06,
     feature: Feature {
         what: "meet a hundred layers",
         least: 0.2,
@@ -119,7 +116,6 @@ pub(super) const CROWD: Case = Case {
     summary: "a cloud of tiny triangles within one pixel and one voxel; any hit is asked",
     knob: Knob { name: "triangles", unit: "", values: &[8.0, 64.0, 512.0, 4096.0] },
     make: crowd,
-    most_ties: 0.06,
     feature: Feature {
         what: "meet something less than a twentieth of a pixel wide",
         least: 0.3,

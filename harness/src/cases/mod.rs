@@ -34,8 +34,13 @@ pub struct Knob {
 impl Knob {
     /// Name and unit, for axes and tables.
     pub fn label(&self) -> String {
-        if self.unit.is_empty() { self.name.to_owned() } else { format!("{} ({})", self.name, self.unit) }
+        label(self.name, self.unit)
     }
+}
+
+/// A knob's name with its unit, if it has one.
+pub(crate) fn label(name: &str, unit: &str) -> String {
+    if unit.is_empty() { name.to_owned() } else { format!("{name} ({unit})") }
 }
 
 /// A case at one strength.
@@ -61,6 +66,9 @@ pub struct Feature {
     pub has: fn(&Probe<'_>, usize) -> bool,
 }
 
+/// Most ties of a case at any strength, share of all rays: else it would measure nothing.
+pub const MOST_TIES: f64 = 0.06;
+
 /// A minimal scene with one difficulty.
 #[derive(Clone, Copy)]
 pub struct Case {
@@ -72,8 +80,6 @@ pub struct Case {
     pub knob: Knob,
     /// The scene at a value of the knob.
     pub make: fn(f64) -> Result<Setup, TracerError>,
-    /// Most ties at any strength, share of all rays.
-    pub most_ties: f64,
     /// What shows the difficulty.
     pub feature: Feature,
 }

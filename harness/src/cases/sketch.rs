@@ -127,6 +127,14 @@ pub(super) struct Stage {
 }
 
 impl Stage {
+    /// The whole case where rays are its ordinary ones: from the eye through pixel centres, for the closest hit. `case`
+    /// tells the cases' numbers apart.
+    pub(super) fn through_centres(self, case: u64) -> Result<Setup, TracerError> {
+        let mut shots = Shots::new(case);
+        shots.through_centres(&self.view, RAYS);
+        Ok(self.with(shots, Query::Closest))
+    }
+
     pub(super) fn with(self, shots: Shots, query: Query) -> Setup {
         Setup { geometry: self.geometry, viewpoint: self.viewpoint, rays: shots.rays, query }
     }

@@ -19,7 +19,6 @@ pub(super) const WIRES: Case = Case {
     summary: "slanted strips ever thinner than a pixel; rays from the eye between the frame's pixel centres",
     knob: Knob { name: "width", unit: "pixels", values: &[4.0, 2.0, 1.0, 0.5, 0.2, 0.02] },
     make: wires,
-    most_ties: 0.06,
     feature: Feature { what: "hit something thinner than half a pixel", least: 0.3, has: below_a_pixel },
 };
 
@@ -49,7 +48,6 @@ pub(super) const LEAVES: Case = Case {
     summary: "triangles scattered in any pose, ever smaller than a pixel; half of the rays aim at one",
     knob: Knob { name: "edge", unit: "pixels", values: &[16.0, 4.0, 1.0, 0.5, 0.1] },
     make: leaves,
-    most_ties: 0.06,
     feature: Feature { what: "hit something smaller than half a pixel", least: 0.3, has: below_a_pixel },
 };
 

@@ -11,7 +11,6 @@ pub(super) const EDGE_ON: Case = Case {
     summary: "a plate turned until it lies along the line of sight; rays cross it from the side",
     knob: Knob { name: "slant", unit: "degrees", values: &[45.0, 80.0, 87.0, 89.0, 89.8, 89.98] },
     make: edge_on,
-    most_ties: 0.06,
     feature: Feature {
         what: "hit a surface seen at less than a degree",
         least: 0.3,
@@ -47,7 +46,6 @@ pub(super) const SHEETS: Case = Case {
     summary: "two parallel sheets ever closer together; half of the rays start midway between them",
     knob: Knob { name: "gap", unit: "diagonals", values: &[0.1, 0.01, 1e-3, 1e-4, 2e-5] },
     make: sheets,
-    most_ties: 0.06,
     feature: Feature {
         what: "hit a sheet with the other one closer than a thousandth of the diagonal",
         least: 0.4,
@@ -89,7 +87,6 @@ pub(super) const OPEN_MESH: Case = Case {
     summary: "a sphere with triangles missing, seen through its holes: insides show, nothing is closed",
     knob: Knob { name: "missing", unit: "share of triangles", values: &[0.05, 0.1, 0.25, 0.4, 0.6] },
     make: open_mesh,
-    most_ties: 0.06,
     feature: Feature {
         what: "hit the sphere from its inside",
         least: 0.1,
@@ -115,7 +112,6 @@ pub(super) const HUGE: Case = Case {
     summary: "small pyramids on a floor of one triangle that is ever larger than what is seen of it",
     knob: Knob { name: "edge", unit: "eye heights", values: &[10.0, 100.0, 1e3, 1e4, 1e5] },
     make: huge,
-    most_ties: 0.06,
     feature: Feature {
         what: "hit a triangle a thousand times as large as it is far",
         least: 0.2,
@@ -154,7 +150,6 @@ pub(super) const NEEDLES: Case = Case {
     summary: "a plate cut into ever thinner triangles; every other ray aims at an edge between two of them",
     knob: Knob { name: "length", unit: "widths", values: &[8.0, 32.0, 128.0, 1024.0, 8192.0] },
     make: needles,
-    most_ties: 0.06,
     feature: Feature {
         what: "hit a triangle a thousand times as long as wide",
         least: 0.5,
@@ -193,7 +188,6 @@ pub(super) const COPLANAR: Case = Case {
     summary: "the same plate many times over in one plane",
     knob: Knob { name: "copies", unit: "", values: &[1.0, 2.0, 4.0, 16.0, 64.0, 256.0] },
     make: coplanar,
-    most_ties: 0.06,
     feature: Feature {
         what: "hit a triangle of which there are more than a hundred copies",
         least: 0.3,
@@ -223,7 +217,6 @@ pub(super) const FLAT_TILE: Case = Case {
     summary: "a wall square to the view whose relief shrinks to nothing: tiles without any range of depth",
     knob: Knob { name: "relief", unit: "diagonals", values: &[0.1, 0.01, 1e-4, 1e-6, 0.0] },
     make: flat_tile,
-    most_ties: 0.06,
     feature: Feature {
         what: "hit the wall at its one depth",
         least: 0.3,

@@ -162,7 +162,10 @@ fn rays_text() -> String {
 
 fn rays() -> Vec<Value> {
     let item = |set: &RaySet| {
-        let parameter = |each: &ParameterDescription| json!({ "name": each.name, "unit": each.unit, "domain": each.domain, "default": each.published, "effect": each.effect });
+        let parameter = |each: &ParameterDescription| {
+            let ParameterDescription { name, unit, domain, published, effect, .. } = each;
+            json!({ "name": name, "unit": unit, "domain": domain, "default": published, "effect": effect })
+        };
         let parameters: Vec<Value> = parameters_of(set).iter().map(parameter).collect();
         json!({ "name": set.name, "query": set.query, "summary": set.summary, "parameters": parameters })
     };

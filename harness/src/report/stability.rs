@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::markdown::Table;
 use super::{ReportError, chart, files, format};
+use crate::cases;
 use crate::stability::{Cell, Stability, Verdict, percent};
 
 /// The file that holds everything.
@@ -105,7 +106,7 @@ fn page(stability: &Stability) -> String {
     );
     for case in &stability.cases {
         let _ = writeln!(text, "\n## {}\n\n{}.\n", case.name, case.summary);
-        let knob = with_unit_name(&case.knob.name, &case.knob.unit);
+        let knob = cases::label(&case.knob.name, &case.knob.unit);
         let shared = ["rays", "hit", "miss", "ties", "show the difficulty"].map(str::to_owned);
         let of_tracers = case.tracers.iter().map(|cell| format!("{}: tight, footprint", cell.tracer));
         let mut table = Table::new(&[vec![knob], shared.to_vec(), of_tracers.collect()].concat());
@@ -120,10 +121,6 @@ fn page(stability: &Stability) -> String {
         let _ = writeln!(text, "{}\nThe difficulty: rays that {}.", table.text, case.feature);
     }
     text
-}
-
-fn with_unit_name(name: &str, unit: &str) -> String {
-    if unit.is_empty() { name.to_owned() } else { format!("{name} ({unit})") }
 }
 
 fn figures(cell: &Cell, index: usize) -> String {

@@ -12,6 +12,7 @@ use crate::machine;
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
 use crate::rays::RaySet;
+use crate::records;
 use crate::registry::Device;
 use crate::results::{Judgement, Skipped};
 use crate::runner::RunError;
@@ -37,19 +38,11 @@ impl Candidate {
     /// against them all the same.
     fn create(request: &TracerRequest, device: &Device) -> Result<Self, TracerError> {
         let description = (request.registration.describe)();
-        let name = description.name;
         let published = request.preset == tracebench_api::Preset::Published;
-        let expected = if published { expectation::column(name).to_vec() } else { Vec::new() };
-        let mut label = if published { name.to_owned() } else { format!("{name}:{}", request.preset.name()) };
-        if !request.changed.is_empty() {
-            let changed = request.changed.iter().filter_map(|parameter| {
-                let value = request.parameters.iter().find(|(name, _)| name == parameter)?.1;
-                Some(format!("{parameter}={value}"))
-            });
-            label = format!("{label} {}", changed.collect::<Vec<_>>().join(" "));
-        }
+        let expected = if published { expectation::column(description.name).to_vec() } else { Vec::new() };
         let contender =
             Contender::create(description, request.parameters.clone(), || request.registration.create(device))?;
+        let label = records::tracer_record(&contender, Some(request)).label();
         Ok(Self { label, contender, expected })
     }
 }

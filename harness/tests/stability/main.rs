@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use tracebench_api::Gpu;
 use tracebench_api::{Parameters, Preset};
-use tracebench_harness::cases::{CASES, Case, Expectation, Rule, expectation};
+use tracebench_harness::cases::{CASES, Case, Expectation, MOST_TIES, Rule, expectation};
 use tracebench_harness::plan::TracerRequest;
 use tracebench_harness::progress::Progress;
 use tracebench_harness::registry::TRACERS;
@@ -49,7 +49,7 @@ fn flaws(case: &Case, record: &CaseRecord) -> Vec<String> {
             check(of as f64 >= least * count, format!("only {of} of {count} at {}", strength.strength));
         }
         let ties = strength.ties as f64 / count;
-        check(ties <= case.most_ties, format!("{ties} ties at {}", strength.strength));
+        check(ties <= MOST_TIES, format!("{ties} ties at {}", strength.strength));
     }
     let featured = record.strengths.last().unwrap().featured;
     check(featured >= case.feature.least, format!("only {featured} {}", case.feature.what));

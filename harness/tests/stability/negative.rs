@@ -6,6 +6,7 @@ use tracebench_harness::controls::Control;
 use tracebench_harness::registry;
 use tracebench_harness::session::Contender;
 use tracebench_harness::stability::{Candidate, measure, prepare};
+use tracebench_tests::{Fake, Manner};
 
 /// `bvh-cpu` or a control in its place, with one expectation.
 fn candidate(tracer: Option<Control>, case: &Case, expected: Expectation) -> Candidate {
@@ -25,66 +26,6 @@ fn candidate(tracer: Option<Control>, case: &Case, expected: Expectation) -> Can
     Candidate { label: "candidate".to_owned(), contender, expected: vec![(case.name, expected)] }
 }
 
-/// A host tracer that never hits.
-struct Blind;
-
-mod blind {
-    use tracebench_api::{
-        Counter, Geometry, Hit, HitBuffer, MemoryReport, Parameters, PhaseClock, Status, Structure, TraceJob, Tracer,
-        TracerError, Update, Viewpoint,
-    };
-
-    impl Tracer for super::Blind {
-        fn build(
-            &self,
-            _geometry: &Geometry,
-            _viewpoint: &Viewpoint,
-            _parameters: &Parameters,
-            clock: &mut PhaseClock<'_>,
-        ) -> Result<Box<dyn Structure>, TracerError> {
-            clock.host_phase("nothing", || ());
-            Ok(Box::new(Self))
-        }
-    }
-
-    impl Structure for super::Blind {
-        fn update(
-            &mut self,
-            _update: Update,
-            _geometry: &Geometry,
-            _viewpoint: &Viewpoint,
-            _parameters: &Parameters,
-            _clock: &mut PhaseClock<'_>,
-        ) -> Result<(), TracerError> {
-            Ok(())
-        }
-
-        fn trace(
-            &self,
-            job: TraceJob<'_>,
-            hits: &mut HitBuffer,
-            clock: &mut PhaseClock<'_>,
-        ) -> Result<(), TracerError> {
-            let hits = hits.host_mut(job.rays.host.len())?;
-            clock.host_phase("answer", || hits.fill(Hit::miss(Status::Miss)));
-            Ok(())
-        }
-
-        fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-            hits.host_mut(job.rays.host.len())?.fill(Hit::miss(Status::Miss));
-            Ok(Vec::new())
-        }
-
-        fn memory(&self) -> MemoryReport {
-            MemoryReport::default()
-        }
-
-        fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
-            Ok(Vec::new())
-        }
-    }
-}
-
 fn verdict(case: &Case, mut candidate: Candidate) -> (Verdict, String) {
     let record = measure(case, std::slice::from_mut(&mut candidate), None).unwrap();
     assert_eq!(record.void, None);
@@ -97,7 +38,7 @@ fn verdict(case: &Case, mut candidate: Candidate) -> (Verdict, String) {
 fn a_blind_tracer_fails_everything_exact() {
     for case in CASES {
         let parameters = Parameters::preset(&[], Preset::Published);
-        let contender = Contender::ready(Control::AlwaysMiss.description(), parameters, Box::new(Blind));
+        let contender = Contender::ready(Control::AlwaysMiss.description(), parameters, Box::new(Fake(Manner::Honest)));
         let expected = vec![(case.name, Expectation::Exact)];
         let (verdict, text) = verdict(case, Candidate { label: "blind".to_owned(), contender, expected });
         assert_eq!(verdict, Verdict::UnexpectedFailure, "{}: {text}", case.name);

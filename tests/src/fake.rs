@@ -1,0 +1,84 @@
+//! Contenders that never hit, and some that cheat or waver on top, which the registry has none of.
+
+use std::cell::Cell;
+
+use tracebench_api::{
+    Counter, Geometry, Hit, HitBuffer, MemoryReport, Parameters, PhaseClock, Status, Structure, TraceJob, Tracer,
+    TracerError, Update, Viewpoint,
+};
+
+/// How a contender behaves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Manner {
+    /// Misses every ray, whenever it is asked.
+    Honest,
+    /// Answers the first trace and leaves what stands in the buffer at every later one.
+    Idle,
+    /// Takes its time at the first trace of a structure, and misses every ray.
+    Slow,
+    /// Writes other hits when it counts than when it is timed.
+    Wavering,
+}
+
+/// A host tracer that never hits, in a manner of its own.
+#[derive(Clone, Copy, Debug)]
+pub struct Fake(pub Manner);
+
+struct FakeStructure {
+    manner: Manner,
+    traced: Cell<usize>,
+}
+
+impl Tracer for Fake {
+    fn build(
+        &self,
+        _geometry: &Geometry,
+        _viewpoint: &Viewpoint,
+        _parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Box<dyn Structure>, TracerError> {
+        clock.host_phase("nothing", || ());
+        Ok(Box::new(FakeStructure { manner: self.0, traced: Cell::new(0) }))
+    }
+}
+
+impl Structure for FakeStructure {
+    fn update(
+        &mut self,
+        _update: Update,
+        _geometry: &Geometry,
+        _viewpoint: &Viewpoint,
+        _parameters: &Parameters,
+        _clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        Ok(())
+    }
+
+    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        let hits = hits.host_mut(job.rays.host.len())?;
+        clock.host_phase("answer", || {
+            if self.manner != Manner::Idle || self.traced.get() == 0 {
+                hits.fill(Hit::miss(Status::Miss));
+            }
+            if self.manner == Manner::Slow && self.traced.get() == 0 {
+                std::thread::sleep(std::time::Duration::from_millis(200));
+            }
+        });
+        self.traced.set(self.traced.get() + 1);
+        Ok(())
+    }
+
+    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        let status = if self.manner == Manner::Wavering { Status::StepCap } else { Status::Miss };
+        hits.host_mut(job.rays.host.len())?.fill(Hit::miss(status));
+        Ok(Vec::new())
+    }
+
+    fn memory(&self) -> MemoryReport {
+        MemoryReport::default()
+    }
+
+    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        Ok(Vec::new())
+    }
+}
