@@ -66,6 +66,15 @@ pub(crate) fn trace_record(traced: Traced<'_>) -> TraceRecord {
 }
 
 fn times(timings: &[Timing]) -> Times {
+    let believed = Timing::believable(timings);
+    let submissions: Vec<_> = timings.iter().filter_map(|timing| timing.submit_to_done_ms).collect();
+    let by_submission: Vec<Timing>;
+    let timings = if believed {
+        timings
+    } else {
+        by_submission = timings.iter().map(Timing::by_submission).collect();
+        &by_submission
+    };
     let samples_ms: Vec<f64> = timings.iter().map(|timing| timing.total_ms).collect();
     let phases: Vec<_> = timings.iter().map(|timing| timing.phases.clone()).collect();
     let (interval_ms, interval_coverage) = median_interval(&samples_ms);
@@ -76,6 +85,8 @@ fn times(timings: &[Timing]) -> Times {
         interval_ms,
         interval_coverage,
         phases: PhaseRecord::collect(&phases),
+        submit_to_done_median_ms: (!submissions.is_empty()).then(|| median(&submissions)),
+        timestamps_refused: !believed,
     }
 }
 
@@ -144,5 +155,28 @@ pub(crate) fn viewpoint_record(plan: &Plan, pose: &Pose, session: &Session) -> V
         face: viewpoint.face,
         ray_image: plan.preset.ray_image,
         time_s: plan.time_s,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Proves that timestamps which cover next to nothing of the submission are replaced by the host's clock, which the
+    /// record says, and that others are kept.
+    #[test]
+    fn timestamps_that_cannot_be_true_are_refused() {
+        let sample = |device: f64| Timing {
+            clock: ClockKind::DeviceTimestamps,
+            total_ms: device,
+            phases: Vec::new(),
+            submit_to_done_ms: Some(20.0),
+        };
+        let refused = times(&[sample(0.03), sample(0.04)]);
+        assert_eq!((refused.clock, refused.median_ms), (ClockKind::SubmitToDone, 20.0));
+        assert!(refused.timestamps_refused && refused.submit_to_done_median_ms == Some(20.0));
+        let kept = times(&[sample(18.0), sample(19.0)]);
+        assert_eq!((kept.clock, kept.median_ms), (ClockKind::DeviceTimestamps, 18.5));
+        assert!(!kept.timestamps_refused && kept.submit_to_done_median_ms == Some(20.0));
     }
 }

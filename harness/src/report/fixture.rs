@@ -214,6 +214,8 @@ fn times(quality: Quality, samples: &[f64], phases: Vec<PhaseRecord>) -> Times {
         interval_ms,
         interval_coverage,
         phases,
+        submit_to_done_median_ms: (quality.clock != ClockKind::Host).then(|| median(samples) + 0.3),
+        timestamps_refused: false,
     }
 }
 

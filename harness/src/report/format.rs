@@ -2,6 +2,8 @@
 
 use tracebench_api::{ClockKind, EndPoint, Query};
 
+use crate::results::Times;
+
 /// What stands where there is no figure.
 pub(super) const NONE: &str = "–";
 
@@ -87,6 +89,12 @@ pub(super) fn clock(clock: ClockKind) -> &'static str {
         ClockKind::DeviceTimestamps => "device timestamps",
         ClockKind::SubmitToDone => "submit to done, host clock",
     }
+}
+
+/// The clock of times, and whether another was refused.
+pub(super) fn clock_of(times: &Times) -> String {
+    let refused = if times.timestamps_refused { " (timestamps not believed)" } else { "" };
+    format!("{}{refused}", clock(times.clock))
 }
 
 /// A clock's name as a table's value.

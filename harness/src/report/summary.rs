@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use tracebench_api::Query;
 
 use super::format::{
-    self, NONE, clock, mib, optional, percent, percent_with_interval, significant, thousands, with_interval,
+    self, NONE, clock_of, mib, optional, percent, percent_with_interval, significant, thousands, with_interval,
 };
 use super::group::{Group, RaySet, Role};
 use super::markdown::{Table, inline};
@@ -147,7 +147,7 @@ fn build_table(group: &Group<'_>) -> String {
             run.tracer.label(),
             run.tracer.residency.clone(),
             format!("{}, {}", size(run.viewpoint.frame), run.viewpoint.face),
-            clock(build.times.clock).to_owned(),
+            clock_of(&build.times),
             time,
             phases.join("; "),
             mib(run.memory.structure_bytes),
@@ -298,7 +298,7 @@ fn any_tables(text: &mut String, rows: &[Row<'_>]) {
 fn speed_cells(role: Role, run: &TracerRun, trace: &TraceRecord, judged: bool) -> Vec<String> {
     let mut cells = vec![label(role, run)];
     let speed = metrics::speed(trace).filter(|_| judged && role == Role::Contender);
-    cells.push(if role == Role::Control { NONE.to_owned() } else { clock(trace.times.clock).to_owned() });
+    cells.push(if role == Role::Control { NONE.to_owned() } else { clock_of(&trace.times) });
     cells.push(thousands(trace.count));
     match speed {
         Some(speed) => {

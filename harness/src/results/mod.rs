@@ -14,7 +14,7 @@ pub use judgement::{
 };
 
 /// The schema that this program writes and reads.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// A whole run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -213,6 +213,10 @@ pub struct Times {
     pub interval_coverage: f64,
     /// Phases in order.
     pub phases: Vec<PhaseRecord>,
+    /// The same samples by the host's clock round the submission, their median; of work on the host nothing.
+    pub submit_to_done_median_ms: Option<f64>,
+    /// Whether the device's timestamps cannot be true, so that `clock` is `submit_to_done` instead.
+    pub timestamps_refused: bool,
 }
 
 /// Times of the builds.

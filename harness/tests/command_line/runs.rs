@@ -162,7 +162,7 @@ fn a_smoke_run() {
     assert_eq!(missing(&run), Vec::<String>::new());
     assert_eq!(
         (run["schema"].as_u64(), run["preset"].as_str(), run["seed"].as_u64()),
-        (Some(1), Some("smoke"), Some(1))
+        (Some(2), Some("smoke"), Some(1))
     );
     assert!(run["dirty"].is_boolean() || run["dirty"].is_null());
     let by_name = |list: &str, name: &str| -> Value {

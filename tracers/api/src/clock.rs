@@ -36,6 +36,35 @@ pub struct Timing {
     pub total_ms: f64,
     /// The phases in order; empty where the clock cannot see them.
     pub phases: Vec<PhaseSample>,
+    /// The same work by the host's clock, from before submission until the device is done; none for work on the host.
+    pub submit_to_done_ms: Option<f64>,
+}
+
+impl Timing {
+    /// What submission and waking up may cost beyond the work, milliseconds.
+    const OVERHEAD_MS: f64 = 1.0;
+
+    /// Whether the timestamps of samples of the same work can be true: at least one sample spends no more than half its
+    /// time, or a millisecond, outside of them, and none lasts longer on the device than the host waited for it. A stamp
+    /// that the driver takes too late, or a wrong period, would show as a speed that nothing has.
+    pub fn believable(samples: &[Timing]) -> bool {
+        let pairs: Vec<_> =
+            samples.iter().filter_map(|sample| Some((sample.total_ms, sample.submit_to_done_ms?))).collect();
+        let covered = |&(device, host): &(f64, f64)| host - device <= f64::max(device, Self::OVERHEAD_MS);
+        let within = |&(device, host): &(f64, f64)| device <= host + Self::OVERHEAD_MS;
+        pairs.is_empty() || (pairs.iter().any(covered) && pairs.iter().all(within))
+    }
+
+    /// The sample by the host's clock round the submission, where there is one; phases cannot be seen by it.
+    #[must_use]
+    pub fn by_submission(&self) -> Self {
+        match self.submit_to_done_ms {
+            Some(total_ms) => {
+                Self { clock: ClockKind::SubmitToDone, total_ms, phases: Vec::new(), submit_to_done_ms: Some(total_ms) }
+            }
+            None => self.clone(),
+        }
+    }
 }
 
 /// Times one build or trace. All work in scope goes through [`PhaseClock::host_phase`] or
@@ -79,12 +108,12 @@ impl<'gpu> PhaseClock<'gpu> {
         }
         let encoder = self.encoder.get_or_insert_with(|| gpu.device.create_command_encoder(&Default::default()));
         if let (Some(stamps), true) = (&gpu.stamps, self.device_phases.is_empty()) {
-            encoder.write_timestamp(&stamps.queries, 0);
+            stamps.write(encoder, 0);
         }
         record(encoder);
         self.device_phases.push(name.to_owned());
         if let Some(stamps) = &gpu.stamps {
-            encoder.write_timestamp(&stamps.queries, self.device_phases.len() as u32);
+            stamps.write(encoder, self.device_phases.len() as u32);
         }
         Ok(())
     }
@@ -101,6 +130,7 @@ impl<'gpu> PhaseClock<'gpu> {
                 clock: ClockKind::Host,
                 total_ms: (end - begin).as_secs_f64() * 1e3,
                 phases: self.host_phases,
+                submit_to_done_ms: None,
             }),
             (Some(encoder), None) => {
                 let gpu = self.gpu.ok_or_else(|| TracerError::Failed("a device phase without a device".to_owned()))?;
@@ -111,21 +141,24 @@ impl<'gpu> PhaseClock<'gpu> {
 }
 
 fn finish_on_device(gpu: &Gpu, mut encoder: wgpu::CommandEncoder, phases: &[String]) -> Result<Timing, TracerError> {
-    let Some(stamps) = &gpu.stamps else {
-        let commands = encoder.finish();
-        let begin = Instant::now();
-        gpu.queue.submit([commands]);
-        gpu.wait()?;
-        let total_ms = begin.elapsed().as_secs_f64() * 1e3;
-        return Ok(Timing { clock: ClockKind::SubmitToDone, total_ms, phases: Vec::new() });
+    let bytes = Stamps::bytes(phases.len());
+    if let Some(stamps) = &gpu.stamps {
+        stamps.resolve(&mut encoder, bytes);
+    }
+    let commands = encoder.finish();
+    let begin = Instant::now();
+    gpu.queue.submit([commands]);
+    gpu.wait()?;
+    let submit_to_done_ms = begin.elapsed().as_secs_f64() * 1e3;
+    let by_host = Timing {
+        clock: ClockKind::SubmitToDone,
+        total_ms: submit_to_done_ms,
+        phases: Vec::new(),
+        submit_to_done_ms: Some(submit_to_done_ms),
     };
-    let count = phases.len() as u32 + 1;
-    let bytes = u64::from(count) * 8;
-    encoder.resolve_query_set(&stamps.queries, 0..count, &stamps.resolved, 0);
-    encoder.copy_buffer_to_buffer(&stamps.resolved, 0, &stamps.readback, 0, bytes);
-    gpu.queue.submit([encoder.finish()]);
+    let Some(stamps) = &gpu.stamps else { return Ok(by_host) };
     let read = gpu.read_mapped(&stamps.readback, bytes)?;
-    let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(&read);
+    let ticks: Vec<u64> = bytemuck::pod_collect_to_vec::<u8, [u64; 2]>(&read).iter().map(|[tick, _]| *tick).collect();
     let to_ms = |from: u64, to: u64| to.saturating_sub(from) as f64 * stamps.period_ns * 1e-6;
     let phases = phases.iter().zip(ticks.windows(2));
     Ok(Timing {
@@ -134,10 +167,13 @@ fn finish_on_device(gpu: &Gpu, mut encoder: wgpu::CommandEncoder, phases: &[Stri
         phases: phases
             .map(|(name, pair)| PhaseSample { name: name.clone(), duration_ms: to_ms(pair[0], pair[1]) })
             .collect(),
+        ..by_host
     })
 }
 
-/// A query set for the phases of one sample, kept with the device.
+/// A query set for the phases of one sample, kept with the device. Every stamp is written twice and the first is read:
+/// after a render pass Mesa's software driver takes a stamp only when something later waits for it, as the next stamp
+/// does; written once, the stamp before a compute pass would be taken after it.
 #[derive(Debug)]
 pub(crate) struct Stamps {
     queries: wgpu::QuerySet,
@@ -150,20 +186,15 @@ impl Stamps {
     const MOST_PHASES: usize = 32;
 
     pub(crate) fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
-        let count = Self::MOST_PHASES as u32 + 1;
+        let size = Self::bytes(Self::MOST_PHASES);
         let buffer = |label, usage| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: u64::from(count) * 8,
-                usage,
-                mapped_at_creation: false,
-            })
+            device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
         };
         Self {
             queries: device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some("phase timestamps"),
                 ty: wgpu::QueryType::Timestamp,
-                count,
+                count: (size / 8) as u32,
             }),
             resolved: buffer(
                 "phase timestamps resolved",
@@ -172,6 +203,23 @@ impl Stamps {
             readback: buffer("phase timestamps read back", wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ),
             period_ns: f64::from(queue.get_timestamp_period()),
         }
+    }
+
+    /// Bytes of the stamps of so many phases.
+    fn bytes(phases: usize) -> u64 {
+        (phases as u64 + 1) * 16
+    }
+
+    /// Writes the stamp after so many phases.
+    fn write(&self, encoder: &mut wgpu::CommandEncoder, phases: u32) {
+        encoder.write_timestamp(&self.queries, phases * 2);
+        encoder.write_timestamp(&self.queries, phases * 2 + 1);
+    }
+
+    /// Records that stamps are made readable.
+    fn resolve(&self, encoder: &mut wgpu::CommandEncoder, bytes: u64) {
+        encoder.resolve_query_set(&self.queries, 0..(bytes / 8) as u32, &self.resolved, 0);
+        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.readback, 0, bytes);
     }
 }
 
@@ -190,6 +238,26 @@ mod tests {
         assert_eq!(timing.phases.iter().map(|phase| phase.name.as_str()).collect::<Vec<_>>(), ["first", "second"]);
         assert!(timing.total_ms >= 3.0);
         assert!(timing.phases.iter().map(|phase| phase.duration_ms).sum::<f64>() <= timing.total_ms);
+    }
+
+    /// Samples that cannot be true are told: stamps around nothing while the host waited, and stamps that last longer than
+    /// the wait. A machine that was busy during some of the samples is not one of them, nor is a trace shorter than what
+    /// its submission costs; without stamps there is nothing to doubt.
+    #[test]
+    fn impossible_timestamps_are_not_believed() {
+        let sample = |device: f64, host: f64| Timing {
+            clock: ClockKind::DeviceTimestamps,
+            total_ms: device,
+            phases: Vec::new(),
+            submit_to_done_ms: Some(host),
+        };
+        assert!(!Timing::believable(&[sample(0.04, 13.4), sample(0.05, 22.0)]));
+        assert!(!Timing::believable(&[sample(20.0, 20.3), sample(40.0, 20.3)]));
+        assert!(Timing::believable(&[sample(20.0, 20.3), sample(20.0, 55.0)]));
+        assert!(Timing::believable(&[sample(0.02, 0.3)]));
+        assert!(Timing::believable(&[]));
+        let submitted = sample(0.04, 13.4).by_submission();
+        assert_eq!((submitted.clock, submitted.total_ms), (ClockKind::SubmitToDone, 13.4));
     }
 
     /// A sample in which nothing was marked is an error, not a time of zero.
