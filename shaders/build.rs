@@ -9,13 +9,23 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
 
 /// Modules that others import, in order of dependence.
-const MODULES: &[&str] = &["shared/types.wgsl", "shared/view.wgsl", "shared/dispatch.wgsl"];
+const MODULES: &[&str] =
+    &["shared/types.wgsl", "shared/view.wgsl", "shared/dispatch.wgsl", "shared/triangle.wgsl", "bvh/search.wgsl"];
 
 /// Every variant: constant's name, file, definitions that are switched on.
 const VARIANTS: &[(&str, &str, &[&str])] = &[
     ("EYE_DEPTH_RASTER", "shared/eye_depth_raster.wgsl", &[]),
     ("SCREEN_DDA_TRACE", "screen-dda/trace.wgsl", &[]),
     ("SCREEN_DDA_TRACE_COUNTED", "screen-dda/trace.wgsl", &["COUNTERS"]),
+    ("BVH_WIDE", "bvh/cwbvh.wgsl", &[]),
+    ("BVH_WIDE_COUNTED", "bvh/cwbvh.wgsl", &["COUNTERS"]),
+    ("BVH_WIDE_DEEP", "bvh/cwbvh.wgsl", &["DEEP"]),
+    ("BVH_WIDE_DEEP_COUNTED", "bvh/cwbvh.wgsl", &["DEEP", "COUNTERS"]),
+    ("BVH_BINARY", "bvh/binary.wgsl", &[]),
+    ("BVH_BINARY_COUNTED", "bvh/binary.wgsl", &["COUNTERS"]),
+    ("BVH_BINARY_DEEP", "bvh/binary.wgsl", &["DEEP"]),
+    ("BVH_BINARY_DEEP_COUNTED", "bvh/binary.wgsl", &["DEEP", "COUNTERS"]),
+    ("TEST_TRIANGLE_FUNCTIONS", "test/triangle_functions.wgsl", &[]),
     ("TEST_VIEW_FUNCTIONS", "test/view_functions.wgsl", &[]),
 ];
 

@@ -22,6 +22,10 @@ pub struct Registration {
 pub const TRACERS: &[Registration] = &[
     Registration { describe: tracebench_bvh::description, create: |_| Ok(Box::new(tracebench_bvh::BvhCpu)) },
     Registration {
+        describe: tracebench_bvh::gpu_description,
+        create: |gpu| Ok(Box::new(tracebench_bvh::BvhGpu::new(gpu?)?)),
+    },
+    Registration {
         describe: tracebench_screen_dda::description,
         create: |gpu| Ok(Box::new(tracebench_screen_dda::ScreenDda::new(gpu?)?)),
     },

@@ -6,9 +6,11 @@ use std::mem::{offset_of, size_of};
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Module, ShaderStage, TypeInner};
+use obvhs::cwbvh::node::CwBvhNode;
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::wgpu::BufferUsages;
 use tracebench_api::{Hit, NO_PRIMITIVE, Ray, Status, View, Viewpoint};
+use tracebench_bvh::{BINARY_STACK, BinaryNode, DeviceTriangle, SearchSettings, WIDE_STACK};
 use tracebench_kit::{ViewUniform, bind_group, compute_pipeline, dispatch_linear};
 use tracebench_shaders::{ALL, Shader, TEST_VIEW_FUNCTIONS};
 use tracebench_tests::{Numbers, gpu, viewpoint};
@@ -72,7 +74,50 @@ fn shared() -> BTreeMap<&'static str, Layout> {
     ];
     let settings =
         [("ray_count", 0), ("max_steps", 4), ("hit_point", 8), ("stride", 12), ("thickness", 16), ("start_bias", 20)];
+    let search_settings = [
+        ("first_ray", offset_of!(SearchSettings, first_ray)),
+        ("ray_count", offset_of!(SearchSettings, ray_count)),
+        ("rays_per_lane", offset_of!(SearchSettings, rays_per_lane)),
+        ("any_hit", offset_of!(SearchSettings, any_hit)),
+        ("stack_entries", offset_of!(SearchSettings, stack_entries)),
+        ("scale", offset_of!(SearchSettings, scale)),
+        ("unscale", offset_of!(SearchSettings, unscale)),
+        ("greatest_t", offset_of!(SearchSettings, greatest_t)),
+    ];
+    let triangle = [
+        ("first", offset_of!(DeviceTriangle, first)),
+        ("primitive", offset_of!(DeviceTriangle, primitive)),
+        ("second", offset_of!(DeviceTriangle, second)),
+        ("after_second", offset_of!(DeviceTriangle, after_second)),
+        ("third", offset_of!(DeviceTriangle, third)),
+        ("after_third", offset_of!(DeviceTriangle, after_third)),
+    ];
+    let binary_node = [
+        ("low", offset_of!(BinaryNode, low)),
+        ("first", offset_of!(BinaryNode, first)),
+        ("high", offset_of!(BinaryNode, high)),
+        ("count", offset_of!(BinaryNode, count)),
+    ];
+    // obvhs keeps the exponents and the mask of nodes as four bytes, the planes of an axis as two arrays of eight.
+    let wide_node = [
+        ("origin", offset_of!(CwBvhNode, p)),
+        ("exponents_and_nodes", offset_of!(CwBvhNode, e)),
+        ("first_child", offset_of!(CwBvhNode, child_base_idx)),
+        ("first_triangle", offset_of!(CwBvhNode, primitive_base_idx)),
+        ("children", offset_of!(CwBvhNode, child_meta)),
+        ("x", offset_of!(CwBvhNode, child_min_x)),
+        ("y", offset_of!(CwBvhNode, child_min_y)),
+        ("z", offset_of!(CwBvhNode, child_min_z)),
+    ];
+    assert_eq!(offset_of!(CwBvhNode, imask), offset_of!(CwBvhNode, e) + 3);
+    assert_eq!(offset_of!(CwBvhNode, child_max_x), offset_of!(CwBvhNode, child_min_x) + 8);
+    assert_eq!(offset_of!(CwBvhNode, child_max_y), offset_of!(CwBvhNode, child_min_y) + 8);
+    assert_eq!(offset_of!(CwBvhNode, child_max_z), offset_of!(CwBvhNode, child_min_z) + 8);
     BTreeMap::from([
+        ("SearchSettings", layout(&search_settings, size_of::<SearchSettings>())),
+        ("Triangle", layout(&triangle, size_of::<DeviceTriangle>())),
+        ("BinaryNode", layout(&binary_node, size_of::<BinaryNode>())),
+        ("WideNode", layout(&wide_node, size_of::<CwBvhNode>())),
         ("Ray", layout(&ray, size_of::<Ray>())),
         ("Hit", layout(&hit, size_of::<Hit>())),
         ("View", layout(&view, size_of::<ViewUniform>())),
@@ -89,7 +134,7 @@ fn misfits(module: &Module) -> (Vec<String>, Vec<String>) {
     (present, wrong)
 }
 
-/// Proves that Ray, Hit, View and Settings have the same member names at the same offsets in every shader and in Rust.
+/// Proves that every struct that Rust shares has the same member names at the same offsets in every shader and in Rust.
 #[test]
 fn layouts_are_those_of_rust() {
     let mut seen = BTreeMap::new();
@@ -100,7 +145,7 @@ fn layouts_are_those_of_rust() {
             *seen.entry(name).or_insert(0) += 1;
         }
     }
-    assert!(["Ray", "Hit", "View", "Settings"].into_iter().all(|name| seen.contains_key(name)), "{seen:?}");
+    assert!(shared().keys().all(|name| seen.contains_key(*name)), "{seen:?}");
 }
 
 /// Negative control: swapped members, another type and a member that is missing are each noticed.
@@ -145,6 +190,15 @@ fn entry_points_exist() {
         ("EYE_DEPTH_RASTER", vec![("vertex", ShaderStage::Vertex, 0), ("fragment", ShaderStage::Fragment, 0)]),
         ("SCREEN_DDA_TRACE", vec![("trace", ShaderStage::Compute, 64)]),
         ("SCREEN_DDA_TRACE_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
+        ("BVH_WIDE", vec![("trace", ShaderStage::Compute, 64)]),
+        ("BVH_WIDE_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
+        ("BVH_WIDE_DEEP", vec![("trace", ShaderStage::Compute, 64)]),
+        ("BVH_WIDE_DEEP_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
+        ("BVH_BINARY", vec![("trace", ShaderStage::Compute, 64)]),
+        ("BVH_BINARY_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
+        ("BVH_BINARY_DEEP", vec![("trace", ShaderStage::Compute, 64)]),
+        ("BVH_BINARY_DEEP_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
+        ("TEST_TRIANGLE_FUNCTIONS", vec![("cross_pairs", ShaderStage::Compute, 64)]),
         ("TEST_VIEW_FUNCTIONS", vec![("project", ShaderStage::Compute, 64)]),
     ]);
     for shader in ALL {
@@ -180,6 +234,9 @@ fn constants_are_those_of_rust() {
                 statuses += 1;
             } else if name == "NO_PRIMITIVE" {
                 assert_eq!(value, NO_PRIMITIVE);
+            } else if name == "PRIVATE_STACK" {
+                let wide = shader.name.starts_with("BVH_WIDE");
+                assert_eq!(value as usize, if wide { WIDE_STACK } else { BINARY_STACK }, "{}", shader.name);
             }
         }
     }

@@ -5,6 +5,7 @@
 //! [`expectation::COLUMNS`].
 
 mod bvh_cpu;
+mod bvh_gpu;
 pub mod expectation;
 mod eye;
 mod frames;

@@ -12,17 +12,17 @@ fn a_matrix_and_its_files() {
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
     let expected = ["error_vs_strength.png", "error_vs_strength.svg", "stability.json", "stability.md"];
     assert_eq!(names(&bench.path("out")), expected.map(str::to_owned).into());
-    assert!(outcome.stdout.starts_with("| case | bvh-cpu | screen-dda |\n"), "{}", outcome.stdout);
-    assert!(outcome.stdout.contains("| edge-on | exact | known failure "), "{}", outcome.stdout);
+    assert!(outcome.stdout.starts_with("| case | bvh-cpu | bvh-gpu | screen-dda |\n"), "{}", outcome.stdout);
+    assert!(outcome.stdout.contains("| edge-on | exact | exact | known failure "), "{}", outcome.stdout);
     let page = std::fs::read_to_string(bench.path("out/stability.md")).unwrap();
-    assert!(page.contains("| edge-on | exact | known failure "), "{page}");
+    assert!(page.contains("| edge-on | exact | exact | known failure "), "{page}");
     let found: Value = serde_json::from_slice(&std::fs::read(bench.path("out/stability.json")).unwrap()).unwrap();
     assert_eq!(found["schema"], 1);
     assert!(found["machine"]["adapter"]["name"].is_string());
     let case = &found["cases"][0];
     assert_eq!((case["name"].as_str(), case["knob"]["unit"].as_str()), (Some("edge-on"), Some("degrees")));
     assert!(case["strengths"][0]["rays"].as_u64().unwrap() >= 500);
-    let cell = &case["tracers"][1];
+    let cell = &case["tracers"][2];
     assert_eq!((cell["tracer"].as_str(), cell["verdict"].as_str()), (Some("screen-dda"), Some("known_failure")));
     for field in ["kind", "rule", "most_wrong", "from", "least_wrong", "reason", "source"] {
         assert!(!cell["expectation"][field].is_null(), "{field}: {cell}");

@@ -1,9 +1,6 @@
 //! `bvh-cpu`: CWBVH on the host.
 
-use std::sync::Arc;
-
 use glam::{UVec2, Vec3A};
-use obvhs::BvhBuildParams;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::node::CwBvhNode;
 use obvhs::faststack::{FastStack, HeapStack, StackStack};
@@ -12,15 +9,14 @@ use obvhs::rt_triangle::RtTriangle;
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 use tracebench_api::{
-    Counter, Description, Domain, Geometry, Hit, HitBuffer, Invalidation, Ledger, MemoryReport, ParameterDescription,
-    ParameterScope, Parameters, PhaseClock, Query, Ray, Residency, Status, Structure, TraceJob, Tracer, TracerError,
-    Update, Value, Viewpoint,
+    Counter, Description, Geometry, Hit, HitBuffer, Invalidation, Ledger, MemoryReport, Parameters, PhaseClock, Query,
+    Ray, Residency, Status, Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
 };
 
 use crate::hierarchy;
+use crate::input::{build_description, build_parameters, gather, scale_for};
 use crate::refit::refit;
-
-const BUILDS: &[&str] = &["fastest", "very_fast", "fast", "medium", "slow", "very_slow"];
+use crate::wide::{check_references, depth};
 
 /// Rays handed to a core at a time: large against the cost of handing over, small against the ray sets.
 const RAYS_PER_TASK: usize = 512;
@@ -29,13 +25,8 @@ const RAYS_PER_TASK: usize = 512;
 /// hierarchies (thousands of equal triangles give them) are traversed with a stack of their depth.
 const STACK: usize = 32;
 
-/// Power of two to which a scene's diagonal is scaled. obvhs's CWBVH nodes drop everything nearer than 1e-4 whatever the
-/// scene's size; at this size that is less than 1e-9 of the diagonal. Powers of two lose no bit.
-const DIAGONAL_EXPONENT: i32 = 17;
-
 /// What `bvh-cpu` is and takes.
 pub fn description() -> Description {
-    let choice = |name: &str| Value::Choice(name.to_owned());
     Description {
         name: "bvh-cpu",
         citation: "Ylitie, Karras, Laine: Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs, \
@@ -44,35 +35,8 @@ pub fn description() -> Description {
         residency: Residency::Host,
         invalidated_by: &[Invalidation::Geometry],
         names_primitives: true,
-        parameters: vec![ParameterDescription {
-            name: "build",
-            unit: "",
-            scope: ParameterScope::Build,
-            domain: Domain::Choice(BUILDS),
-            published: choice("medium"),
-            improved: choice("slow"),
-            effect: "obvhs's build preset: slower builds trace faster; slow and very_slow split large triangles",
-            sweep: BUILDS.iter().map(|name| choice(name)).collect(),
-        }],
+        parameters: vec![build_description()],
     }
-}
-
-fn build_parameters(name: &str) -> BvhBuildParams {
-    match name {
-        "fastest" => BvhBuildParams::fastest_build(),
-        "very_fast" => BvhBuildParams::very_fast_build(),
-        "fast" => BvhBuildParams::fast_build(),
-        "slow" => BvhBuildParams::slow_build(),
-        "very_slow" => BvhBuildParams::very_slow_build(),
-        _ => BvhBuildParams::medium_build(),
-    }
-}
-
-/// The factor that brings a diagonal to between a half and a whole of the wanted power of two.
-fn scale_for(diagonal: f64) -> f32 {
-    let exponent = if diagonal > 0.0 { DIAGONAL_EXPONENT - diagonal.log2().ceil() as i32 } else { 0 };
-    // Within f32's normal range, for which coordinates of up to 1e15 leave room.
-    2.0_f32.powi(exponent.clamp(-100, 100))
 }
 
 /// The tracer.
@@ -104,16 +68,6 @@ impl Tracer for BvhCpu {
     }
 }
 
-/// The scene's triangles, scaled.
-fn gather(geometry: &Geometry, scale: f32, clock: &mut PhaseClock<'_>) -> Vec<Triangle> {
-    let positions = Arc::clone(&geometry.positions);
-    clock.host_phase("gather triangles", || {
-        let corner = |vertex: u32| Vec3A::from(positions[vertex as usize]) * scale;
-        let gather = |&[a, b, c]: &[u32; 3]| Triangle { v0: corner(a), v1: corner(b), v2: corner(c) };
-        geometry.triangles.par_iter().map(gather).collect()
-    })
-}
-
 /// Triangles in the order of the leaves.
 fn order(bvh: &CwBvh, triangles: &[Triangle], clock: &mut PhaseClock<'_>) -> Vec<RtTriangle> {
     clock.host_phase("order triangles", || {
@@ -132,7 +86,7 @@ impl BvhCpuStructure {
         let triangles = gather(geometry, scale, clock);
         let mut ledger = Ledger::new();
         ledger.borrow_transient(size_of_val(triangles.as_slice()) as u64);
-        let bvh = hierarchy::build(&triangles, config, &mut ledger, clock);
+        let bvh = hierarchy::build_wide(&triangles, config, &mut ledger, clock);
         let ordered = order(&bvh, &triangles, clock);
 
         let mut keep = |name: &str, element: usize, capacity: usize, used: usize| {
@@ -266,32 +220,6 @@ impl BvhCpuStructure {
     }
 }
 
-/// Levels of nodes from the root down.
-fn depth(bvh: &CwBvh) -> Result<usize, TracerError> {
-    let mut deepest = 0;
-    let mut open = vec![(0_usize, 1_usize)];
-    let mut visited = 0;
-    while let Some((index, level)) = open.pop() {
-        let Some(node) = bvh.nodes.get(index) else {
-            return Err(TracerError::Failed(format!("node {index} does not exist")));
-        };
-        visited += 1;
-        if visited > bvh.nodes.len() {
-            return Err(TracerError::Failed("a node is reached twice".to_owned()));
-        }
-        deepest = deepest.max(level);
-        for child in 0..node.imask.count_ones() {
-            let below = (node.child_base_idx + child) as usize;
-            // Refitting relies on it.
-            if below <= index {
-                return Err(TracerError::Failed(format!("node {below} comes before its parent {index}")));
-            }
-            open.push((below, level + 1));
-        }
-    }
-    Ok(deepest)
-}
-
 impl Structure for BvhCpuStructure {
     fn update(
         &mut self,
@@ -340,23 +268,7 @@ impl Structure for BvhCpuStructure {
 
     fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
         let depth = depth(&self.bvh)?;
-        let mut seen = vec![0_u32; self.triangle_count];
-        for index in &self.bvh.primitive_indices {
-            match seen.get_mut(*index as usize) {
-                Some(count) => *count += 1,
-                None => {
-                    return Err(TracerError::Failed(format!("a leaf names triangle {index}, which does not exist")));
-                }
-            }
-        }
-        let (missing, doubled) =
-            (seen.iter().filter(|count| **count == 0).count(), seen.iter().filter(|count| **count > 1).count());
-        if missing > 0 {
-            return Err(TracerError::Failed(format!("{missing} triangles are in no leaf")));
-        }
-        if doubled > 0 && !self.bvh.uses_spatial_splits {
-            return Err(TracerError::Failed(format!("{doubled} triangles are in several leaves without splits")));
-        }
+        check_references(&self.bvh.primitive_indices, self.triangle_count, self.bvh.uses_spatial_splits)?;
         Ok(vec![
             ("nodes", self.bvh.nodes.len() as f64),
             ("depth", depth as f64),

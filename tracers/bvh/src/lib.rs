@@ -1,11 +1,20 @@
-//! Bounding volume hierarchies built by the obvhs crate.
+//! Bounding volume hierarchies built by the obvhs crate, by PLOC (Meister and Bittner, TVCG 2018) with parallel
+//! reinsertion.
 //!
-//! `bvh-cpu` is an eight-wide compressed hierarchy (CWBVH; Ylitie, Karras and Laine, HPG 2017) built by PLOC (Meister
-//! and Bittner, TVCG 2018) with parallel reinsertion, traversed in f32 on all cores. Its triangle test is obvhs's, which
-//! is not watertight; its answers are judged like anyone's.
+//! `bvh-cpu` is an eight-wide compressed hierarchy (CWBVH; Ylitie, Karras and Laine, HPG 2017), traversed in f32 on all
+//! cores. Its triangle test is obvhs's, which is not watertight; its answers are judged like anyone's.
+//!
+//! `bvh-gpu` is the same hierarchy, or a binary one, uploaded and traversed in compute, with the watertight triangle test of
+//! Woop, Benthin and Wald (JCGT 2013).
 
+mod binary;
 mod cpu;
+mod gpu;
 mod hierarchy;
+mod input;
 mod refit;
+mod wide;
 
+pub use binary::BinaryNode;
 pub use cpu::{BvhCpu, description};
+pub use gpu::{BINARY_STACK, BvhGpu, DeviceTriangle, SearchSettings, WIDE_STACK, description as gpu_description};

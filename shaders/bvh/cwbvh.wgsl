@@ -1,0 +1,199 @@
+// Search of a compressed eight-wide hierarchy: Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through
+// Compressed Wide BVHs", HPG 2017, sections 3 and 4, over nodes as the obvhs crate lays them out (least and greatest
+// planes of an axis stand together). Lanes take several rays each (persistent threads; Aila, Laine, "Understanding the
+// Efficiency of Ray Traversal on GPUs", HPG 2009). Deviation from the paper: triangles are tested at once, not postponed.
+
+#import tracebench::types::{Ray, Hit}
+#import tracebench::dispatch::linear_invocation
+#import tracebench::bvh_search::{SearchSettings, Triangle, Search, begin_search, test_triangle, finish_search}
+
+struct WideNode {
+    // Least corner of the children's grid.
+    origin: vec3<f32>,
+    // Bytes: exponents of the grid's step along x, y, z; which children are nodes.
+    exponents_and_nodes: u32,
+    first_child: u32,
+    first_triangle: u32,
+    // A byte a child. Nodes: 0b001 and 24 + slot; leaves: triangles in unary and offset; none: 0.
+    children: vec2<u32>,
+    // Grid planes of an axis, a byte a child: two words of the least, two of the greatest.
+    x: vec4<u32>,
+    y: vec4<u32>,
+    z: vec4<u32>,
+}
+
+@group(0) @binding(0) var<uniform> settings: SearchSettings;
+@group(0) @binding(1) var<storage, read> nodes: array<WideNode>;
+@group(0) @binding(2) var<storage, read> triangles: array<Triangle>;
+@group(0) @binding(3) var<storage, read> rays: array<Ray>;
+@group(0) @binding(4) var<storage, read_write> hits: array<Hit>;
+#ifdef COUNTERS
+// Of every ray: nodes visited, triangles tested.
+@group(0) @binding(5) var<storage, read_write> counts: array<vec2<u32>>;
+#ifdef DEEP
+@group(0) @binding(6) var<storage, read_write> stacks: array<vec2<u32>>;
+#endif
+#else
+#ifdef DEEP
+@group(0) @binding(5) var<storage, read_write> stacks: array<vec2<u32>>;
+#endif
+#endif
+
+const WORKGROUP_SIZE: u32 = 64u;
+// Entries of the private stack. A level pushes once at most; the host takes the deep variant for more levels.
+const PRIVATE_STACK: u32 = 24u;
+// Bits of a group of children to visit: which of them, in order, above; which of the node's children are nodes, below.
+const PENDING: u32 = 0xff000000u;
+// A group that holds the root alone.
+const ROOT_GROUP: vec2<u32> = vec2<u32>(0u, 0x80000000u);
+// A bound on the rounding of a plane's ray parameter, over the sum of its terms' sizes: two differences and products, and
+// a division of 2.5 ulp, with room. Boxes are widened by it, so that no box that a ray meets is lost.
+const PLANE_SLACK: f32 = 4.76837158e-7;
+
+fn bytes(word: u32) -> vec4<f32> {
+    return vec4<f32>(unpack4xU8(word));
+}
+
+// The bits that four children set when their boxes are met.
+fn child_bits(children: u32, octant: u32, met: vec4<bool>) -> u32 {
+    // Of nodes, and of nothing else, both bits of 24 are set.
+    let is_node = ((children & (children << 1u)) & 0x10101010u) >> 4u;
+    let shift = unpack4xU8((children ^ (octant & (is_node * 0xffu))) & 0x1f1f1f1fu);
+    let bits = unpack4xU8((children >> 5u) & 0x07070707u) << shift;
+    let chosen = select(vec4<u32>(0u), bits, met);
+    return (chosen.x | chosen.y) | (chosen.z | chosen.w);
+}
+
+struct Planes {
+    near_factor: vec3<f32>,
+    near: vec3<f32>,
+    far: vec3<f32>,
+}
+
+// Which of four children a ray meets between t_min and t_max.
+fn boxes_met(planes: Planes, near: vec3<u32>, far: vec3<u32>, t_min: f32, t_max: f32) -> vec4<bool> {
+    let factor = planes.near_factor;
+    let enter_x = bytes(near.x) * factor.x + planes.near.x;
+    let enter_y = bytes(near.y) * factor.y + planes.near.y;
+    let enter_z = bytes(near.z) * factor.z + planes.near.z;
+    let leave_x = bytes(far.x) * factor.x + planes.far.x;
+    let leave_y = bytes(far.y) * factor.y + planes.far.y;
+    let leave_z = bytes(far.z) * factor.z + planes.far.z;
+    let enter = max(max(enter_x, enter_y), max(enter_z, vec4<f32>(t_min)));
+    let leave = min(min(leave_x, leave_y), min(leave_z, vec4<f32>(t_max)));
+    return enter <= leave;
+}
+
+// Bits of the children that the ray meets: nodes above, triangles below.
+fn meet_children(node: WideNode, search: ptr<function, Search>, octant: u32) -> u32 {
+    let exponents = node.exponents_and_nodes;
+    let step = bitcast<vec3<f32>>((vec3<u32>(exponents, exponents >> 8u, exponents >> 16u) & vec3<u32>(0xffu)) << vec3<u32>(23u));
+    let factor = step * (*search).inverse;
+    let base = (node.origin - (*search).frame.origin) * (*search).inverse;
+    let slack = (abs(base) + 255.0 * abs(factor)) * PLANE_SLACK;
+    let planes = Planes(factor, base - slack, base + slack);
+    let backward = (*search).inverse < vec3<f32>(0.0);
+    let near_x = select(node.x.xy, node.x.zw, backward.x);
+    let near_y = select(node.y.xy, node.y.zw, backward.y);
+    let near_z = select(node.z.xy, node.z.zw, backward.z);
+    let far_x = select(node.x.zw, node.x.xy, backward.x);
+    let far_y = select(node.y.zw, node.y.xy, backward.y);
+    let far_z = select(node.z.zw, node.z.xy, backward.z);
+    let t_min = (*search).t_min;
+    let t_max = (*search).t_max;
+    let low = boxes_met(planes, vec3<u32>(near_x.x, near_y.x, near_z.x), vec3<u32>(far_x.x, far_y.x, far_z.x), t_min, t_max);
+    let high = boxes_met(planes, vec3<u32>(near_x.y, near_y.y, near_z.y), vec3<u32>(far_x.y, far_y.y, far_z.y), t_min, t_max);
+    return child_bits(node.children.x, octant, low) | child_bits(node.children.y, octant, high);
+}
+
+// The order of children for a direction, in every byte: a bit of it is set where a component is not negative.
+fn octant_of(inverse: vec3<f32>) -> u32 {
+    let bits = select(vec3<u32>(4u, 2u, 1u), vec3<u32>(0u), (inverse < vec3<f32>(0.0)));
+    return (bits.x | bits.y | bits.z) * 0x01010101u;
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let lane = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    // Neighbours take neighbouring rays: a workgroup's rays are a block, dealt out in turn.
+    let block = (lane - local) * settings.rays_per_lane;
+    let end = settings.first_ray + min(block + WORKGROUP_SIZE * settings.rays_per_lane, settings.ray_count);
+    var index = settings.first_ray + block + local;
+    if (index >= end) {
+        return;
+    }
+#ifdef DEEP
+    let stack_base = lane * settings.stack_entries;
+#else
+    var stack: array<vec2<u32>, PRIVATE_STACK>;
+#endif
+    var stack_size = 0u;
+    var search = begin_search(settings, rays[index]);
+    var octant = octant_of(search.inverse);
+    var group = ROOT_GROUP;
+#ifdef COUNTERS
+    var work = vec2<u32>(0u);
+#endif
+    loop {
+        // The next child of the group, the rest of which waits on the stack.
+        let pending = group.y;
+        let bit = firstLeadingBit(pending);
+        group.y = pending & ~(1u << bit);
+        if ((group.y & PENDING) != 0u) {
+#ifdef DEEP
+            stacks[stack_base + stack_size] = group;
+#else
+            stack[stack_size] = group;
+#endif
+            stack_size += 1u;
+        }
+        let slot = (bit - 24u) ^ (octant & 0xffu);
+        let node = nodes[group.x + countOneBits(pending & ~(0xffffffffu << slot))];
+        let met = meet_children(node, &search, octant);
+#ifdef COUNTERS
+        work.x += 1u;
+#endif
+        group = vec2<u32>(node.first_child, (met & PENDING) | (node.exponents_and_nodes >> 24u));
+        var leaves = met & ~PENDING;
+        while (leaves != 0u) {
+            let offset = firstLeadingBit(leaves);
+            leaves &= ~(1u << offset);
+            test_triangle(&search, triangles[node.first_triangle + offset]);
+#ifdef COUNTERS
+            work.y += 1u;
+#endif
+            if (settings.any_hit == 1u && search.found) {
+                leaves = 0u;
+                group.y = 0u;
+                stack_size = 0u;
+            }
+        }
+        if ((group.y & PENDING) == 0u) {
+            if (stack_size > 0u) {
+                stack_size -= 1u;
+#ifdef DEEP
+                group = stacks[stack_base + stack_size];
+#else
+                group = stack[stack_size];
+#endif
+            } else {
+                hits[index] = finish_search(settings, search);
+#ifdef COUNTERS
+                counts[index] = work;
+                work = vec2<u32>(0u);
+#endif
+                index += WORKGROUP_SIZE;
+                if (index >= end) {
+                    break;
+                }
+                search = begin_search(settings, rays[index]);
+                octant = octant_of(search.inverse);
+                group = ROOT_GROUP;
+            }
+        }
+    }
+}

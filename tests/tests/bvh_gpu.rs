@@ -1,0 +1,242 @@
+//! `bvh-gpu` by both kinds of node against `bvh-cpu`, which traverses the same hierarchy, and where it reaches limits.
+
+use std::sync::Arc;
+
+use tracebench_api::glam::{DVec3, Vec3};
+use tracebench_api::{
+    AdapterChoice, Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray,
+    RayBuffer, Residency, Structure, Timing, TraceJob, Tracer, TracerError, Update, Viewpoint,
+};
+use tracebench_harness::registry::find;
+use tracebench_scenes::procedural;
+use tracebench_tests::{Numbers, gpu, ray, rectangle, soup, viewpoint};
+
+/// A tracer with parameters.
+struct Subject {
+    tracer: Box<dyn Tracer>,
+    parameters: Parameters,
+    residency: Residency,
+    gpu: Arc<Gpu>,
+}
+
+fn view() -> Viewpoint {
+    viewpoint(Vec3::Z, Vec3::ZERO, 0.01, 10.0, [16, 16])
+}
+
+impl Subject {
+    fn new(name: &str, set: &[(&str, &str)], gpu: &Arc<Gpu>) -> Self {
+        let registration = find(name).unwrap();
+        let description = (registration.describe)();
+        let mut parameters = Parameters::preset(&description.parameters, Preset::Published);
+        for (name, value) in set {
+            parameters.set(&description.parameters, name, value).unwrap();
+        }
+        let tracer = registration.create(&Ok(Arc::clone(gpu))).unwrap();
+        Self { tracer, parameters, residency: description.residency, gpu: Arc::clone(gpu) }
+    }
+
+    fn try_build(&self, geometry: &Geometry) -> Result<Box<dyn Structure>, TracerError> {
+        let mut clock = PhaseClock::new(Some(&self.gpu));
+        let structure = self.tracer.build(geometry, &view(), &self.parameters, &mut clock)?;
+        clock.finish().map(|_| structure)
+    }
+
+    fn answer(&self, structure: &dyn Structure, rays: &[Ray], query: Query) -> (Vec<Hit>, Vec<Counter>) {
+        let rays = RayBuffer::new(Arc::new(rays.to_vec()), query, Some(&self.gpu));
+        let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters: &self.parameters };
+        let mut hits = HitBuffer::new(rays.host.len(), self.residency, Some(&self.gpu)).unwrap();
+        let mut clock = PhaseClock::new(Some(&self.gpu));
+        structure.trace(job, &mut hits, &mut clock).unwrap();
+        clock.finish().unwrap();
+        let timed = hits.read(Some(&self.gpu)).unwrap();
+        let counters = structure.trace_counted(job, &mut hits).unwrap();
+        assert_eq!(timed, hits.read(Some(&self.gpu)).unwrap());
+        (timed, counters)
+    }
+}
+
+fn room(gpu: &Gpu) -> (Geometry, Vec<Ray>) {
+    let scene = procedural("room", 0.1).unwrap();
+    let mut numbers = Numbers::new(61);
+    let (low, high) = (Vec3::from(scene.bounds_min).as_dvec3(), Vec3::from(scene.bounds_max).as_dvec3());
+    let rays = (0..4000).map(|_| {
+        let from = low + (numbers.point() * 0.5 + 0.5) * (high - low);
+        ray(from, numbers.direction())
+    });
+    let rays = rays.collect();
+    (Geometry::new(scene.mesh.positions, scene.mesh.triangles, Some(gpu)).unwrap(), rays)
+}
+
+fn total(counters: &[Counter], name: &str) -> f64 {
+    counters.iter().find(|counter| counter.name == name).map(|counter| counter.total as f64).unwrap()
+}
+
+/// Hits that differ in more than rounding and the choice between triangles that meet at an edge.
+fn differences(found: &[Hit], expected: &[Hit]) -> usize {
+    let differ = |(a, b): &(&Hit, &Hit)| a.is_hit() != b.is_hit() || (a.t - b.t).abs() > 1e-5 * b.t + 1e-5;
+    found.iter().zip(expected).filter(differ).count()
+}
+
+/// Proves that the device visits no more than 1.1 times the nodes that obvhs's own traversal of the same CWBVH visits, and
+/// tests no more triangles, for every build; that it gives the same answers; and that the launch changes no bit of them.
+#[test]
+fn the_same_tree_takes_the_same_work() {
+    let gpu = gpu();
+    let (geometry, rays) = room(&gpu);
+    for build in ["fastest", "fast", "medium", "slow"] {
+        let on_host = Subject::new("bvh-cpu", &[("build", build)], &gpu);
+        let on_device = Subject::new("bvh-gpu", &[("build", build)], &gpu);
+        let expected = on_host.try_build(&geometry).unwrap();
+        let structure = on_device.try_build(&geometry).unwrap();
+        structure.validate().unwrap();
+        for query in [Query::Closest, Query::Any] {
+            let (expected_hits, expected_work) = on_host.answer(&*expected, &rays, query);
+            let (hits, work) = on_device.answer(&*structure, &rays, query);
+            if query == Query::Closest {
+                assert!(differences(&hits, &expected_hits) <= 2, "{build}");
+            }
+            for name in ["nodes_visited", "triangle_tests"] {
+                let ratio = total(&work, name) / total(&expected_work, name);
+                assert!((0.9..1.1).contains(&ratio), "{build} {query:?} {name}: {ratio}");
+            }
+            for lanes in ["1", "3", "256"] {
+                let other = Subject::new("bvh-gpu", &[("build", build), ("rays_per_lane", lanes)], &gpu);
+                assert_eq!(other.answer(&*structure, &rays, query).0, hits, "{build} {query:?} {lanes}");
+            }
+        }
+    }
+}
+
+/// Proves that binary nodes give the hits of compressed ones, bit for bit, by every build.
+#[test]
+fn both_nodes_give_the_same_hits() {
+    let gpu = gpu();
+    let (geometry, rays) = room(&gpu);
+    let wide = Subject::new("bvh-gpu", &[], &gpu);
+    let expected = wide.answer(&*wide.try_build(&geometry).unwrap(), &rays, Query::Closest).0;
+    for build in ["fastest", "very_fast", "fast", "medium", "slow", "very_slow"] {
+        let binary = Subject::new("bvh-gpu", &[("node", "bvh2"), ("build", build)], &gpu);
+        let structure = binary.try_build(&geometry).unwrap();
+        structure.validate().unwrap();
+        let hits = binary.answer(&*structure, &rays, Query::Closest).0;
+        assert_eq!(hits, expected, "{build}");
+        let any = binary.answer(&*structure, &rays, Query::Any).0;
+        assert!(any.iter().zip(&hits).all(|(any, closest)| any.is_hit() == closest.is_hit()), "{build}");
+    }
+}
+
+/// Proves that refits, from the one that reads the hierarchy back to later ones, give the hits of a fresh build by both
+/// nodes, with and without splits, that the ledger tells the copy that they keep, and that a rebuild drops it.
+#[test]
+fn refits_follow_by_both_nodes() {
+    let gpu = gpu();
+    let [start, later] = [0.0, 0.9].map(|time_s| {
+        let mut scene = procedural("cloth", 0.05).unwrap();
+        scene.set_time(time_s).unwrap();
+        scene
+    });
+    let rays = room(&gpu).1;
+    for node in ["cwbvh", "bvh2"] {
+        for build in ["medium", "slow"] {
+            let subject = Subject::new("bvh-gpu", &[("node", node), ("build", build)], &gpu);
+            let mesh = start.mesh.clone();
+            let mut geometry = Geometry::new(mesh.positions, mesh.triangles, Some(&gpu)).unwrap();
+            let mut structure = subject.try_build(&geometry).unwrap();
+            let before = subject.answer(&*structure, &rays, Query::Closest).0;
+            let bytes = structure.memory().structure_bytes();
+            let mut refit = |structure: &mut dyn Structure, positions: &[[f32; 3]], update: Update| {
+                geometry = geometry.clone().moved_to(positions.to_vec(), Some(&gpu)).unwrap();
+                let mut clock = PhaseClock::new(Some(&gpu));
+                structure.update(update, &geometry, &view(), &subject.parameters, &mut clock).unwrap();
+                clock.finish().unwrap();
+                structure.validate().unwrap();
+                subject.answer(structure, &rays, Query::Closest).0
+            };
+            let moved = refit(&mut *structure, &later.mesh.positions, Update::Refit);
+            assert_ne!(moved, before);
+            assert!(structure.memory().structure_bytes() > bytes);
+            assert_eq!(refit(&mut *structure, &start.mesh.positions, Update::Refit), before, "{node} {build}");
+            assert_eq!(refit(&mut *structure, &later.mesh.positions, Update::Refit), moved, "{node} {build}");
+            assert_eq!(refit(&mut *structure, &later.mesh.positions, Update::Rebuild), moved, "{node} {build}");
+            assert!(structure.memory().structure.iter().all(|entry| !entry.name.contains("copy")));
+        }
+    }
+}
+
+/// Proves that hierarchies too deep for the private stack, which thousands of equal triangles give, are searched with
+/// stacks in device memory: what lies among and behind the equal triangles is found.
+#[test]
+fn deep_hierarchies_are_searched() {
+    let gpu = gpu();
+    let plate = rectangle([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0])[0];
+    let mut triangles = vec![plate; 6000];
+    triangles.extend(rectangle([-3.0, -3.0, -1.0], [6.0, 0.0, 0.0], [0.0, 6.0, 0.0]));
+    let geometry = soup(&triangles, Some(&gpu));
+    let mut numbers = Numbers::new(62);
+    let rays: Vec<Ray> = (0..2500).map(|_| ray(numbers.point() * 2.9 + DVec3::Z * 5.0, DVec3::NEG_Z)).collect();
+    for (node, private) in [("cwbvh", tracebench_bvh::WIDE_STACK), ("bvh2", tracebench_bvh::BINARY_STACK)] {
+        let subject = Subject::new("bvh-gpu", &[("node", node), ("build", "fastest")], &gpu);
+        let structure = subject.try_build(&geometry).unwrap();
+        let statistics = structure.validate().unwrap();
+        let depth = statistics.iter().find(|(name, _)| *name == "depth").map(|(_, depth)| *depth).unwrap();
+        let stacks = structure.memory().structure.iter().any(|entry| entry.name == "traversal stacks");
+        assert_eq!(stacks, depth > private as f64, "{node}: {depth} levels");
+        assert!(stacks, "{node}: {depth} levels");
+        for query in [Query::Closest, Query::Any] {
+            for (ray, hit) in rays.iter().zip(subject.answer(&*structure, &rays, query).0) {
+                let [x, y, z] = ray.origin;
+                let on_plate = x.abs() < 0.999 && y < x - 1e-3 && y > -0.999;
+                let off_plate = x.abs() > 1.001 || y > x + 1e-3 || y < -1.001;
+                assert!(hit.is_hit(), "{node} {ray:?}");
+                if on_plate && query == Query::Closest {
+                    assert!((hit.t - z).abs() < 1e-5 && hit.primitive == 0, "{node} {ray:?} {hit:?}");
+                } else if off_plate {
+                    assert!((hit.t - z - 1.0).abs() < 1e-5, "{node} {ray:?} {hit:?}");
+                }
+            }
+        }
+    }
+}
+
+/// Proves that what the device cannot bind is an error that names the part, its bytes and what to turn down.
+#[test]
+fn too_large_is_said() {
+    let mut small = Gpu::open(&AdapterChoice::default()).unwrap();
+    small.limits.max_storage_buffer_binding_size = 60_000;
+    let small = Arc::new(small);
+    let (geometry, _) = room(&small);
+    for (node, name) in [("cwbvh", "CWBVH nodes"), ("bvh2", "BVH2 nodes")] {
+        let subject = Subject::new("bvh-gpu", &[("node", node)], &small);
+        let Err(error) = subject.try_build(&geometry) else { panic!("{node} was built") };
+        let TracerError::TooLarge { name: part, bytes, limit, turn_down } = &error else { panic!("{error}") };
+        assert!(part == name && *bytes > 60_000 && *limit == 60_000 && turn_down.contains("triangle"), "{error}");
+    }
+}
+
+/// Proves that the device's clock covers a compute pass after render passes, which a software driver may stamp late: the
+/// samples are believed, and more than half of the wait lies between their stamps.
+#[test]
+fn timestamps_after_rasterizing_cover_the_trace() {
+    let gpu = gpu();
+    let (geometry, rays) = room(&gpu);
+    let subject = Subject::new("bvh-gpu", &[], &gpu);
+    let structure = subject.try_build(&geometry).unwrap();
+    // Enough work to stand out of what a submission costs.
+    let rays: Vec<Ray> = rays.iter().cycle().take(rays.len() * 16).copied().collect();
+    let rays = RayBuffer::new(Arc::new(rays), Query::Closest, Some(&gpu));
+    let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters: &subject.parameters };
+    let mut hits = HitBuffer::new(rays.host.len(), Residency::Device, Some(&gpu)).unwrap();
+    let timings: Vec<_> = (0..5)
+        .map(|_| {
+            Subject::new("screen-dda", &[], &gpu).try_build(&geometry).unwrap();
+            let mut clock = PhaseClock::new(Some(&gpu));
+            structure.trace(job, &mut hits, &mut clock).unwrap();
+            clock.finish().unwrap()
+        })
+        .collect();
+    assert!(Timing::believable(&timings), "{timings:?}");
+    if gpu.listing.timestamps {
+        let covers_half = |timing: &Timing| timing.total_ms * 2.0 >= timing.submit_to_done_ms.unwrap();
+        assert!(timings.iter().any(covers_half), "{timings:?}");
+    }
+}

@@ -1,0 +1,193 @@
+//! Hierarchies as they are built, fitted and checked on the host, and as the device has them.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3A;
+use obvhs::aabb::Aabb;
+use obvhs::cwbvh::CwBvh;
+use obvhs::cwbvh::node::CwBvhNode;
+use obvhs::triangle::Triangle;
+use rayon::prelude::*;
+use tracebench_api::{Ledger, Parameters, PhaseClock, TracerError};
+
+use crate::binary::{Binary, BinaryNode};
+use crate::input::build_parameters;
+use crate::wide::{check_boxes, check_references, depth};
+use crate::{hierarchy, refit};
+
+/// `Triangle` of shaders/bvh/search.wgsl.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct DeviceTriangle {
+    /// A corner, units of the hierarchy.
+    pub first: [f32; 3],
+    /// The triangle's index in the scene.
+    pub primitive: u32,
+    /// A corner.
+    pub second: [f32; 3],
+    /// Nothing.
+    pub after_second: u32,
+    /// A corner.
+    pub third: [f32; 3],
+    /// Nothing.
+    pub after_third: u32,
+}
+
+impl DeviceTriangle {
+    fn new(triangle: &Triangle, primitive: u32) -> Self {
+        Self {
+            first: triangle.v0.to_array(),
+            primitive,
+            second: triangle.v1.to_array(),
+            after_second: 0,
+            third: triangle.v2.to_array(),
+            after_third: 0,
+        }
+    }
+
+    fn corners(&self) -> Triangle {
+        let [v0, v1, v2] = [self.first, self.second, self.third].map(Vec3A::from);
+        Triangle { v0, v1, v2 }
+    }
+}
+
+/// The two kinds of node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NodeKind {
+    Wide,
+    Binary,
+}
+
+impl NodeKind {
+    /// The value of the parameter `node`.
+    pub(crate) fn of(parameters: &Parameters) -> Self {
+        if parameters.choice("node") == "bvh2" { Self::Binary } else { Self::Wide }
+    }
+
+    /// What the nodes are called in ledgers and messages.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Wide => "CWBVH nodes",
+            Self::Binary => "BVH2 nodes",
+        }
+    }
+}
+
+/// A hierarchy in host memory.
+pub(crate) enum Tree {
+    Wide(CwBvh),
+    Binary(Binary),
+}
+
+impl Tree {
+    /// Builds one over triangles in the scene's order.
+    pub(crate) fn build(
+        triangles: &[Triangle],
+        parameters: &Parameters,
+        ledger: &mut Ledger,
+        clock: &mut PhaseClock<'_>,
+    ) -> Self {
+        let config = build_parameters(parameters.choice("build"));
+        match NodeKind::of(parameters) {
+            NodeKind::Wide => Self::Wide(hierarchy::build_wide(triangles, config, ledger, clock)),
+            NodeKind::Binary => {
+                let binary = hierarchy::build_binary(triangles, config, ledger, clock);
+                Self::Binary(clock.host_phase("order nodes", || Binary::new(&binary)))
+            }
+        }
+    }
+
+    /// One as read back from the device.
+    pub(crate) fn from_device(kind: NodeKind, nodes: &[u8], triangles: &[DeviceTriangle], with_splits: bool) -> Self {
+        let primitive_indices = triangles.iter().map(|triangle| triangle.primitive).collect();
+        match kind {
+            NodeKind::Wide => Self::Wide(CwBvh {
+                nodes: bytemuck::pod_collect_to_vec::<u8, CwBvhNode>(nodes),
+                primitive_indices,
+                total_aabb: Aabb::empty(),
+                exact_node_aabbs: None,
+                uses_spatial_splits: with_splits,
+            }),
+            NodeKind::Binary => Self::Binary(Binary {
+                nodes: bytemuck::pod_collect_to_vec::<u8, BinaryNode>(nodes),
+                primitive_indices,
+                with_splits,
+            }),
+        }
+    }
+
+    pub(crate) fn kind(&self) -> NodeKind {
+        match self {
+            Self::Wide(_) => NodeKind::Wide,
+            Self::Binary(_) => NodeKind::Binary,
+        }
+    }
+
+    /// The nodes as the device has them.
+    pub(crate) fn node_bytes(&self) -> &[u8] {
+        match self {
+            Self::Wide(wide) => bytemuck::cast_slice(&wide.nodes),
+            Self::Binary(binary) => bytemuck::cast_slice(&binary.nodes),
+        }
+    }
+
+    pub(crate) fn node_count(&self) -> usize {
+        match self {
+            Self::Wide(wide) => wide.nodes.len(),
+            Self::Binary(binary) => binary.nodes.len(),
+        }
+    }
+
+    /// The triangle in each slot of the leaves.
+    pub(crate) fn primitive_indices(&self) -> &[u32] {
+        match self {
+            Self::Wide(wide) => &wide.primitive_indices,
+            Self::Binary(binary) => &binary.primitive_indices,
+        }
+    }
+
+    pub(crate) fn with_splits(&self) -> bool {
+        match self {
+            Self::Wide(wide) => wide.uses_spatial_splits,
+            Self::Binary(binary) => binary.with_splits,
+        }
+    }
+
+    /// Levels, each of which pushes at most one entry onto a search's stack.
+    pub(crate) fn depth(&self) -> Result<usize, TracerError> {
+        match self {
+            Self::Wide(wide) => depth(wide),
+            Self::Binary(binary) => Ok(binary.depth()),
+        }
+    }
+
+    /// Fits every box to triangles that moved, given in the scene's order.
+    pub(crate) fn refit(&mut self, triangles: &[Triangle]) {
+        match self {
+            Self::Wide(wide) => refit::refit(wide, triangles),
+            Self::Binary(binary) => binary.refit(triangles),
+        }
+    }
+
+    /// The triangles in the order of the slots.
+    pub(crate) fn order(&self, triangles: &[Triangle]) -> Vec<DeviceTriangle> {
+        let of = |primitive: &u32| DeviceTriangle::new(&triangles[*primitive as usize], *primitive);
+        self.primitive_indices().par_iter().map(of).collect()
+    }
+
+    /// That every triangle is in exactly one leaf (in one at least, with splits) and every box bounds its subtree.
+    /// `fitted`: every box holds whole triangles, splits or not.
+    pub(crate) fn check(
+        &self,
+        ordered: &[DeviceTriangle],
+        triangle_count: usize,
+        fitted: bool,
+    ) -> Result<(), TracerError> {
+        check_references(self.primitive_indices(), triangle_count, self.with_splits())?;
+        let corners: Vec<Triangle> = ordered.iter().map(DeviceTriangle::corners).collect();
+        let whole = fitted || !self.with_splits();
+        match self {
+            Self::Wide(wide) => depth(wide).and_then(|_| check_boxes(wide, &corners, whole)),
+            Self::Binary(binary) => binary.check(&corners, whole),
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! `bvh-gpu`: a hierarchy built on the host, traversed on the device.
+//!
+//! What is timed: a build is timed on the host's clock as a whole, since a sample knows one clock. Its phases are the steps
+//! of `bvh-cpu`'s build, then laying out what the device takes, then the upload, from the first write until the device
+//! has everything. A trace is timed on the device's clock alone.
+
+mod description;
+mod layout;
+mod resident;
+mod search;
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
+
+use obvhs::triangle::Triangle;
+use tracebench_api::wgpu::BufferUsages;
+use tracebench_api::{
+    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
+    Tracer, TracerError, Update, Viewpoint,
+};
+
+pub use description::description;
+pub use layout::DeviceTriangle;
+pub use search::{BINARY_STACK, SearchSettings, WIDE_STACK};
+
+use crate::input::{gather, scale_for};
+use layout::Tree;
+use resident::Resident;
+use search::Searches;
+
+/// The tracer.
+pub struct BvhGpu {
+    searches: Arc<Searches>,
+}
+
+impl BvhGpu {
+    /// Creates the pipelines.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the device refuses one.
+    pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        Ok(Self { searches: Arc::new(Searches::new(gpu)?) })
+    }
+}
+
+/// A hierarchy on the device.
+struct BvhGpuStructure {
+    searches: Arc<Searches>,
+    /// Factor from scene units to those of the hierarchy, a power of two.
+    scale: f32,
+    resident: Resident,
+    triangle_count: usize,
+    memory: MemoryReport,
+    /// The hierarchy as it was fitted last; none before the first refit, which reads it back.
+    fitted: Option<Tree>,
+}
+
+impl Tracer for BvhGpu {
+    fn build(
+        &self,
+        geometry: &Geometry,
+        _viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Box<dyn Structure>, TracerError> {
+        Ok(Box::new(BvhGpuStructure::build(&self.searches, geometry, parameters, None, clock)?))
+    }
+}
+
+impl BvhGpuStructure {
+    /// Builds, into the buffers of `there` where these are large enough.
+    fn build(
+        searches: &Arc<Searches>,
+        geometry: &Geometry,
+        parameters: &Parameters,
+        there: Option<&Resident>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Self, TracerError> {
+        // Rays and hits are on the device, and so must the scene be, though the build reads it in host memory.
+        geometry.on_device()?;
+        let scale = scale_for(geometry.diagonal());
+        let triangles = gather(geometry, scale, clock);
+        let mut ledger = Ledger::new();
+        ledger.borrow_transient(size_of_val(triangles.as_slice()) as u64);
+        let tree = Tree::build(&triangles, parameters, &mut ledger, clock);
+        ledger.borrow_transient((tree.node_bytes().len() + size_of_val(tree.primitive_indices())) as u64);
+        let resident = place(&searches.gpu, &tree, &triangles, there, &mut ledger, clock)?;
+        Ok(Self {
+            searches: Arc::clone(searches),
+            scale,
+            resident,
+            triangle_count: triangles.len(),
+            memory: ledger.report(0),
+            fitted: None,
+        })
+    }
+
+    /// Boxes and triangles follow the vertices. Triangles that the build split keep several boxes, each now of the whole
+    /// triangle.
+    fn refit(&mut self, geometry: &Geometry, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        if geometry.triangles.len() != self.triangle_count {
+            return Err(TracerError::Failed(format!(
+                "a hierarchy over {} triangles cannot be fitted to {}: rebuild it",
+                self.triangle_count,
+                geometry.triangles.len()
+            )));
+        }
+        let gpu = Arc::clone(&self.searches.gpu);
+        let mut tree = match self.fitted.take() {
+            Some(tree) => tree,
+            None => clock.host_phase("read the hierarchy back", || self.resident.read(&gpu))?.0,
+        };
+        let scale = scale_for(geometry.diagonal());
+        let triangles = gather(geometry, scale, clock);
+        clock.host_phase("refit boxes", || tree.refit(&triangles));
+        self.resident = place(&gpu, &tree, &triangles, Some(&self.resident), &mut Ledger::new(), clock)?;
+        self.scale = scale;
+        self.fitted = Some(tree);
+        Ok(())
+    }
+}
+
+/// Lays a hierarchy out and uploads it.
+fn place(
+    gpu: &Gpu,
+    tree: &Tree,
+    triangles: &[Triangle],
+    there: Option<&Resident>,
+    ledger: &mut Ledger,
+    clock: &mut PhaseClock<'_>,
+) -> Result<Resident, TracerError> {
+    let (depth, ordered) = clock.host_phase("order triangles", || (tree.depth(), tree.order(triangles)));
+    ledger.borrow_transient(size_of_val(ordered.as_slice()) as u64);
+    let depth = depth?;
+    let resident = clock.host_phase("upload (until done)", || Resident::upload(gpu, tree, depth, &ordered, there))?;
+    resident.enter(ledger);
+    Ok(resident)
+}
+
+impl Structure for BvhGpuStructure {
+    fn update(
+        &mut self,
+        update: Update,
+        geometry: &Geometry,
+        _viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        match update {
+            Update::Rebuild => *self = Self::build(&self.searches, geometry, parameters, Some(&self.resident), clock)?,
+            Update::Refit => self.refit(geometry, clock)?,
+            Update::Reuse => {}
+        }
+        Ok(())
+    }
+
+    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        self.searches.record(&self.resident, self.scale, &job, hits, None, clock)
+    }
+
+    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        let gpu = &self.searches.gpu;
+        let bytes = job.rays.host.len().max(1) as u64 * 8;
+        gpu.check_storage_binding("counts", bytes, "--size")?;
+        let counts = gpu.buffer("counts", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?;
+        let mut clock = PhaseClock::new(Some(gpu));
+        self.searches.record(&self.resident, self.scale, &job, hits, Some(&counts), &mut clock)?;
+        clock.finish()?;
+        let counts: Vec<[u32; 2]> = bytemuck::pod_collect_to_vec(&gpu.read(&counts, bytes)?);
+        let counts = &counts[..job.rays.host.len()];
+        Ok(vec![
+            Counter::of("nodes_visited", counts.iter().map(|[nodes, _]| u64::from(*nodes))),
+            Counter::of("triangle_tests", counts.iter().map(|[_, tests]| u64::from(*tests))),
+        ])
+    }
+
+    fn memory(&self) -> MemoryReport {
+        let mut report = self.memory.clone();
+        if let Some(tree) = &self.fitted {
+            let bytes = (tree.node_bytes().len() + size_of_val(tree.primitive_indices())) as u64;
+            let name = "host copy for refits".to_owned();
+            report.structure.push(MemoryEntry { name, allocated_bytes: bytes, used_bytes: bytes });
+            report.build_peak_bytes = report.build_peak_bytes.max(report.structure_bytes());
+        }
+        report
+    }
+
+    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        let (tree, ordered) = self.resident.read(&self.searches.gpu)?;
+        tree.check(&ordered, self.triangle_count, self.fitted.is_some())?;
+        let depth = tree.depth()?;
+        if depth > self.resident.depth {
+            return Err(TracerError::Failed(format!("{depth} levels, stacks are for {}", self.resident.depth)));
+        }
+        Ok(vec![("nodes", tree.node_count() as f64), ("depth", depth as f64), ("references", ordered.len() as f64)])
+    }
+}

@@ -1,0 +1,176 @@
+//! Searching on the device.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline};
+use tracebench_api::{EndPoint, Gpu, HitBuffer, PhaseClock, Query, TraceJob, TracerError};
+use tracebench_kit::{bind_group, compute_pipeline, dispatch_linear};
+use tracebench_shaders::{
+    BVH_BINARY, BVH_BINARY_COUNTED, BVH_BINARY_DEEP, BVH_BINARY_DEEP_COUNTED, BVH_WIDE, BVH_WIDE_COUNTED,
+    BVH_WIDE_DEEP, BVH_WIDE_DEEP_COUNTED, Shader,
+};
+
+use super::layout::NodeKind;
+use super::resident::Resident;
+
+/// As `WORKGROUP_SIZE` in shaders/bvh.
+pub(crate) const WORKGROUP_SIZE: u32 = 64;
+
+/// Entries of a lane's private stack over CWBVH nodes: `PRIVATE_STACK` in shaders/bvh/cwbvh.wgsl. A search of a hierarchy
+/// of that many levels at most fits; deeper ones are searched with stacks in device memory, a ray a lane: Mesa's software
+/// driver ends a lane's loops after 65,535 rounds in all, which a few searches of such a hierarchy reach.
+pub const WIDE_STACK: usize = 24;
+
+/// The same over binary nodes, in shaders/bvh/binary.wgsl.
+pub const BINARY_STACK: usize = 64;
+
+/// Levels that a private stack serves.
+pub(crate) fn private_stack(kind: NodeKind) -> usize {
+    match kind {
+        NodeKind::Wide => WIDE_STACK,
+        NodeKind::Binary => BINARY_STACK,
+    }
+}
+
+/// Bytes of a stack's entry.
+pub(crate) fn stack_entry_bytes(kind: NodeKind) -> u64 {
+    match kind {
+        NodeKind::Wide => 8,
+        NodeKind::Binary => 4,
+    }
+}
+
+/// `SearchSettings` of shaders/bvh/search.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct SearchSettings {
+    /// The first ray of the dispatch.
+    pub first_ray: u32,
+    /// Rays of the dispatch.
+    pub ray_count: u32,
+    /// Rays that a lane answers one after the other, >= 1.
+    pub rays_per_lane: u32,
+    /// 1: any hit ends a search; 0: the closest is asked for.
+    pub any_hit: u32,
+    /// Entries of a lane's stack in device memory; 0 where stacks are private.
+    pub stack_entries: u32,
+    /// From scene units to those of the hierarchy, a power of two.
+    pub scale: f32,
+    /// Back.
+    pub unscale: f32,
+    /// The largest t, scene units, that the scale keeps finite.
+    pub greatest_t: f32,
+}
+
+impl SearchSettings {
+    /// What each dispatch is told. Private stacks take one dispatch; stacks in device memory take as many as there are
+    /// rays for all of them, a ray a lane.
+    fn of_dispatches(job: &TraceJob<'_>, resident: &Resident, scale: f32) -> Vec<Self> {
+        let all_rays = job.rays.host.len() as u32;
+        let all = Self {
+            first_ray: 0,
+            ray_count: all_rays,
+            rays_per_lane: job.parameters.integer("rays_per_lane").max(1) as u32,
+            any_hit: u32::from(job.rays.query == Query::Any),
+            stack_entries: 0,
+            scale,
+            unscale: 1.0 / scale,
+            greatest_t: (f64::from(f32::MAX) / 2.0 / f64::from(scale)).min(f64::from(f32::MAX)) as f32,
+        };
+        let Some((_, lanes)) = resident.stacks() else { return vec![all] };
+        let of = |first_ray| Self {
+            first_ray,
+            ray_count: (all_rays - first_ray).min(lanes),
+            rays_per_lane: 1,
+            stack_entries: resident.depth as u32,
+            ..all
+        };
+        (0..all_rays).step_by(lanes as usize).map(of).collect()
+    }
+}
+
+/// The variants over one kind of node.
+struct Kernels {
+    trace: ComputePipeline,
+    trace_counted: ComputePipeline,
+    deep: ComputePipeline,
+    deep_counted: ComputePipeline,
+}
+
+impl Kernels {
+    fn new(gpu: &Gpu, [trace, trace_counted, deep, deep_counted]: [Shader; 4]) -> Result<Self, TracerError> {
+        let pipeline = |shader| compute_pipeline(gpu, shader, "trace");
+        Ok(Self {
+            trace: pipeline(trace)?,
+            trace_counted: pipeline(trace_counted)?,
+            deep: pipeline(deep)?,
+            deep_counted: pipeline(deep_counted)?,
+        })
+    }
+}
+
+/// The device with every variant.
+pub(crate) struct Searches {
+    pub(crate) gpu: Arc<Gpu>,
+    wide: Kernels,
+    binary: Kernels,
+}
+
+impl Searches {
+    /// Compiles them.
+    pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        let wide = [BVH_WIDE, BVH_WIDE_COUNTED, BVH_WIDE_DEEP, BVH_WIDE_DEEP_COUNTED];
+        let binary = [BVH_BINARY, BVH_BINARY_COUNTED, BVH_BINARY_DEEP, BVH_BINARY_DEEP_COUNTED];
+        Ok(Self { wide: Kernels::new(&gpu, wide)?, binary: Kernels::new(&gpu, binary)?, gpu })
+    }
+
+    /// Records a trace; with `counts` (two u32 a ray) by a counting variant.
+    pub(crate) fn record(
+        &self,
+        resident: &Resident,
+        scale: f32,
+        job: &TraceJob<'_>,
+        hits: &HitBuffer,
+        counts: Option<&Buffer>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        if job.end != EndPoint::Hit {
+            return Err(TracerError::Unsupported("bvh-gpu stores positions alone, no surfaces".to_owned()));
+        }
+        let gpu = &*self.gpu;
+        let kernels = match resident.kind {
+            NodeKind::Wide => &self.wide,
+            NodeKind::Binary => &self.binary,
+        };
+        let pipeline = match (resident.stacks(), counts) {
+            (None, None) => &kernels.trace,
+            (None, Some(_)) => &kernels.trace_counted,
+            (Some(_), None) => &kernels.deep,
+            (Some(_), Some(_)) => &kernels.deep_counted,
+        };
+        let mut dispatches = Vec::new();
+        for settings in SearchSettings::of_dispatches(job, resident, scale) {
+            let uniform =
+                gpu.buffer_with("settings", bytemuck::bytes_of(&settings), BufferUsages::UNIFORM, "nothing")?;
+            let buffers = [
+                Some(&uniform),
+                Some(resident.nodes()),
+                Some(resident.triangles()),
+                Some(job.rays.on_device()?),
+                Some(hits.on_device(job.rays.host.len())?),
+                counts,
+                resident.stacks().map(|(stacks, _)| stacks),
+            ];
+            let resources: Vec<BindingResource<'_>> =
+                buffers.into_iter().flatten().map(|buffer| buffer.as_entire_binding()).collect();
+            let bindings = bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources);
+            dispatches.push((bindings, settings.ray_count.div_ceil(settings.rays_per_lane)));
+        }
+        clock.device_phase("traverse", |encoder| {
+            for (bindings, lanes) in &dispatches {
+                dispatch_linear(encoder, pipeline, bindings, *lanes, WORKGROUP_SIZE);
+            }
+        })
+    }
+}
