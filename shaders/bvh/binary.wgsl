@@ -1,10 +1,14 @@
-// Search of a binary hierarchy, nearer child first, as Aila and Laine's while-while loop ("Understanding the Efficiency of
-// Ray Traversal on GPUs", HPG 2009), with several rays a lane. Siblings stand together, and a visit tests both.
+// Search of a binary hierarchy, nearer child first, with several rays a lane (Aila, Laine, "Understanding the Efficiency of
+// Ray Traversal on GPUs", HPG 2009), in rounds of one triangle and one visit as in cwbvh.wgsl. Siblings stand together, and
+// a visit tests both.
 
 #import tracebench::types::{Ray, Hit}
 #import tracebench::dispatch::linear_invocation
-#import tracebench::bvh_search::{SearchSettings, Triangle, Search, begin_search, test_triangle, finish_search}
+#import tracebench::bvh_search::{
+    SearchSettings, Search, begin_search, texel, load_triangle, test_triangle, finish_search
+}
 
+// Two texels.
 struct BinaryNode {
     low: vec3<f32>,
     // The first of two siblings, or the first triangle.
@@ -15,8 +19,8 @@ struct BinaryNode {
 }
 
 @group(0) @binding(0) var<uniform> settings: SearchSettings;
-@group(0) @binding(1) var<storage, read> nodes: array<BinaryNode>;
-@group(0) @binding(2) var<storage, read> triangles: array<Triangle>;
+@group(0) @binding(1) var node_texels: texture_storage_2d<rgba32uint, read>;
+@group(0) @binding(2) var triangle_texels: texture_storage_2d<rgba32uint, read>;
 @group(0) @binding(3) var<storage, read> rays: array<Ray>;
 @group(0) @binding(4) var<storage, read_write> hits: array<Hit>;
 #ifdef COUNTERS
@@ -35,8 +39,19 @@ const WORKGROUP_SIZE: u32 = 64u;
 // Entries of the private stack. A level pushes once at most; the host takes the deep variant for more levels.
 const PRIVATE_STACK: u32 = 64u;
 const INNER: u32 = 0xffffffffu;
+// No pair of siblings.
+const NONE: u32 = 0xffffffffu;
+// As in cwbvh.wgsl: rounds after which a lane that has done with its ray gets the next one. A ray takes three times as many
+// here.
+const ROUNDS: u32 = 8u;
 // As in cwbvh.wgsl: a bound on the rounding of a plane's ray parameter, over its size.
 const PLANE_SLACK: f32 = 4.76837158e-7;
+
+fn load_node(index: u32) -> BinaryNode {
+    let low = texel(node_texels, 2u * index);
+    let high = texel(node_texels, 2u * index + 1u);
+    return BinaryNode(bitcast<vec3<f32>>(low.xyz), low.w, bitcast<vec3<f32>>(high.xyz), high.w);
+}
 
 // Where a ray enters a box, and whether it meets it between t_min and t_max.
 struct Meeting {
@@ -77,76 +92,86 @@ fn trace(
 #endif
     var stack_size = 0u;
     var search = begin_search(settings, rays[index]);
+    // Siblings to visit next.
     var pair = 0u;
+    // Triangles to test: those of a leaf, and of its sibling if that is one too.
+    var slot = 0u;
+    var leaf_end = 0u;
+    var sibling_slot = 0u;
+    var sibling_end = 0u;
 #ifdef COUNTERS
     var work = vec2<u32>(0u);
 #endif
     loop {
-        var nearer = nodes[pair];
-        var farther = nodes[pair + 1u];
-        var first = meet_box(nearer, &search);
-        var second = meet_box(farther, &search);
+        var busy = true;
+        var round = 0u;
+        loop {
+            if (slot < leaf_end) {
+                test_triangle(&search, load_triangle(triangle_texels, slot));
+                slot += 1u;
 #ifdef COUNTERS
-        work.x += 1u;
+                work.y += 1u;
 #endif
-        if (second.met && (!first.met || second.enter < first.enter)) {
-            let node = nearer;
-            nearer = farther;
-            farther = node;
-            let meeting = first;
-            first = second;
-            second = meeting;
-        }
-        var next = INNER;
-        if (first.met) {
-            if (nearer.count == INNER) {
-                next = nearer.first;
-            } else {
-                for (var slot = nearer.first; slot < nearer.first + nearer.count; slot++) {
-                    test_triangle(&search, triangles[slot]);
+            }
+            if (settings.any_hit == 1u && search.found) {
+                leaf_end = slot;
+                sibling_end = sibling_slot;
+                pair = NONE;
+                stack_size = 0u;
+            }
+            var waiting = NONE;
+            let visits = slot == leaf_end && sibling_slot == sibling_end && pair != NONE;
+            if (visits) {
+                var nearer = load_node(pair);
+                var farther = load_node(pair + 1u);
+                let first = meet_box(nearer, &search);
+                let second = meet_box(farther, &search);
 #ifdef COUNTERS
-                    work.y += 1u;
+                work.x += 1u;
 #endif
-                    if (settings.any_hit == 1u && search.found) {
-                        break;
-                    }
+                // Leaves without triangles stand for what is not met.
+                nearer.count = select(0u, nearer.count, first.met);
+                farther.count = select(0u, farther.count, second.met);
+                if (second.met && (!first.met || second.enter < first.enter)) {
+                    let node = nearer;
+                    nearer = farther;
+                    farther = node;
                 }
+                let nearer_inner = nearer.count == INNER;
+                let farther_inner = farther.count == INNER;
+                slot = nearer.first;
+                leaf_end = nearer.first + select(nearer.count, 0u, nearer_inner);
+                sibling_slot = farther.first;
+                sibling_end = farther.first + select(farther.count, 0u, farther_inner);
+                pair = select(select(NONE, farther.first, farther_inner), nearer.first, nearer_inner);
+                waiting = select(NONE, farther.first, nearer_inner && farther_inner);
+            }
+            // Written whether or not it is kept, where there is always room: one branch fewer.
+#ifdef DEEP
+            stacks[stack_base + stack_size] = waiting;
+#else
+            stack[stack_size] = waiting;
+#endif
+            stack_size += select(0u, 1u, waiting != NONE);
+            if (pair == NONE && stack_size > 0u) {
+                stack_size -= 1u;
+#ifdef DEEP
+                pair = stacks[stack_base + stack_size];
+#else
+                pair = stack[stack_size];
+#endif
+            }
+            let moves_up = slot == leaf_end;
+            slot = select(slot, sibling_slot, moves_up);
+            leaf_end = select(leaf_end, sibling_end, moves_up);
+            sibling_end = select(sibling_end, sibling_slot, moves_up);
+            busy = slot != leaf_end || pair != NONE;
+            round += 1u;
+            continuing {
+                break if !busy || round == ROUNDS;
             }
         }
-        // A hit in the nearer child may lie before the farther one.
-        if (second.met && second.enter <= search.t_max) {
-            if (farther.count != INNER) {
-                for (var slot = farther.first; slot < farther.first + farther.count; slot++) {
-                    if (settings.any_hit == 1u && search.found) {
-                        break;
-                    }
-                    test_triangle(&search, triangles[slot]);
-#ifdef COUNTERS
-                    work.y += 1u;
-#endif
-                }
-            } else if (next == INNER) {
-                next = farther.first;
-            } else {
-#ifdef DEEP
-                stacks[stack_base + stack_size] = farther.first;
-#else
-                stack[stack_size] = farther.first;
-#endif
-                stack_size += 1u;
-            }
-        }
-        let done = settings.any_hit == 1u && search.found;
-        if (next != INNER && !done) {
-            pair = next;
-        } else if (stack_size > 0u && !done) {
-            stack_size -= 1u;
-#ifdef DEEP
-            pair = stacks[stack_base + stack_size];
-#else
-            pair = stack[stack_size];
-#endif
-        } else {
+        if (!busy) {
             hits[index] = finish_search(settings, search);
 #ifdef COUNTERS
             counts[index] = work;
@@ -158,7 +183,6 @@ fn trace(
             }
             search = begin_search(settings, rays[index]);
             pair = 0u;
-            stack_size = 0u;
         }
     }
 }

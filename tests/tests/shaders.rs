@@ -10,7 +10,7 @@ use obvhs::cwbvh::node::CwBvhNode;
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::wgpu::BufferUsages;
 use tracebench_api::{Hit, NO_PRIMITIVE, Ray, Status, View, Viewpoint};
-use tracebench_bvh::{BINARY_STACK, BinaryNode, DeviceTriangle, SearchSettings, WIDE_STACK};
+use tracebench_bvh::{BINARY_STACK, BinaryNode, DeviceTriangle, ROW_BITS, SearchSettings, WIDE_STACK};
 use tracebench_kit::{ViewUniform, bind_group, compute_pipeline, dispatch_linear};
 use tracebench_shaders::{ALL, Shader, TEST_VIEW_FUNCTIONS};
 use tracebench_tests::{Numbers, gpu, viewpoint};
@@ -221,11 +221,11 @@ fn constants(module: &Module) -> BTreeMap<String, u32> {
     values.collect()
 }
 
-/// Proves that every status constant in every shader is the code of the Rust status of that name, and that no primitive
-/// is what Rust says it is.
+/// Proves that every status constant in every shader is the code of the Rust status of that name, that no primitive is what
+/// Rust says it is, and that searches take stacks and textures to be as Rust makes them.
 #[test]
 fn constants_are_those_of_rust() {
-    let mut statuses = 0;
+    let (mut statuses, mut row_bits) = (0, 0);
     for shader in ALL {
         for (name, value) in constants(&parse(shader.source)) {
             if let Some(status) = name.strip_prefix("STATUS_") {
@@ -234,6 +234,9 @@ fn constants_are_those_of_rust() {
                 statuses += 1;
             } else if name == "NO_PRIMITIVE" {
                 assert_eq!(value, NO_PRIMITIVE);
+            } else if name == "ROW_BITS" {
+                assert_eq!(value, ROW_BITS, "{}", shader.name);
+                row_bits += 1;
             } else if name == "PRIVATE_STACK" {
                 let wide = shader.name.starts_with("BVH_WIDE");
                 assert_eq!(value as usize, if wide { WIDE_STACK } else { BINARY_STACK }, "{}", shader.name);
@@ -241,6 +244,7 @@ fn constants_are_those_of_rust() {
         }
     }
     assert!(statuses >= 5, "only {statuses} status constants were found");
+    assert!(row_bits >= 8, "only {row_bits} searches tell their textures' width");
     // Negative control: a constant is read as what it is.
     assert_eq!(constants(&parse("const STATUS_MISSX_naga_oil_mod_QX: u32 = 3u;"))["STATUS_MISS"], 3);
 }

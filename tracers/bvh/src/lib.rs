@@ -17,4 +17,6 @@ mod wide;
 
 pub use binary::BinaryNode;
 pub use cpu::{BvhCpu, description};
-pub use gpu::{BINARY_STACK, BvhGpu, DeviceTriangle, SearchSettings, WIDE_STACK, description as gpu_description};
+pub use gpu::{
+    BINARY_STACK, BvhGpu, DeviceTriangle, ROW_BITS, SearchSettings, WIDE_STACK, description as gpu_description,
+};

@@ -10,6 +10,7 @@ mod resident;
 mod search;
 #[cfg(test)]
 mod tests;
+mod texels;
 
 use std::sync::Arc;
 
@@ -23,6 +24,7 @@ use tracebench_api::{
 pub use description::description;
 pub use layout::DeviceTriangle;
 pub use search::{BINARY_STACK, SearchSettings, WIDE_STACK};
+pub use texels::ROW_BITS;
 
 use crate::input::{gather, scale_for};
 use layout::Tree;
@@ -69,7 +71,7 @@ impl Tracer for BvhGpu {
 }
 
 impl BvhGpuStructure {
-    /// Builds, into the buffers of `there` where these are large enough.
+    /// Builds, into the textures of `there` where these are large enough.
     fn build(
         searches: &Arc<Searches>,
         geometry: &Geometry,

@@ -153,17 +153,15 @@ impl Searches {
         for settings in SearchSettings::of_dispatches(job, resident, scale) {
             let uniform =
                 gpu.buffer_with("settings", bytemuck::bytes_of(&settings), BufferUsages::UNIFORM, "nothing")?;
-            let buffers = [
-                Some(&uniform),
-                Some(resident.nodes()),
-                Some(resident.triangles()),
-                Some(job.rays.on_device()?),
-                Some(hits.on_device(job.rays.host.len())?),
-                counts,
-                resident.stacks().map(|(stacks, _)| stacks),
+            let mut resources = vec![
+                uniform.as_entire_binding(),
+                BindingResource::TextureView(resident.nodes()),
+                BindingResource::TextureView(resident.triangles()),
+                job.rays.on_device()?.as_entire_binding(),
+                hits.on_device(job.rays.host.len())?.as_entire_binding(),
             ];
-            let resources: Vec<BindingResource<'_>> =
-                buffers.into_iter().flatten().map(|buffer| buffer.as_entire_binding()).collect();
+            let others = [counts, resident.stacks().map(|(stacks, _)| stacks)];
+            resources.extend(others.into_iter().flatten().map(Buffer::as_entire_binding));
             let bindings = bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources);
             dispatches.push((bindings, settings.ray_count.div_ceil(settings.rays_per_lane)));
         }
