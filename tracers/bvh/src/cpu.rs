@@ -9,8 +9,9 @@ use obvhs::rt_triangle::RtTriangle;
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 use tracebench_api::{
-    Counter, Description, Geometry, Hit, HitBuffer, Invalidation, Ledger, MemoryReport, Parameters, PhaseClock, Query,
-    Ray, Residency, Status, Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
+    Counter, Description, Domain, Geometry, Hit, HitBuffer, Invalidation, Ledger, MemoryReport, ParameterDescription,
+    ParameterScope, Parameters, PhaseClock, Query, Ray, Residency, Status, Structure, TraceJob, Tracer, TracerError,
+    Update, Value, Viewpoint,
 };
 
 use crate::hierarchy;
@@ -35,7 +36,22 @@ pub fn description() -> Description {
         residency: Residency::Host,
         invalidated_by: &[Invalidation::Geometry],
         names_primitives: true,
-        parameters: vec![build_description()],
+        parameters: vec![build_description(), rebuild_description()],
+    }
+}
+
+/// The parameter `rebuild_every`.
+fn rebuild_description() -> ParameterDescription {
+    ParameterDescription {
+        name: "rebuild_every",
+        unit: "frames",
+        scope: ParameterScope::Build,
+        domain: Domain::Integer { least: 0, greatest: 1_000_000 },
+        published: Value::Integer(0),
+        improved: Value::Integer(0),
+        effect: "of the refits that follow a build every so many is a rebuild, because boxes grow as triangles drift \
+                 apart: 1 makes all rebuilds, 0 none",
+        sweep: [0, 1, 2, 4, 8, 16, 32].map(Value::Integer).to_vec(),
     }
 }
 
@@ -53,6 +69,8 @@ struct BvhCpuStructure {
     /// In the order of the leaves, so that a leaf's triangles are neighbours.
     triangles: Vec<RtTriangle>,
     triangle_count: usize,
+    /// Refits since the build.
+    refits: u64,
     memory: MemoryReport,
 }
 
@@ -102,13 +120,19 @@ impl BvhCpuStructure {
             depth,
             triangles: ordered,
             triangle_count: triangles.len(),
+            refits: 0,
             memory: ledger.report(0),
         })
     }
 
     /// Boxes and triangles follow the vertices. Triangles that the build split keep several boxes, each now of the whole
-    /// triangle.
-    fn refit(&mut self, geometry: &Geometry, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+    /// triangle. With `rebuild_every` a refit in so many is a rebuild; the phases say which it was.
+    fn refit(
+        &mut self,
+        geometry: &Geometry,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
         if geometry.triangles.len() != self.triangle_count {
             return Err(TracerError::Failed(format!(
                 "a hierarchy over {} triangles cannot be fitted to {}: rebuild it",
@@ -116,6 +140,12 @@ impl BvhCpuStructure {
                 geometry.triangles.len()
             )));
         }
+        let rebuild_every = parameters.integer("rebuild_every").unsigned_abs();
+        if rebuild_every > 0 && self.refits + 1 >= rebuild_every {
+            *self = Self::build(geometry, parameters, clock)?;
+            return Ok(());
+        }
+        self.refits += 1;
         let scale = scale_for(geometry.diagonal());
         let triangles = gather(geometry, scale, clock);
         clock.host_phase("refit boxes", || refit(&mut self.bvh, &triangles));
@@ -231,7 +261,7 @@ impl Structure for BvhCpuStructure {
     ) -> Result<(), TracerError> {
         match update {
             Update::Rebuild => *self = Self::build(geometry, parameters, clock)?,
-            Update::Refit => self.refit(geometry, clock)?,
+            Update::Refit => self.refit(geometry, parameters, clock)?,
             Update::Reuse => {}
         }
         Ok(())
@@ -276,3 +306,6 @@ impl Structure for BvhCpuStructure {
         ])
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -8,7 +8,8 @@ use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 use tracebench_api::{Domain, Geometry, ParameterDescription, ParameterScope, PhaseClock, Value};
 
-const BUILDS: &[&str] = &["fastest", "very_fast", "fast", "medium", "slow", "very_slow"];
+/// Values of `build`.
+pub(crate) const BUILDS: &[&str] = &["fastest", "very_fast", "fast", "medium", "slow", "very_slow"];
 
 /// Power of two to which a scene's diagonal is scaled; powers of two lose no bit. obvhs's CWBVH nodes drop everything
 /// nearer than 1e-4 whatever the scene's size (at this size that is less than 1e-9 of the diagonal), its boxes have a
