@@ -29,14 +29,22 @@ const VARIANTS: &[(&str, &str, &[&str])] = &[
     ("TEST_VIEW_FUNCTIONS", "test/view_functions.wgsl", &[]),
 ];
 
+/// Shaders with ray queries: constant's name, file. naga_oil resolves imports in naga's own form, and naga's WGSL writer has
+/// no ray queries, so what it composes could not be written out. These files have their modules put before them as text
+/// instead: modules import one another by plain names that no two of them share, and none has conditions.
+const WITH_RAY_QUERIES: &[(&str, &str)] = &[("RAY_QUERY", "bvh/ray_query.wgsl")];
+
 fn main() {
     let root = PathBuf::from(std::env::var("CARGO_MANIFEST_DIR").expect("cargo sets CARGO_MANIFEST_DIR"));
     let out = PathBuf::from(std::env::var("OUT_DIR").expect("cargo sets OUT_DIR"));
     println!("cargo::rerun-if-changed=build.rs");
     let mut table = String::new();
     let mut names = String::new();
-    for (name, file, definitions) in VARIANTS {
-        let wgsl = compose(&root, file, definitions).unwrap_or_else(|error| panic!("{file} ({name}): {error}"));
+    let composed =
+        VARIANTS.iter().map(|(name, file, definitions)| (name, file, *definitions, compose(&root, file, definitions)));
+    let joined = WITH_RAY_QUERIES.iter().map(|(name, file)| (name, file, &[][..], join(&root, file)));
+    for (name, file, definitions, wgsl) in composed.chain(joined) {
+        let wgsl = wgsl.unwrap_or_else(|error| panic!("{file} ({name}): {error}"));
         let path = out.join(format!("{name}.wgsl"));
         std::fs::write(&path, wgsl).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         let _ = writeln!(
@@ -76,4 +84,47 @@ fn compose(root: &Path, file: &str, definitions: &[&str]) -> Result<String, Stri
     let info = validator.validate(&module).map_err(|error| error.emit_to_string(&source))?;
     naga::back::wgsl::write_string(&module, &info, naga::back::wgsl::WriterFlags::empty())
         .map_err(|error| error.to_string())
+}
+
+/// The file as text, after the modules that it imports and behind its `enable` lines, validated.
+fn join(root: &Path, file: &str) -> Result<String, String> {
+    let source = read(root, file)?;
+    let (enabled, own): (Vec<&str>, Vec<&str>) = source.lines().partition(|line| line.starts_with("enable "));
+    let mut joined = enabled.join("\n");
+    let mut imported: Vec<&str> = own.iter().filter_map(|line| imported_module(line)).collect();
+    let modules = MODULES.iter().map(|module| read(root, module)).collect::<Result<Vec<_>, _>>()?;
+    // Those that others import come first; the latter are known when the list is read from its end.
+    for module in modules.iter().rev() {
+        if defined_module(module).is_some_and(|name| imported.contains(&name)) {
+            imported.extend(module.lines().filter_map(imported_module));
+        }
+    }
+    let chosen = modules.iter().filter(|module| defined_module(module).is_some_and(|name| imported.contains(&name)));
+    for text in chosen.map(String::as_str).chain([own.join("\n").as_str()]) {
+        for line in text.lines().filter(|line| !line.starts_with("#import") && !line.starts_with("#define_import_path"))
+        {
+            if line.starts_with('#') {
+                return Err(format!("'{line}' cannot be resolved in a shader with ray queries"));
+            }
+            joined.push('\n');
+            joined.push_str(line);
+        }
+    }
+    joined.push('\n');
+    let module = naga::front::wgsl::parse_str(&joined).map_err(|error| error.emit_to_string(&joined))?;
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::RAY_QUERY);
+    validator.validate(&module).map_err(|error| error.emit_to_string(&joined))?;
+    Ok(joined)
+}
+
+/// The name by which others import a module.
+fn defined_module(source: &str) -> Option<&str> {
+    source.lines().find_map(|line| line.strip_prefix("#define_import_path ")).map(str::trim)
+}
+
+/// The module that a line imports from.
+fn imported_module(line: &str) -> Option<&str> {
+    let path = line.strip_prefix("#import ")?.trim();
+    let end = path.find("::{").or_else(|| path.rfind("::"))?;
+    Some(&path[..end])
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use tracebench_api::{
-    ClockKind, Counter, EndPoint, Hit, MemoryReport, Parameters, Ray, Residency, Status, Timing, Value,
+    ClockKind, Counter, Description, EndPoint, Hit, MemoryReport, Parameters, Ray, Residency, Status, Timing, Value,
 };
 use tracebench_scenes::{Origin, Scene};
 
@@ -111,7 +111,15 @@ pub(crate) fn json_values(parameters: &Parameters) -> BTreeMap<String, serde_jso
 
 /// A contender as it was asked for; a control was not.
 pub(crate) fn tracer_record(contender: &Contender, request: Option<&TracerRequest>) -> TracerRecord {
-    let Contender { description, parameters, .. } = contender;
+    record_of(&contender.description, &contender.parameters, request)
+}
+
+/// A tracer as it was asked for, whether it can run or not.
+pub(crate) fn request_record(request: &TracerRequest) -> TracerRecord {
+    record_of(&(request.registration.describe)(), &request.parameters, Some(request))
+}
+
+fn record_of(description: &Description, parameters: &Parameters, request: Option<&TracerRequest>) -> TracerRecord {
     TracerRecord {
         name: description.name.to_owned(),
         preset: request.map_or("control", |request| request.preset.name()).to_owned(),

@@ -26,6 +26,10 @@ pub const TRACERS: &[Registration] = &[
         create: |gpu| Ok(Box::new(tracebench_bvh::BvhGpu::new(gpu?)?)),
     },
     Registration {
+        describe: tracebench_bvh::ray_query_description,
+        create: |gpu| Ok(Box::new(tracebench_bvh::RayQuery::new(gpu?)?)),
+    },
+    Registration {
         describe: tracebench_screen_dda::description,
         create: |gpu| Ok(Box::new(tracebench_screen_dda::ScreenDda::new(gpu?)?)),
     },

@@ -3,10 +3,12 @@
 mod fake;
 
 use std::cell::OnceCell;
-use std::sync::Arc;
+use std::collections::BTreeSet;
+use std::io::Write as _;
+use std::sync::{Arc, Mutex};
 
 use tracebench_api::glam::{DVec3, Vec3};
-use tracebench_api::{AdapterChoice, Geometry, Gpu, Ray, ViewSet, Viewpoint};
+use tracebench_api::{AdapterChoice, Geometry, Gpu, Ray, Tracer, TracerError, ViewSet, Viewpoint, wgpu};
 
 pub use fake::{Fake, Manner};
 
@@ -26,6 +28,45 @@ pub fn gpu() -> Arc<Gpu> {
         }
     };
     GPU.with(|gpu| Arc::clone(gpu.get_or_init(open)))
+}
+
+/// Whether the adapter of a device has ray queries: asked of the adapter itself, not of the device that was opened on it.
+pub fn adapter_has_ray_queries(gpu: &Gpu) -> bool {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+    let adapters = pollster::block_on(instance.enumerate_adapters(backends));
+    let listing = &gpu.listing;
+    let same = |adapter: &&wgpu::Adapter| {
+        let info = adapter.get_info();
+        info.name == listing.name
+            && info.driver_info == listing.driver_version
+            && info.backend.to_string() == listing.backend
+    };
+    adapters
+        .iter()
+        .find(same)
+        .is_some_and(|adapter| adapter.features().contains(wgpu::Features::EXPERIMENTAL_RAY_QUERY))
+}
+
+/// A tracer as its constructor gave it, or nothing where the adapter cannot run it; that is said on standard error, past
+/// the capture of the test runner, once a process and reason.
+///
+/// # Panics
+/// If it could not be created for another reason than that the adapter has no ray queries.
+pub fn available(name: &str, created: Result<Box<dyn Tracer>, TracerError>, gpu: &Gpu) -> Option<Box<dyn Tracer>> {
+    static SAID: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+    let reason = match created {
+        Ok(tracer) => return Some(tracer),
+        Err(TracerError::Unavailable(reason)) => reason,
+        Err(error) => panic!("{name}: {error}"),
+    };
+    assert!(reason.contains("no ray queries") && reason.contains(&gpu.listing.name), "{name}: {reason}");
+    assert!(!adapter_has_ray_queries(gpu), "{name} says '{reason}', but the adapter has ray queries");
+    let skipped = format!("skipped {name}: {reason}");
+    if SAID.lock().is_ok_and(|mut said| said.insert(skipped.clone())) {
+        let _ = writeln!(std::io::stderr(), "{skipped}");
+    }
+    None
 }
 
 /// A generator of numbers that are the same on every machine (SplitMix64).

@@ -8,7 +8,7 @@ use tracebench_api::{
     Status, Structure, TraceJob, Tracer, TracerError, Viewpoint,
 };
 use tracebench_harness::registry::{Registration, TRACERS};
-use tracebench_tests::{Numbers, gpu, ray, rectangle, soup, viewpoint};
+use tracebench_tests::{Numbers, available, gpu, ray, rectangle, soup, viewpoint};
 
 /// A tracer under test.
 struct Subject {
@@ -21,19 +21,19 @@ struct Subject {
 }
 
 impl Subject {
-    fn new(registration: &Registration, preset: Preset) -> Self {
+    /// Nothing where the adapter cannot run it.
+    fn new(registration: &Registration, preset: Preset) -> Option<Self> {
         let description = (registration.describe)();
         let gpu = gpu();
-        let tracer =
-            registration.create(&Ok(Arc::clone(&gpu))).unwrap_or_else(|error| panic!("{}: {error}", description.name));
-        Self {
+        let tracer = available(description.name, registration.create(&Ok(Arc::clone(&gpu))), &gpu)?;
+        Some(Self {
             name: description.name,
             residency: description.residency,
             names_primitives: description.names_primitives,
             parameters: Parameters::preset(&description.parameters, preset),
             tracer,
             gpu,
-        }
+        })
     }
 
     fn build(&self, geometry: &Geometry, viewpoint: &Viewpoint) -> Box<dyn Structure> {
@@ -79,9 +79,9 @@ impl Subject {
     }
 }
 
-/// Every tracer with every preset.
+/// Every tracer with every preset, but for those that the adapter cannot run, which are named on standard error.
 fn subjects() -> Vec<Subject> {
-    let presets = |registration| Preset::ALL.map(|preset| Subject::new(registration, preset));
+    let presets = |registration| Preset::ALL.into_iter().filter_map(move |preset| Subject::new(registration, preset));
     TRACERS.iter().flat_map(presets).collect()
 }
 
@@ -265,8 +265,11 @@ fn equal_hits_go_to_the_lower_primitive() {
         for (name, value) in sweeps {
             subject.parameters.set(&described, name, &value).unwrap();
             let structure = subject.build(&geometry, &view);
+            // This value says that it gives the rule up.
+            let any_of_equal = (name, value.as_str()) == ("equal_t", "first_met");
             for hit in subject.trace(&*structure, &subject.rays(&rays, Query::Closest)) {
-                assert!(hit.is_hit() && hit.primitive == 1, "{} {name}={value}: {hit:?}", subject.name);
+                let right = if any_of_equal { hit.primitive % 3 == 1 } else { hit.primitive == 1 };
+                assert!(hit.is_hit() && right, "{} {name}={value}: {hit:?}", subject.name);
             }
         }
     }

@@ -10,7 +10,7 @@ use obvhs::cwbvh::node::CwBvhNode;
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::wgpu::BufferUsages;
 use tracebench_api::{Hit, NO_PRIMITIVE, Ray, Status, View, Viewpoint};
-use tracebench_bvh::{BINARY_STACK, BinaryNode, DeviceTriangle, ROW_BITS, SearchSettings, WIDE_STACK};
+use tracebench_bvh::{BINARY_STACK, BinaryNode, DeviceTriangle, QuerySettings, ROW_BITS, SearchSettings, WIDE_STACK};
 use tracebench_kit::{ViewUniform, bind_group, compute_pipeline, dispatch_linear};
 use tracebench_shaders::{ALL, Shader, TEST_VIEW_FUNCTIONS};
 use tracebench_tests::{Numbers, gpu, viewpoint};
@@ -84,6 +84,14 @@ fn shared() -> BTreeMap<&'static str, Layout> {
         ("unscale", offset_of!(SearchSettings, unscale)),
         ("greatest_t", offset_of!(SearchSettings, greatest_t)),
     ];
+    let query_settings = [
+        ("ray_count", offset_of!(QuerySettings, ray_count)),
+        ("any_hit", offset_of!(QuerySettings, any_hit)),
+        ("lowest_of_equal", offset_of!(QuerySettings, lowest_of_equal)),
+        ("scale", offset_of!(QuerySettings, scale)),
+        ("unscale", offset_of!(QuerySettings, unscale)),
+        ("greatest_t", offset_of!(QuerySettings, greatest_t)),
+    ];
     let triangle = [
         ("first", offset_of!(DeviceTriangle, first)),
         ("primitive", offset_of!(DeviceTriangle, primitive)),
@@ -114,6 +122,7 @@ fn shared() -> BTreeMap<&'static str, Layout> {
     assert_eq!(offset_of!(CwBvhNode, child_max_y), offset_of!(CwBvhNode, child_min_y) + 8);
     assert_eq!(offset_of!(CwBvhNode, child_max_z), offset_of!(CwBvhNode, child_min_z) + 8);
     BTreeMap::from([
+        ("QuerySettings", layout(&query_settings, size_of::<QuerySettings>())),
         ("SearchSettings", layout(&search_settings, size_of::<SearchSettings>())),
         ("Triangle", layout(&triangle, size_of::<DeviceTriangle>())),
         ("BinaryNode", layout(&binary_node, size_of::<BinaryNode>())),
@@ -162,13 +171,18 @@ fn another_layout_is_noticed() {
     }
 }
 
-/// Proves that every shader validates on its own, without any extension of WGSL.
+/// Proves that every shader validates on its own: the one that asks the device for hits with ray queries, which it does
+/// not without, and every other without any extension of WGSL.
 #[test]
 fn every_shader_validates() {
     for shader in ALL {
         let module = parse(shader.source);
-        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
-        if let Err(error) = validator.validate(&module) {
+        let validate =
+            |capabilities| Validator::new(ValidationFlags::all(), capabilities).validate(&module).map_err(Box::new);
+        let with_ray_queries = shader.name == "RAY_QUERY";
+        assert!(!with_ray_queries || validate(Capabilities::empty()).is_err(), "{}", shader.name);
+        let capabilities = if with_ray_queries { Capabilities::RAY_QUERY } else { Capabilities::empty() };
+        if let Err(error) = validate(capabilities) {
             panic!("{}: {}", shader.name, error.emit_to_string(shader.source));
         }
         assert!(!module.entry_points.is_empty(), "{} has no entry point", shader.name);
@@ -198,6 +212,10 @@ fn entry_points_exist() {
         ("BVH_BINARY_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
         ("BVH_BINARY_DEEP", vec![("trace", ShaderStage::Compute, 64)]),
         ("BVH_BINARY_DEEP_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
+        (
+            "RAY_QUERY",
+            ["trace", "trace_counted", "find_own_triangle"].map(|name| (name, ShaderStage::Compute, 64)).to_vec(),
+        ),
         ("TEST_TRIANGLE_FUNCTIONS", vec![("cross_pairs", ShaderStage::Compute, 64)]),
         ("TEST_VIEW_FUNCTIONS", vec![("project", ShaderStage::Compute, 64)]),
     ]);

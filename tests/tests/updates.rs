@@ -9,9 +9,9 @@ use tracebench_api::{
 };
 use tracebench_harness::registry::{Registration, TRACERS};
 use tracebench_scenes::{Scene, procedural};
-use tracebench_tests::{Numbers, gpu, ray, viewpoint};
+use tracebench_tests::{Numbers, available, gpu, ray, viewpoint};
 
-/// A tracer with its presets' parameters.
+/// A tracer with a preset's parameters.
 struct Subject {
     name: String,
     tracer: Box<dyn Tracer>,
@@ -25,16 +25,17 @@ fn subjects() -> Vec<Subject> {
     let gpu = gpu();
     let subject = |registration: &'static Registration, preset: Preset| {
         let description = (registration.describe)();
-        Subject {
+        Some(Subject {
             name: format!("{}:{}", description.name, preset.name()),
-            tracer: registration.create(&Ok(Arc::clone(&gpu))).unwrap(),
+            tracer: available(description.name, registration.create(&Ok(Arc::clone(&gpu))), &gpu)?,
             parameters: Parameters::preset(&description.parameters, preset),
             follows_geometry_only: !description.invalidated_by.contains(&Invalidation::Viewpoint),
             registration,
             gpu: Arc::clone(&gpu),
-        }
+        })
     };
-    TRACERS.iter().flat_map(|each| Preset::ALL.map(|preset| subject(each, preset))).collect()
+    let presets = |each| Preset::ALL.into_iter().map(move |preset| (each, preset));
+    TRACERS.iter().flat_map(presets).filter_map(|(each, preset)| subject(each, preset)).collect()
 }
 
 impl Subject {

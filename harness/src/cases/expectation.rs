@@ -1,6 +1,6 @@
 //! What is expected of a tracer on a case, and whether it came.
 
-use super::{bvh_cpu, bvh_gpu, screen_dda};
+use super::{bvh_cpu, bvh_gpu, ray_query, screen_dda};
 pub use crate::judge::Rule;
 
 /// What is expected of a tracer with its published preset on a case. Shares are of the rays that are no tie.
@@ -38,8 +38,12 @@ pub enum Expectation {
 pub type Column = &'static [(&'static str, Expectation)];
 
 /// Every tracer of which something is expected.
-pub const COLUMNS: &[(&str, Column)] =
-    &[("bvh-cpu", bvh_cpu::EXPECTATIONS), ("bvh-gpu", bvh_gpu::EXPECTATIONS), ("screen-dda", screen_dda::EXPECTATIONS)];
+pub const COLUMNS: &[(&str, Column)] = &[
+    ("bvh-cpu", bvh_cpu::EXPECTATIONS),
+    ("bvh-gpu", bvh_gpu::EXPECTATIONS),
+    ("ray-query", ray_query::EXPECTATIONS),
+    ("screen-dda", screen_dda::EXPECTATIONS),
+];
 
 /// What is expected of a tracer; nothing if it has no column.
 pub fn column(tracer: &str) -> Column {

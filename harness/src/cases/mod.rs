@@ -11,6 +11,7 @@ mod eye;
 mod frames;
 mod many;
 mod probe;
+mod ray_query;
 mod screen_dda;
 mod sketch;
 mod small;

@@ -38,12 +38,10 @@ impl Candidate {
     /// against them all the same.
     fn create(request: &TracerRequest, device: &Device) -> Result<Self, TracerError> {
         let description = (request.registration.describe)();
-        let published = request.preset == tracebench_api::Preset::Published;
-        let expected = if published { expectation::column(description.name).to_vec() } else { Vec::new() };
         let contender =
             Contender::create(description, request.parameters.clone(), || request.registration.create(device))?;
         let label = records::tracer_record(&contender, Some(request)).label();
-        Ok(Self { label, contender, expected })
+        Ok(Self { label, contender, expected: expected_of(request) })
     }
 }
 
@@ -58,13 +56,14 @@ pub fn run(
     progress: &Progress,
 ) -> Result<Stability, RunError> {
     let mut candidates = Vec::new();
-    let mut skipped = Vec::new();
-    for request in requests {
+    let (mut absent, mut skipped) = (Vec::new(), Vec::new());
+    for (column, request) in requests.iter().enumerate() {
         let tracer = (request.registration.describe)().name.to_owned();
         match Candidate::create(request, device) {
             Ok(candidate) => candidates.push(candidate),
             Err(error) if request.required => return Err(RunError::Tracer { tracer, error }),
             Err(error) => {
+                absent.push((column, request));
                 progress.say(&format!("skipped {tracer}: {error}"));
                 let scene = "cases".to_owned();
                 skipped.push(Skipped { tracer: Some(tracer), scene, rays: None, reason: error.to_string() });
@@ -89,9 +88,29 @@ pub fn run(
     };
     for case in cases {
         progress.say(&format!("case {}", case.name));
-        stability.cases.push(measure(case, &mut candidates, gpu)?);
+        let mut record = measure(case, &mut candidates, gpu)?;
+        // From left to right, so that every one comes to stand in the column that it was asked for in.
+        for (column, request) in &absent {
+            record.tracers.insert(*column, absent_cell(case, request));
+        }
+        stability.cases.push(record);
     }
     Ok(stability)
+}
+
+fn absent_cell(case: &Case, request: &TracerRequest) -> Cell {
+    let expected = expected_of(request);
+    verdict::unavailable(&records::request_record(request).label(), expectation_on(&expected, case))
+}
+
+/// What is expected of a request, by case: something of the published preset alone.
+fn expected_of(request: &TracerRequest) -> Vec<(&'static str, Expectation)> {
+    let published = request.preset == tracebench_api::Preset::Published;
+    if published { expectation::column((request.registration.describe)().name).to_vec() } else { Vec::new() }
+}
+
+fn expectation_on<'a>(expected: &'a [(&'static str, Expectation)], case: &Case) -> Option<&'a Expectation> {
+    expected.iter().find(|(name, _)| *name == case.name).map(|(_, expected)| expected)
 }
 
 /// Measures one case: every candidate at every strength.
@@ -116,8 +135,7 @@ pub fn measure(case: &Case, candidates: &mut [Candidate], gpu: Option<&Arc<Gpu>>
         }
     }
     let cells = candidates.iter().zip(measured).map(|(candidate, measured)| {
-        let expected = candidate.expected.iter().find(|(name, _)| *name == case.name).map(|(_, expected)| expected);
-        verdict::cell(case, &candidate.label, expected, measured)
+        verdict::cell(case, &candidate.label, expectation_on(&candidate.expected, case), measured)
     });
     Ok(CaseRecord {
         name: case.name.to_owned(),

@@ -22,6 +22,8 @@ pub enum Verdict {
     UnexpectedSuccess,
     /// Nothing is expected.
     Unstated,
+    /// This machine cannot run the tracer; the reason stands with what was skipped.
+    Unavailable,
 }
 
 impl Verdict {
@@ -52,6 +54,17 @@ pub(super) fn cell(case: &Case, tracer: &str, expected: Option<&Expectation>, mu
     };
     let expectation = expected.map(ExpectationRecord::from);
     Cell { tracer: tracer.to_owned(), expectation, verdict, text, measured }
+}
+
+/// The cell of a tracer that this machine cannot run: nothing is measured and nothing can be surprising.
+pub(super) fn unavailable(tracer: &str, expected: Option<&Expectation>) -> Cell {
+    Cell {
+        tracer: tracer.to_owned(),
+        expectation: expected.map(ExpectationRecord::from),
+        verdict: Verdict::Unavailable,
+        text: "unavailable".to_owned(),
+        measured: Vec::new(),
+    }
 }
 
 /// The greatest share of wrong rays over all strengths.

@@ -255,7 +255,7 @@ fn without_an_adapter() {
     assert_eq!(result["runs"][0]["tracer"]["name"], "bvh-cpu");
     let skipped = result["skipped"].as_array().unwrap();
     let names_of_skipped: Vec<&str> = skipped.iter().map(|each| each["tracer"].as_str().unwrap()).collect();
-    assert_eq!(names_of_skipped, ["bvh-gpu", "screen-dda"]);
+    assert_eq!(names_of_skipped, ["bvh-gpu", "ray-query", "screen-dda"]);
     assert!(skipped.iter().all(|each| each["reason"].as_str().unwrap().contains("adapter")));
     assert!(result["machine"]["adapter"].is_null());
     assert!(all.stderr.contains("no graphics adapter was found"), "{all:?}");
@@ -272,4 +272,31 @@ fn without_an_adapter() {
     let list = bench.call_without_adapter(&["adapters", "--json"]);
     assert_eq!((list.status, list.stdout.trim()), (0, "[]"), "{list:?}");
     assert_eq!(bench.call_without_adapter(&["list", "tracers"]).status, 0);
+}
+
+/// Proves that a tracer which asks more of an adapter than it has is skipped with the reason by `all` and an error with
+/// status 1 by name; on an adapter that has it, it runs both ways.
+#[test]
+fn without_ray_queries() {
+    let bench = Bench::new();
+    let run = |tracer: &str, out: &str| {
+        let out = bench.text(out);
+        bench.call(&[&SMOKE[..], &["--rays", "primary", "--tracer", tracer, "--out", &out]].concat())
+    };
+    let (all, named) = (run("all", "all"), run("bvh-cpu,ray-query", "named"));
+    assert_eq!(all.status, 0, "{all:?}");
+    let result = bench.result("all");
+    let skipped = result["skipped"].as_array().unwrap();
+    if tracebench_tests::adapter_has_ray_queries(&tracebench_tests::gpu()) {
+        assert!(skipped.is_empty() && named.status == 0, "{skipped:?} {named:?}");
+        return;
+    }
+    assert_eq!((skipped.len(), skipped[0]["tracer"].as_str()), (1, Some("ray-query")));
+    let reason = skipped[0]["reason"].as_str().unwrap();
+    let adapter = result["machine"]["adapter"]["name"].as_str().unwrap();
+    assert!(reason.contains(adapter) && reason.contains("EXPERIMENTAL_RAY_QUERY"), "{reason}");
+    assert!(all.stderr.contains("skipped ray-query"), "{all:?}");
+    assert_eq!((named.status, named.stdout.as_str()), (1, ""), "{named:?}");
+    assert!(named.stderr.contains("ray-query") && named.stderr.contains("EXPERIMENTAL_RAY_QUERY"), "{named:?}");
+    assert!(names(&bench.path("named")).is_empty());
 }

@@ -270,7 +270,11 @@ fn empty_ray_sets_are_skipped() {
     std::fs::write(bench.path("one.glb"), glb(&TRIANGLE)).unwrap();
     let away = ["--scene", "one.glb", "--tracer", "all", "--view", "0,0,5:0,0,9"];
     let run = bench.run(&[&away[..], &["--rays", "all"]].concat(), "all");
-    let skipped = run["skipped"].as_array().unwrap();
+    // What a tracer lacks on this adapter is skipped for all sets.
+    let of_sets = |run: &Value| -> Vec<Value> {
+        run["skipped"].as_array().unwrap().iter().filter(|each| !each["rays"].is_null()).cloned().collect()
+    };
+    let skipped = of_sets(&run);
     let sets: Vec<&str> = skipped.iter().map(|each| each["rays"].as_str().unwrap()).collect();
     let from_hits = ["diffuse", "ao", "visibility", "specular", "glossy", "bounce2", "refraction", "pixel-random"];
     assert_eq!(sets, from_hits);
@@ -279,7 +283,7 @@ fn empty_ray_sets_are_skipped() {
     assert_eq!(run["runs"][0]["traces"][0]["judgement"]["classes"]["tight"]["true_miss"], 128);
     let run = bench.run(&[&away[..], &["--rays", "ao"]].concat(), "none");
     assert!(run["runs"][0]["traces"].as_array().unwrap().is_empty());
-    assert_eq!(run["skipped"].as_array().unwrap().len(), 1);
+    assert_eq!(of_sets(&run).len(), 1);
 }
 
 /// Proves that settings reach the tracer and the record, that a preset by name is in it, and that frames are the

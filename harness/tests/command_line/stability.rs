@@ -2,6 +2,8 @@
 
 use super::*;
 
+use tracebench_tests::{adapter_has_ray_queries, gpu};
+
 const FEW: [&str; 5] = ["stability", "--quiet", "--case", "edge-on,needles", "--tracer"];
 
 /// Proves that the matrix is printed, all files are written and agree with it, and that what is expected ends with 0.
@@ -12,10 +14,18 @@ fn a_matrix_and_its_files() {
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
     let expected = ["error_vs_strength.png", "error_vs_strength.svg", "stability.json", "stability.md"];
     assert_eq!(names(&bench.path("out")), expected.map(str::to_owned).into());
-    assert!(outcome.stdout.starts_with("| case | bvh-cpu | bvh-gpu | screen-dda |\n"), "{}", outcome.stdout);
-    assert!(outcome.stdout.contains("| edge-on | exact | exact | known failure "), "{}", outcome.stdout);
+    assert!(
+        outcome.stdout.starts_with("| case | bvh-cpu | bvh-gpu | ray-query | screen-dda |\n"),
+        "{}",
+        outcome.stdout
+    );
+    let with_ray_queries = adapter_has_ray_queries(&gpu());
+    let ray_query = if with_ray_queries { "exact" } else { "unavailable" };
+    let row = format!("| edge-on | exact | exact | {ray_query} | known failure ");
+    assert!(outcome.stdout.contains(&row), "{}", outcome.stdout);
+    assert_eq!(outcome.stdout.contains("Skipped ray-query: "), !with_ray_queries, "{}", outcome.stdout);
     let page = std::fs::read_to_string(bench.path("out/stability.md")).unwrap();
-    assert!(page.contains("| edge-on | exact | exact | known failure "), "{page}");
+    assert!(page.contains(&row), "{page}");
     let found: Value = serde_json::from_slice(&std::fs::read(bench.path("out/stability.json")).unwrap()).unwrap();
     assert_eq!(found["schema"], 1);
     assert!(found["machine"]["adapter"]["name"].is_string());
@@ -23,6 +33,8 @@ fn a_matrix_and_its_files() {
     assert_eq!((case["name"].as_str(), case["knob"]["unit"].as_str()), (Some("edge-on"), Some("degrees")));
     assert!(case["strengths"][0]["rays"].as_u64().unwrap() >= 500);
     let cell = &case["tracers"][2];
+    assert_eq!((cell["tracer"].as_str(), cell["verdict"].as_str()), (Some("ray-query"), Some(ray_query)));
+    let cell = &case["tracers"][3];
     assert_eq!((cell["tracer"].as_str(), cell["verdict"].as_str()), (Some("screen-dda"), Some("known_failure")));
     for field in ["kind", "rule", "most_wrong", "from", "least_wrong", "reason", "source"] {
         assert!(!cell["expectation"][field].is_null(), "{field}: {cell}");
@@ -83,6 +95,7 @@ fn cases_without_an_adapter() {
     let all = bench.call_without_adapter(&[&FEW[..], &["all", "--out", "all"]].concat());
     assert_eq!(all.status, 0, "{all:?}");
     assert!(all.stdout.contains("Skipped screen-dda") && all.stdout.contains("adapter"), "{all:?}");
+    assert!(all.stdout.contains("| edge-on | exact | unavailable | unavailable | unavailable |"), "{all:?}");
     let named = bench.call_without_adapter(&[&FEW[..], &["screen-dda", "--out", "named"]].concat());
     assert_eq!((named.status, named.stdout.as_str()), (1, ""), "{named:?}");
     assert!(!bench.path("named").exists());

@@ -12,19 +12,23 @@ use tracebench_harness::plan::TracerRequest;
 use tracebench_harness::progress::Progress;
 use tracebench_harness::registry::TRACERS;
 use tracebench_harness::stability::{CaseRecord, Stability, Verdict, run};
+use tracebench_tests::{adapter_has_ray_queries, available};
 
 fn gpu() -> Arc<Gpu> {
     tracebench_tests::gpu()
 }
 
-/// Every registered tracer with its published preset.
+/// Every registered tracer with its published preset; those that the adapter cannot run, as if by `all`.
 fn requests() -> Vec<TracerRequest> {
-    let request = |registration: &tracebench_harness::registry::Registration| TracerRequest {
-        registration: *registration,
-        preset: Preset::Published,
-        parameters: Parameters::preset(&(registration.describe)().parameters, Preset::Published),
-        changed: Vec::new(),
-        required: true,
+    let request = |registration: &tracebench_harness::registry::Registration| {
+        let description = (registration.describe)();
+        TracerRequest {
+            registration: *registration,
+            preset: Preset::Published,
+            parameters: Parameters::preset(&description.parameters, Preset::Published),
+            changed: Vec::new(),
+            required: available(description.name, registration.create(&Ok(gpu())), &gpu()).is_some(),
+        }
     };
     TRACERS.iter().map(request).collect()
 }
@@ -57,15 +61,20 @@ fn flaws(case: &Case, record: &CaseRecord) -> Vec<String> {
 }
 
 /// Proves for every case that at every strength some rays hit, some miss and few are ties, that at the hardest enough
-/// show the difficulty, that the controls score what they must; and for every tracer that it is as wrong as stated.
+/// show the difficulty, that the controls score what they must; and for every tracer that it is as wrong as stated, or
+/// shown as unavailable where the adapter cannot run it.
 #[test]
 fn every_tracer_is_as_expected() {
     let begin = std::time::Instant::now();
     let found = run_all();
     for (case, record) in CASES.iter().zip(&found.cases) {
         assert_eq!(flaws(case, record), Vec::<String>::new());
+        let columns: Vec<&str> = record.tracers.iter().map(|cell| cell.tracer.as_str()).collect();
+        assert!(columns.iter().copied().eq(TRACERS.iter().map(|each| (each.describe)().name)), "{columns:?}");
         for cell in &record.tracers {
             println!("{} {}: {}", case.name, cell.tracer, cell.text);
+            let runs = cell.tracer != "ray-query" || adapter_has_ray_queries(&gpu());
+            assert_eq!((cell.verdict == Verdict::Unavailable, cell.measured.is_empty()), (!runs, !runs), "{cell:?}");
         }
     }
     assert_eq!(found.surprises(), Vec::<String>::new());
@@ -118,10 +127,10 @@ fn the_registry_is_sane() {
     }
 }
 
-/// Proves that something is stated for the tracers of today on every case.
+/// Proves that something is stated for every tracer on every case.
 #[test]
 fn every_case_is_stated() {
-    for tracer in ["bvh-cpu", "screen-dda"] {
+    for tracer in TRACERS.iter().map(|registration| (registration.describe)().name) {
         let column = expectation::column(tracer);
         for case in CASES {
             assert!(column.iter().any(|(name, _)| *name == case.name), "{tracer}: {} is unstated", case.name);

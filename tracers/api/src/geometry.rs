@@ -22,7 +22,8 @@ pub struct Geometry {
     device: Result<DeviceGeometry, TracerError>,
 }
 
-/// Device buffers of a [`Geometry`], usable as vertex, index and storage buffers.
+/// Device buffers of a [`Geometry`], usable as vertex, index and storage buffers, and where the device has ray queries to
+/// build acceleration structures from.
 #[derive(Clone, Debug)]
 pub struct DeviceGeometry {
     /// Three f32 per vertex, tightly packed.
@@ -111,7 +112,8 @@ fn bounds(positions: &[[f32; 3]]) -> (Vec3, Vec3) {
 
 impl DeviceGeometry {
     fn upload(gpu: &Gpu, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, TracerError> {
-        let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+        let for_building = if gpu.has_ray_queries() { BufferUsages::BLAS_INPUT } else { BufferUsages::empty() };
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST | for_building;
         let positions = gpu.buffer_with(
             "vertex positions",
             bytemuck::cast_slice(positions),

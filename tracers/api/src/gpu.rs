@@ -76,6 +76,18 @@ pub struct Gpu {
 
 const TIMESTAMP_FEATURES: Features = Features::TIMESTAMP_QUERY.union(Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
 
+/// What tracers use where the adapter has it.
+const WANTED_FEATURES: Features = TIMESTAMP_FEATURES.union(Features::EXPERIMENTAL_RAY_QUERY);
+
+/// wgpu's leave to use what it calls experimental, which ray queries are.
+#[allow(unsafe_code, reason = "the leave can be had in no other way")]
+fn experimental() -> wgpu::ExperimentalFeatures {
+    // SAFETY: asked of the caller is to know that these parts of wgpu may have errors, undefined behaviour included. They
+    // are reached through wgpu's checked interface alone, by a tracer that uses them as wgpu documents, on adapters that
+    // offer them.
+    unsafe { wgpu::ExperimentalFeatures::enabled() }
+}
+
 /// The adapters of this machine, in the driver's order; empty without a Vulkan loader, Metal or DirectX 12.
 pub fn list_adapters() -> Vec<AdapterListing> {
     enumerate().iter().map(listing).collect()
@@ -151,11 +163,14 @@ impl Gpu {
         let listings: Vec<_> = adapters.iter().map(listing).collect();
         let chosen = choose(&listings, choice.wanted.as_deref())?;
         let (adapter, listing) = (&adapters[chosen], listings[chosen].clone());
-        let limits = adapter.limits();
+        let (features, limits) = (adapter.features() & WANTED_FEATURES, adapter.limits());
+        let with_ray_queries = features.contains(Features::EXPERIMENTAL_RAY_QUERY);
         let request = adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("tracebench"),
-            required_features: adapter.features() & TIMESTAMP_FEATURES,
+            required_features: features,
+            // Those of acceleration structures too, which are 0 where the adapter has none.
             required_limits: limits.clone(),
+            experimental_features: if with_ray_queries { experimental() } else { Default::default() },
             ..Default::default()
         });
         let (device, queue) = pollster::block_on(request)
@@ -169,6 +184,11 @@ impl Gpu {
         }));
         let stamps = listing.timestamps.then(|| Stamps::new(&device, &queue));
         Ok(Self { device, queue, limits, listing, stamps, errors })
+    }
+
+    /// Whether shaders can ask the device itself for a ray's hits, and the device builds acceleration structures.
+    pub fn has_ray_queries(&self) -> bool {
+        self.device.features().contains(Features::EXPERIMENTAL_RAY_QUERY)
     }
 
     /// Whether the adapter is a software one, whose times say little of hardware.

@@ -7,6 +7,7 @@
 //! Space: right-handed, y up by custom; `t` and all lengths in scene units; eye depth is linear and positive in front
 //! of the eye.
 
+mod allocations;
 mod clock;
 mod error;
 mod geometry;
@@ -18,6 +19,7 @@ mod tracer;
 mod transfer;
 mod viewpoint;
 
+pub use allocations::Allocations;
 pub use clock::{ClockKind, PhaseClock, PhaseSample, Timing};
 pub use error::TracerError;
 pub use geometry::{DeviceGeometry, Geometry};

@@ -6,12 +6,15 @@
 //!
 //! `bvh-gpu` is the same hierarchy, or a binary one, uploaded and traversed in compute, with the watertight triangle test of
 //! Woop, Benthin and Wald (JCGT 2013).
+//!
+//! `ray-query` leaves hierarchy and traversal to the device's driver, where it has ray queries.
 
 mod binary;
 mod cpu;
 mod gpu;
 mod hierarchy;
 mod input;
+mod ray_query;
 mod refit;
 mod wide;
 
@@ -20,3 +23,4 @@ pub use cpu::{BvhCpu, description};
 pub use gpu::{
     BINARY_STACK, BvhGpu, DeviceTriangle, ROW_BITS, SearchSettings, WIDE_STACK, description as gpu_description,
 };
+pub use ray_query::{QuerySettings, RayQuery, description as ray_query_description};

@@ -49,8 +49,17 @@ impl StrengthFigure {
         let tracers = stability.tracers();
         let styles = Styles::of_labels(tracers.iter().cloned());
         let panels: Vec<Panel> = stability.cases.iter().map(|case| panel(case, &styles)).collect();
+        // A tracer that this machine cannot run keeps its colour for others, and is not shown.
+        let measured = |label: &&String| {
+            stability
+                .cases
+                .iter()
+                .flat_map(|case| &case.tracers)
+                .any(|cell| cell.tracer == **label && !cell.measured.is_empty())
+        };
         let legend = tracers
             .iter()
+            .filter(measured)
             .map(|label| Entry { sample: Sample::Line(styles.get(label)), label: cut(label, LONGEST_TRACER) });
         let grey = Style { colour: GREY, shape: Shape::Circle };
         let entry = |sample, label: &str| Entry { sample, label: label.to_owned() };
@@ -70,7 +79,7 @@ impl StrengthFigure {
 }
 
 fn panel(case: &CaseRecord, styles: &Styles) -> Panel {
-    let curves = case.tracers.iter().map(|cell| {
+    let curves = case.tracers.iter().filter(|cell| !cell.measured.is_empty()).map(|cell| {
         let wrong = || cell.measured.iter().map(|measured| measured.wrong);
         Curve {
             style: styles.get(&cell.tracer),

@@ -1,0 +1,193 @@
+//! `ray-query`: the acceleration structures of the device's own driver, searched by ray queries in a compute shader.
+//!
+//! How the driver builds, which nodes it has and by which test it meets triangles is its own: answers hold for the adapter
+//! and driver that gave them. What this tracer sees to:
+//! - Triangles are opaque and hit from both sides; nothing is culled.
+//! - The scene is scaled by a power of two while the driver builds, as for the other hierarchies.
+//! - Of hits at equal t the lower primitive is given. A ray query takes whichever it meets first, so the closest hit is
+//!   followed by a second query over a narrow span round its t, in which every triangle is looked at. With
+//!   `equal_t = first_met` it is not, and the primitive is the driver's choice.
+//!
+//! What the interface does not give: nodes visited (counted is how often a traversal must be told to proceed that stops
+//! before every triangle it would take), the bytes that the driver needs while it builds, and a way to read a structure
+//! back (every triangle is looked for by a ray instead).
+
+mod acceleration;
+mod description;
+mod probes;
+mod search;
+
+use std::sync::Arc;
+
+use tracebench_api::wgpu::BufferUsages;
+use tracebench_api::{
+    Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, MemoryReport, Parameters, PhaseClock, Query, Ray, RayBuffer,
+    Residency, Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
+};
+
+use acceleration::Acceleration;
+pub use description::description;
+pub use search::QuerySettings;
+use search::{Queries, Question};
+
+/// The tracer.
+pub struct RayQuery {
+    queries: Arc<Queries>,
+}
+
+impl RayQuery {
+    /// Creates the pipelines.
+    ///
+    /// # Errors
+    /// [`TracerError::Unavailable`] where the adapter has no ray queries, [`TracerError::Failed`] if the device refuses a
+    /// pipeline.
+    pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        if !gpu.has_ray_queries() {
+            let listing = &gpu.listing;
+            return Err(TracerError::Unavailable(format!(
+                "{}, driver {}, has no ray queries (wgpu feature EXPERIMENTAL_RAY_QUERY)",
+                listing.name, listing.driver_version
+            )));
+        }
+        Ok(Self { queries: Arc::new(Queries::new(gpu)?) })
+    }
+}
+
+impl Tracer for RayQuery {
+    fn build(
+        &self,
+        geometry: &Geometry,
+        _viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Box<dyn Structure>, TracerError> {
+        let gpu = &self.queries.gpu;
+        let mut acceleration = Acceleration::new(gpu, geometry, parameters)?;
+        acceleration.record_build(gpu, geometry, clock)?;
+        let queries = Arc::clone(&self.queries);
+        Ok(Box::new(RayQueryStructure { queries, acceleration, built_over: Mesh::of(geometry) }))
+    }
+}
+
+/// The triangles that a structure was built over, shared with the scene; for validation.
+struct Mesh {
+    positions: Arc<Vec<[f32; 3]>>,
+    triangles: Arc<Vec<[u32; 3]>>,
+}
+
+impl Mesh {
+    fn of(geometry: &Geometry) -> Self {
+        Self { positions: Arc::clone(&geometry.positions), triangles: Arc::clone(&geometry.triangles) }
+    }
+}
+
+/// Acceleration structures over one scene.
+struct RayQueryStructure {
+    queries: Arc<Queries>,
+    acceleration: Acceleration,
+    built_over: Mesh,
+}
+
+impl RayQueryStructure {
+    fn rebuild(
+        &mut self,
+        geometry: &Geometry,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        let gpu = &self.queries.gpu;
+        if self.acceleration.fits(gpu, geometry, parameters)? {
+            self.acceleration.record_build(gpu, geometry, clock)?;
+        } else {
+            let mut acceleration = Acceleration::new(gpu, geometry, parameters)?;
+            acceleration.record_build(gpu, geometry, clock)?;
+            self.acceleration = acceleration;
+        }
+        self.built_over = Mesh::of(geometry);
+        Ok(())
+    }
+
+    /// How many triangles are fat enough to be looked for, and that each of them is found.
+    fn find_all(&self, mesh: &Mesh) -> Result<usize, TracerError> {
+        let gpu = &self.queries.gpu;
+        let (rays, fat): (Vec<Ray>, Vec<bool>) = probes::probes(&mesh.positions, &mesh.triangles).into_iter().unzip();
+        let rays = RayBuffer::new(Arc::new(rays), Query::Closest, Some(gpu));
+        let mut hits = HitBuffer::new(fat.len(), Residency::Device, Some(gpu))?;
+        hits.poison(Some(gpu))?;
+        let mut clock = PhaseClock::new(Some(gpu));
+        self.queries.record(Question::FindOwnTriangle, &self.acceleration, &rays, &hits, &mut clock)?;
+        clock.finish()?;
+        let lost = |(index, (hit, fat)): (usize, (&Hit, &bool))| (*fat && !hit.is_hit()).then_some(index);
+        match hits.read(Some(gpu))?.iter().zip(&fat).enumerate().find_map(lost) {
+            Some(index) => {
+                Err(TracerError::Failed(format!("triangle {index} is not found by a ray through its middle")))
+            }
+            None => Ok(fat.iter().filter(|fat| **fat).count()),
+        }
+    }
+}
+
+/// Whether a job wants the lower primitive of equal hits.
+///
+/// # Errors
+/// [`TracerError::Unsupported`] for an end that is not served.
+fn check(job: &TraceJob<'_>) -> Result<bool, TracerError> {
+    if job.end != EndPoint::Hit {
+        return Err(TracerError::Unsupported("ray-query stores triangles alone, no surfaces".to_owned()));
+    }
+    Ok(job.parameters.choice("equal_t") == "lowest")
+}
+
+impl Structure for RayQueryStructure {
+    fn update(
+        &mut self,
+        update: Update,
+        geometry: &Geometry,
+        _viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        match update {
+            Update::Rebuild => self.rebuild(geometry, parameters, clock),
+            Update::Refit => Err(TracerError::Unsupported(
+                "wgpu 30 builds an acceleration structure anew where an update in place is asked for \
+                 (AccelerationStructureUpdateMode::PreferUpdate): rebuild it"
+                    .to_owned(),
+            )),
+            Update::Reuse => Ok(()),
+        }
+    }
+
+    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        let lowest_of_equal = check(&job)?;
+        self.queries.record(Question::Trace { lowest_of_equal }, &self.acceleration, job.rays, hits, clock)
+    }
+
+    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        let lowest_of_equal = check(&job)?;
+        let gpu = &self.queries.gpu;
+        let bytes = job.rays.host.len().max(1) as u64 * 4;
+        gpu.check_storage_binding("counts", bytes, "--size")?;
+        let counts = gpu.buffer("counts", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?;
+        let mut clock = PhaseClock::new(Some(gpu));
+        let question = Question::TraceCounted { lowest_of_equal, counts: &counts };
+        self.queries.record(question, &self.acceleration, job.rays, hits, &mut clock)?;
+        clock.finish()?;
+        let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&counts, bytes)?);
+        let counts = counts.into_iter().take(job.rays.host.len()).map(u64::from);
+        Ok(vec![Counter::of("proceed_calls", counts)])
+    }
+
+    fn memory(&self) -> MemoryReport {
+        self.acceleration.memory()
+    }
+
+    fn scratch_bytes(&self, _ray_count: usize) -> u64 {
+        size_of::<QuerySettings>() as u64
+    }
+
+    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        let found = self.find_all(&self.built_over)?;
+        Ok(vec![("triangles", self.built_over.triangles.len() as f64), ("triangles_looked_for", found as f64)])
+    }
+}
