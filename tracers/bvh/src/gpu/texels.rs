@@ -20,6 +20,8 @@ pub(crate) struct Texels {
     view: TextureView,
     /// Bytes in use.
     used: u64,
+    /// Bytes allocated, by the device's own report: drivers pad textures as they like.
+    allocated: u64,
 }
 
 impl Texels {
@@ -36,8 +38,8 @@ impl Texels {
     ) -> Result<Self, TracerError> {
         Self::check(gpu, name, contents.len(), turn_down)?;
         let used = contents.len() as u64;
-        let view = match there.filter(|there| there.allocated() >= used) {
-            Some(there) => there.view.clone(),
+        let (view, allocated) = match there.filter(|there| there.capacity() >= used) {
+            Some(there) => (there.view.clone(), there.allocated),
             None => create(gpu, name, rows(used))?,
         };
         let whole_rows = contents.len() / ROW_BYTES as usize;
@@ -50,7 +52,7 @@ impl Texels {
             let size = Extent3d { width, height, depth_or_array_layers: 1 };
             gpu.queue.write_texture(target, bytes, layout(), size);
         }
-        Ok(Self { name, view, used })
+        Ok(Self { name, view, used, allocated })
     }
 
     /// Checks that the device can hold that many bytes in one texture.
@@ -77,7 +79,7 @@ impl Texels {
 
     /// Enters the texture.
     pub(crate) fn enter(&self, ledger: &mut Ledger) {
-        ledger.keep(self.name, self.allocated(), self.used);
+        ledger.keep(self.name, self.allocated, self.used);
     }
 
     /// Reads what is in use back.
@@ -102,7 +104,8 @@ impl Texels {
         Ok(contents)
     }
 
-    fn allocated(&self) -> u64 {
+    /// Bytes that there is room for.
+    fn capacity(&self) -> u64 {
         u64::from(self.view.texture().height()) * u64::from(ROW_BYTES)
     }
 }
@@ -116,7 +119,9 @@ fn layout() -> TexelCopyBufferLayout {
     TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(ROW_BYTES), rows_per_image: None }
 }
 
-fn create(gpu: &Gpu, name: &str, height: u32) -> Result<TextureView, TracerError> {
+/// A texture, and what it takes.
+fn create(gpu: &Gpu, name: &str, height: u32) -> Result<(TextureView, u64), TracerError> {
+    let before = gpu.allocations();
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(name),
         size: Extent3d { width: 1 << ROW_BITS, height, depth_or_array_layers: 1 },
@@ -128,5 +133,7 @@ fn create(gpu: &Gpu, name: &str, height: u32) -> Result<TextureView, TracerError
         view_formats: &[],
     });
     gpu.check()?;
-    Ok(texture.create_view(&Default::default()))
+    let told = gpu.allocations().added_since(&before, name);
+    let allocated = told.unwrap_or(u64::from(height) * u64::from(ROW_BYTES));
+    Ok((texture.create_view(&Default::default()), allocated))
 }
