@@ -1,7 +1,7 @@
 //! Linear eye depth of one view, by the hardware rasterizer.
 
 use tracebench_api::wgpu::{self, TextureFormat, TextureUsages};
-use tracebench_api::{DeviceGeometry, Gpu, TracerError, View};
+use tracebench_api::{DeviceGeometry, Gpu, Ledger, TracerError, View};
 use tracebench_shaders::EYE_DEPTH_RASTER;
 
 use crate::{ViewUniform, bind_group, shader_module};
@@ -10,6 +10,8 @@ use crate::{ViewUniform, bind_group, shader_module};
 pub const NO_SURFACE: f32 = 1e30;
 
 const DEPTH_FORMAT: TextureFormat = TextureFormat::R32Float;
+const EYE_DEPTH: &str = "eye depth buffer";
+const DEPTH_TEST: &str = "depth test buffer";
 const TEST_FORMAT: TextureFormat = TextureFormat::Depth32Float;
 
 /// The pipeline that rasterizes eye depth.
@@ -27,6 +29,8 @@ pub struct EyeDepthTarget {
     test: wgpu::TextureView,
     /// Pixels.
     pixels: u64,
+    /// Bytes allocated for the eye depth and for the depth test.
+    allocated: [u64; 2],
 }
 
 impl EyeDepthTarget {
@@ -54,27 +58,33 @@ impl EyeDepthTarget {
             });
             texture.create_view(&Default::default())
         };
-        let target = Self {
+        let before = gpu.allocations();
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let mut target = Self {
             eye_depth: texture(
-                "eye depth",
+                EYE_DEPTH,
                 DEPTH_FORMAT,
                 TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
             ),
-            test: texture("depth test", TEST_FORMAT, TextureUsages::RENDER_ATTACHMENT),
-            pixels: u64::from(size[0]) * u64::from(size[1]),
+            test: texture(DEPTH_TEST, TEST_FORMAT, TextureUsages::RENDER_ATTACHMENT),
+            pixels,
+            allocated: [pixels * 4; 2],
         };
         gpu.check()?;
+        // Drivers pad textures as they like.
+        let after = gpu.allocations();
+        for (allocated, name) in target.allocated.iter_mut().zip([EYE_DEPTH, DEPTH_TEST]) {
+            *allocated = after.added_since(&before, name).unwrap_or(*allocated);
+        }
         Ok(target)
     }
 
-    /// Bytes of the eye depth buffer.
-    pub fn eye_depth_bytes(&self) -> u64 {
-        self.pixels * 4
-    }
-
-    /// Bytes of the depth test's buffer, which is kept so that the next build need not create it.
-    pub fn test_bytes(&self) -> u64 {
-        self.pixels * 4
+    /// Enters both textures. What is allocated is what the device's allocator says, and where it says nothing, what is
+    /// used; the depth test's is kept so that the next build need not create it.
+    pub fn enter(&self, ledger: &mut Ledger) {
+        for (name, allocated) in [EYE_DEPTH, DEPTH_TEST].into_iter().zip(self.allocated) {
+            ledger.keep(name, allocated, self.pixels * 4);
+        }
     }
 
     /// Reads the eye depths back, row by row from the top.

@@ -197,12 +197,14 @@ impl Structure for ScreenDdaStructure {
 
     fn memory(&self) -> MemoryReport {
         let mut ledger = Ledger::new();
-        for (name, bytes) in
-            [("eye depth buffer", self.target.eye_depth_bytes()), ("depth test buffer", self.target.test_bytes())]
-        {
-            ledger.keep(name, bytes, bytes);
-        }
+        self.target.enter(&mut ledger);
+        // The view's uniforms, while the depth buffer is drawn.
+        ledger.borrow_transient(size_of::<ViewUniform>() as u64);
         ledger.report(0)
+    }
+
+    fn scratch_bytes(&self, _ray_count: usize) -> u64 {
+        (size_of::<ViewUniform>() + size_of::<Settings>()) as u64
     }
 
     fn views(&self) -> Vec<View> {

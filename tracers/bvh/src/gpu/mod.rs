@@ -188,6 +188,10 @@ impl Structure for BvhGpuStructure {
         report
     }
 
+    fn scratch_bytes(&self, ray_count: usize) -> u64 {
+        search::scratch_bytes(&self.resident, ray_count)
+    }
+
     fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
         let (tree, ordered) = self.resident.read(&self.searches.gpu)?;
         tree.check(&ordered, self.triangle_count, self.fitted.is_some())?;

@@ -90,6 +90,12 @@ impl SearchSettings {
     }
 }
 
+/// Bytes that the dispatches of a trace are told their settings by.
+pub(crate) fn scratch_bytes(resident: &Resident, ray_count: usize) -> u64 {
+    let dispatches = resident.stacks().map_or(1, |(_, lanes)| ray_count.div_ceil(lanes as usize));
+    (dispatches * size_of::<SearchSettings>()) as u64
+}
+
 /// The variants over one kind of node.
 struct Kernels {
     trace: ComputePipeline,
