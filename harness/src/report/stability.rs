@@ -69,7 +69,7 @@ pub fn matrix(stability: &Stability) -> String {
 fn reasons(stability: &Stability) -> Vec<String> {
     let mut said: Vec<(String, String, Vec<String>)> = Vec::new();
     for case in &stability.cases {
-        for cell in &case.tracers {
+        for cell in case.tracers.iter().filter(|cell| cell.verdict != Verdict::Unavailable) {
             let Some(expectation) = cell.expectation.as_ref().filter(|each| !each.reason.is_empty()) else { continue };
             let from = expectation.from.map(|from| format!(" from {}", with_unit(from, &case.knob.unit)));
             let name = format!("{}{}", case.name, from.unwrap_or_default());

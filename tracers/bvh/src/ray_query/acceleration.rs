@@ -51,7 +51,8 @@ fn flags_of(parameters: &Parameters) -> AccelerationStructureFlags {
 
 fn size_of_scene(gpu: &Gpu, geometry: &Geometry) -> Result<BlasTriangleGeometrySizeDescriptor, TracerError> {
     let (vertices, triangles) = (geometry.positions.len() as u64, geometry.triangles.len() as u64);
-    let limit = u64::from(gpu.limits.max_blas_primitive_count);
+    // Three indices a triangle are counted in 32 bits.
+    let limit = u64::from(gpu.limits.max_blas_primitive_count.min(u32::MAX / 3));
     for (count, what) in [(vertices, "vertices"), (triangles, "triangles")] {
         if count > limit {
             return Err(TracerError::Unavailable(format!(
