@@ -37,7 +37,7 @@ impl BinaryNode {
         (self.low, self.high) = (aabb.min.to_array(), aabb.max.to_array());
     }
 
-    fn aabb(&self) -> Aabb {
+    pub(crate) fn aabb(&self) -> Aabb {
         Aabb::new(Vec3A::from(self.low), Vec3A::from(self.high))
     }
 }

@@ -17,6 +17,7 @@ use tracebench_api::{
 use crate::hierarchy;
 use crate::input::{build_description, build_parameters, gather, scale_for};
 use crate::refit::refit;
+use crate::sah;
 use crate::wide::{check_references, depth};
 
 /// Rays handed to a core at a time: large against the cost of handing over, small against the ray sets.
@@ -303,6 +304,7 @@ impl Structure for BvhCpuStructure {
             ("nodes", self.bvh.nodes.len() as f64),
             ("depth", depth as f64),
             ("references", self.bvh.primitive_indices.len() as f64),
+            ("sah_cost", sah::of_wide(&self.bvh)),
         ])
     }
 }

@@ -16,6 +16,7 @@ mod hierarchy;
 mod input;
 mod ray_query;
 mod refit;
+mod sah;
 mod wide;
 
 pub use binary::BinaryNode;

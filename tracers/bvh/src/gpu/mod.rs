@@ -27,6 +27,7 @@ pub use search::{BINARY_STACK, SearchSettings, WIDE_STACK};
 pub use texels::ROW_BITS;
 
 use crate::input::{gather, scale_for};
+use crate::sah;
 use layout::Tree;
 use resident::Resident;
 use search::Searches;
@@ -199,6 +200,15 @@ impl Structure for BvhGpuStructure {
         if depth > self.resident.depth {
             return Err(TracerError::Failed(format!("{depth} levels, stacks are for {}", self.resident.depth)));
         }
-        Ok(vec![("nodes", tree.node_count() as f64), ("depth", depth as f64), ("references", ordered.len() as f64)])
+        let sah_cost = match &tree {
+            Tree::Wide(wide) => sah::of_wide(wide),
+            Tree::Binary(binary) => sah::of_binary(&binary.nodes),
+        };
+        Ok(vec![
+            ("nodes", tree.node_count() as f64),
+            ("depth", depth as f64),
+            ("references", ordered.len() as f64),
+            ("sah_cost", sah_cost),
+        ])
     }
 }
