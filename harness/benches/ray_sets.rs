@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput};
-use tracebench_api::{AdapterChoice, Gpu, Parameters, Preset, Timing};
+use tracebench_api::{AdapterChoice, Gpu, Preset, Timing};
 use tracebench_harness::plan::{Plan, RunPreset, SceneSource, TracerRequest, ViewRequest};
 use tracebench_harness::progress::Progress;
 use tracebench_harness::rays::{RAY_SETS, default_parameters};
@@ -55,22 +55,16 @@ fn plan(gpu: Option<&Gpu>) -> Result<Plan, Failure> {
         Ok(name) => RunPreset::named(&name).ok_or_else(|| format!("TRACEBENCH_PRESET: there is no preset '{name}'"))?,
         Err(_) => RunPreset::for_adapter(gpu.is_some_and(|gpu| !gpu.is_software())),
     };
-    let request = |registration: &tracebench_harness::registry::Registration| TracerRequest {
-        registration: *registration,
-        preset: Preset::Published,
-        parameters: Parameters::preset(&(registration.describe)().parameters, Preset::Published),
-        changed: Vec::new(),
-        required: false,
-    };
     Ok(Plan {
         scenes: vec![SceneSource::Catalogue("room".to_owned())],
-        tracers: TRACERS.iter().map(request).collect(),
+        tracers: TRACERS.iter().map(|each| TracerRequest::of(each, Preset::Published)).collect(),
         ray_sets: RAY_SETS.to_vec(),
         ray_parameters: default_parameters(),
         preset,
         view: ViewRequest::Default,
         time_s: 0.0,
         seed: 1,
+        table: None,
     })
 }
 

@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
-use tracebench_api::{Parameters, Preset};
+use tracebench_api::{ParameterError, Parameters, Preset};
 
+use crate::peers::Table;
 use crate::rays::RaySet;
 use crate::registry::Registration;
 use crate::viewpoint::Pose;
@@ -80,6 +81,29 @@ pub struct TracerRequest {
 }
 
 impl TracerRequest {
+    /// A tracer with the values of a preset, not required.
+    pub fn of(registration: &Registration, preset: Preset) -> Self {
+        let parameters = Parameters::preset(&(registration.describe)().parameters, preset);
+        Self { registration: *registration, preset, parameters, changed: Vec::new(), required: false }
+    }
+
+    /// The tracer's name.
+    pub fn name(&self) -> &'static str {
+        (self.registration.describe)().name
+    }
+
+    /// Sets one parameter from text; it counts as changed from then on.
+    ///
+    /// # Errors
+    /// As [`Parameters::set`]; nothing has changed then.
+    pub fn set(&mut self, parameter: &str, value: &str) -> Result<(), ParameterError> {
+        self.parameters.set(&(self.registration.describe)().parameters, parameter, value)?;
+        if !self.changed.iter().any(|name| name == parameter) {
+            self.changed.push(parameter.to_owned());
+        }
+        Ok(())
+    }
+
     /// Whether the run fails without a device.
     pub fn must_have_device(&self) -> bool {
         self.required && self.registration.needs_device()
@@ -105,6 +129,8 @@ pub struct Plan {
     pub time_s: f64,
     /// Seed of the ray sets.
     pub seed: u64,
+    /// The table that the run is made for, if it is made for one.
+    pub table: Option<&'static Table>,
 }
 
 #[cfg(test)]

@@ -9,28 +9,46 @@ pub type Device = Result<Arc<Gpu>, TracerError>;
 
 type Create = fn(Device) -> Result<Box<dyn Tracer>, TracerError>;
 
+/// What kind of structure a tracer searches. Tracers of one family are peers: they stand in one table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// A hierarchy of bounding volumes.
+    Bvh,
+    /// What views show of the scene.
+    Image,
+}
+
 /// A tracer in the registry.
 #[derive(Clone, Copy)]
 pub struct Registration {
     /// What it is and takes.
     pub describe: fn() -> Description,
+    /// Its peers.
+    pub family: Family,
     /// Creates it; the device is there for tracers that live on one.
     create: Create,
 }
 
 /// Every tracer, in the order of tables.
 pub const TRACERS: &[Registration] = &[
-    Registration { describe: tracebench_bvh::description, create: |_| Ok(Box::new(tracebench_bvh::BvhCpu)) },
+    Registration {
+        describe: tracebench_bvh::description,
+        family: Family::Bvh,
+        create: |_| Ok(Box::new(tracebench_bvh::BvhCpu)),
+    },
     Registration {
         describe: tracebench_bvh::gpu_description,
+        family: Family::Bvh,
         create: |gpu| Ok(Box::new(tracebench_bvh::BvhGpu::new(gpu?)?)),
     },
     Registration {
         describe: tracebench_bvh::ray_query_description,
+        family: Family::Bvh,
         create: |gpu| Ok(Box::new(tracebench_bvh::RayQuery::new(gpu?)?)),
     },
     Registration {
         describe: tracebench_screen_dda::description,
+        family: Family::Image,
         create: |gpu| Ok(Box::new(tracebench_screen_dda::ScreenDda::new(gpu?)?)),
     },
 ];

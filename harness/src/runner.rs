@@ -1,18 +1,21 @@
 //! Runs a plan: builds and traces interleaved over the contenders, judges, and writes everything down.
 
-use tracebench_api::{Geometry, HitBuffer, RayBuffer, Timing, TracerError};
+mod race;
+
+use tracebench_api::{Geometry, RayBuffer, TracerError};
 use tracebench_scenes::{Camera, Material, Scene, SceneError};
 
-use crate::controls::Control;
 use crate::machine;
 use crate::plan::{Plan, SceneSource, TracerRequest, ViewRequest};
 use crate::progress::Progress;
-use crate::records::{self, Traced};
+use crate::records;
 use crate::registry::Device;
-use crate::results::{Run, SCHEMA, SceneRecord, Skipped, TraceRecord, TracerRecord, TracerRun, ViewpointRecord};
-use crate::session::{Contender, PreparedRays, RayRequest, Session, SessionError};
+use crate::results::{Run, SCHEMA, SceneRecord, Skipped, TracerRun, ViewpointRecord};
+use crate::session::{Contender, RayRequest, Session, SessionError};
 use crate::truth::{Cache, Truth};
 use crate::viewpoint::{self, Pose};
+
+pub(crate) use race::{Entry, sample_builds, sample_traces, validate};
 
 /// Why a run could not be finished.
 #[derive(Debug, thiserror::Error)]
@@ -182,6 +185,7 @@ pub fn execute(plan: &Plan, device: &Device, cache: &Cache, progress: &Progress)
         started: machine::utc_now(),
         seed: plan.seed,
         preset: plan.preset.name.to_owned(),
+        table: plan.table.map(|table| table.name.to_owned()),
         ray_parameters: records::json_values(&plan.ray_parameters),
         controls: Vec::new(),
         runs: Vec::new(),
@@ -196,38 +200,6 @@ pub fn execute(plan: &Plan, device: &Device, cache: &Cache, progress: &Progress)
         return Err(RunError::Nothing(reasons.join("; ")));
     }
     Ok(run)
-}
-
-/// A contender with what has been measured of it.
-struct Entry {
-    request: Option<TracerRequest>,
-    control: Option<Control>,
-    contender: Contender,
-    builds: Vec<Timing>,
-    traces: Vec<TraceRecord>,
-    failure: Option<TracerError>,
-}
-
-impl Entry {
-    fn new(contender: Contender, request: Option<TracerRequest>, control: Option<Control>) -> Self {
-        Self { request, control, contender, builds: Vec::new(), traces: Vec::new(), failure: None }
-    }
-
-    fn label(&self) -> String {
-        self.record().label()
-    }
-
-    fn record(&self) -> TracerRecord {
-        records::tracer_record(&self.contender, self.request.as_ref())
-    }
-
-    /// Does something unless the entry has failed before; a failure takes it out of the race.
-    fn attempt<R>(&mut self, work: impl FnOnce(&mut Self) -> Result<R, TracerError>) -> Option<R> {
-        if self.failure.is_some() {
-            return None;
-        }
-        work(self).map_err(|error| self.failure = Some(error)).ok()
-    }
 }
 
 fn measure_scene(
@@ -255,6 +227,7 @@ fn measure_scene(
     }
     let samples = plan.preset.samples;
     sample_builds(session, &mut entries, samples, progress);
+    validate(&mut entries, progress);
     for rays in &session.rays {
         sample_traces(session, rays, &mut entries, samples, progress)?;
     }
@@ -284,84 +257,21 @@ fn refuse(run: &mut Run, scene: &SceneRecord, name: &str, required: bool, error:
     Ok(())
 }
 
-/// One build each to warm up, then rounds over all contenders.
-fn sample_builds(session: &Session, entries: &mut [Entry], samples: usize, progress: &Progress) {
-    let bar = progress.bar("builds", (samples as u64 + 1) * entries.len() as u64);
-    for round in 0..=samples {
-        for entry in entries.iter_mut() {
-            let timing = entry.attempt(|entry| session.sample_build(&mut entry.contender));
-            if let Some(timing) = timing.filter(|_| round > 0) {
-                entry.builds.push(timing);
-            }
-            bar.inc(1);
-        }
-    }
-}
-
-/// What the rounds over one ray set gave for one contender.
-struct Sampled {
-    hits: HitBuffer,
-    timings: Vec<Timing>,
-}
-
-/// One trace each to warm up, then rounds over all contenders; the last timed output is judged.
-fn sample_traces(
-    session: &Session,
-    rays: &PreparedRays,
-    entries: &mut [Entry],
-    samples: usize,
-    progress: &Progress,
-) -> Result<(), RunError> {
-    let bar = progress.bar(&format!("trace {}", rays.set.name), (samples as u64 + 1) * entries.len() as u64);
-    let mut sampled: Vec<Option<Sampled>> = Vec::new();
-    for entry in entries.iter_mut() {
-        let hits = entry.attempt(|entry| session.hit_buffer(&entry.contender, rays));
-        sampled.push(hits.map(|hits| Sampled { hits, timings: Vec::new() }));
-    }
-    for round in 0..=samples {
-        for (entry, sampled) in entries.iter_mut().zip(&mut sampled) {
-            bar.inc(1);
-            let Some(sampled) = sampled else { continue };
-            let timing = entry.attempt(|entry| session.sample_trace(&entry.contender, rays, &mut sampled.hits));
-            if let Some(timing) = timing.filter(|_| round > 0) {
-                sampled.timings.push(timing);
-            }
-        }
-    }
-    bar.finish_and_clear();
-    // Finding the causes of many wrong rays takes as long as telling the truth of as many.
-    let bar = progress.bar(&format!("judge {}", rays.set.name), entries.len() as u64);
-    for (entry, sampled) in entries.iter_mut().zip(sampled) {
-        bar.inc(1);
-        let Some(Sampled { hits, timings }) = sampled else { continue };
-        let answered = entry.attempt(|entry| {
-            let hits = hits.read(session.gpu())?;
-            let counters = session.count(&entry.contender, rays, &hits)?;
-            Ok((hits, counters))
-        });
-        let Some((hits, counters)) = answered else { continue };
-        let mut judgement = session.judge(&entry.contender, rays, &hits)?;
-        if let Some(control) = entry.control {
-            let (occluded, free) = rays.hits_and_misses();
-            control.check(&judgement, occluded, free).map_err(RunError::Control)?;
-            // What a control gets wrong it gets wrong by design.
-            judgement.wrong_rays_mut().clear();
-        } else {
-            progress.say(&format!("  {}: {} done", rays.set.name, entry.label()));
-        }
-        let scratch_bytes = entry.contender.structure()?.scratch_bytes(hits.len());
-        let traced = Traced { rays, timings: &timings, hits: &hits, counters: &counters, scratch_bytes, judgement };
-        entry.traces.push(records::trace_record(traced));
-    }
-    Ok(())
-}
-
-fn tracer_run(entry: Entry, scene: &SceneRecord, viewpoint: &ViewpointRecord) -> Result<TracerRun, RunError> {
+/// What was measured of a contender on a scene.
+///
+/// # Errors
+/// If it has built nothing.
+pub(crate) fn tracer_run(
+    entry: Entry,
+    scene: &SceneRecord,
+    viewpoint: &ViewpointRecord,
+) -> Result<TracerRun, RunError> {
     Ok(TracerRun {
         scene: scene.clone(),
         viewpoint: viewpoint.clone(),
         tracer: entry.record(),
         memory: records::memory_record(entry.contender.structure()?.memory()),
+        structure_statistics: entry.statistics,
         build: records::build_record(&entry.builds, entry.contender.setup_ms),
         traces: entry.traces,
     })

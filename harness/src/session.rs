@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use tracebench_api::{
     Description, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Query, Ray, RayBuffer, Structure,
-    Timing, TraceJob, Tracer, TracerError, Viewpoint,
+    Timing, TraceJob, Tracer, TracerError, Update, Viewpoint,
 };
 use tracebench_scenes::CameraPath;
 
@@ -94,6 +94,44 @@ impl Contender {
     /// Takes a tracer that needs no creating.
     pub fn ready(description: Description, parameters: Parameters, tracer: Box<dyn Tracer>) -> Self {
         Self { description, parameters, setup_ms: 0.0, tracer, structure: None }
+    }
+
+    /// Builds over triangles and gives the time. The structure replaces the last one, which is dropped before, outside of
+    /// the time.
+    ///
+    /// # Errors
+    /// What the tracer says.
+    pub fn build(
+        &mut self,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        gpu: Option<&Gpu>,
+    ) -> Result<Timing, TracerError> {
+        self.structure = None;
+        let mut clock = PhaseClock::new(gpu);
+        let structure = self.tracer.build(geometry, viewpoint, &self.parameters, &mut clock)?;
+        let timing = clock.finish()?;
+        self.structure = Some(structure);
+        Ok(timing)
+    }
+
+    /// Lets the last structure follow triangles that moved and gives the time.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] before the first build, or what the tracer says.
+    pub fn update(
+        &mut self,
+        update: Update,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        gpu: Option<&Gpu>,
+    ) -> Result<Timing, TracerError> {
+        let Some(structure) = &mut self.structure else {
+            return Err(TracerError::Failed("updated before it was built".to_owned()));
+        };
+        let mut clock = PhaseClock::new(gpu);
+        structure.update(update, geometry, viewpoint, &self.parameters, &mut clock)?;
+        clock.finish()
     }
 
     /// What it built last.
@@ -224,6 +262,11 @@ impl Session {
         self.gpu.as_deref()
     }
 
+    /// The device, to keep.
+    pub fn gpu_handle(&self) -> Option<Arc<Gpu>> {
+        self.gpu.clone()
+    }
+
     /// The controls as contenders.
     pub fn controls(&self) -> Vec<(Control, Contender)> {
         let known: KnownAnswers =
@@ -236,18 +279,12 @@ impl Session {
         Control::ALL.into_iter().map(contender).collect()
     }
 
-    /// Builds once and gives the time. The structure replaces the contender's last one, which is dropped before, outside
-    /// of the time.
+    /// Builds once over the scene and gives the time, as [`Contender::build`].
     ///
     /// # Errors
     /// What the tracer says.
     pub fn sample_build(&self, contender: &mut Contender) -> Result<Timing, TracerError> {
-        contender.structure = None;
-        let mut clock = PhaseClock::new(self.gpu());
-        let structure = contender.tracer.build(self.geometry(), &self.viewpoint, &contender.parameters, &mut clock)?;
-        let timing = clock.finish()?;
-        contender.structure = Some(structure);
-        Ok(timing)
+        contender.build(self.geometry(), &self.viewpoint, self.gpu())
     }
 
     /// Room for a contender's answers to a ray set.

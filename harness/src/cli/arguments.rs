@@ -1,4 +1,4 @@
-//! The arguments of `run` and `picture`, and the plan that they make.
+//! The arguments of `run`, `table` and `picture`, and the plan that they make.
 
 use std::path::PathBuf;
 
@@ -7,15 +7,18 @@ use clap::Args;
 use tracebench_scenes::{SCALE_MAX, SCALE_MIN};
 
 use super::{CliError, names};
+use crate::peers::{Subject, Table};
 use crate::picture::What;
-use crate::plan::{Plan, RUN_PRESETS, RunPreset, ViewRequest};
-use crate::rays::MOST_RAYS;
+use crate::plan::{Plan, RUN_PRESETS, RunPreset, SceneSource, TracerRequest, ViewRequest};
+use crate::rays::{MOST_RAYS, RaySet};
 use crate::viewpoint::Pose;
 
 /// Largest edge of a frame or image, pixels.
 const LARGEST_EDGE: u32 = 16_384;
 /// Largest edge of a cube face, pixels.
 const LARGEST_FACE: u32 = 8_192;
+/// Most frames of an animation: their vertices are all held at once.
+const MOST_FRAMES: i64 = 240;
 
 #[derive(Args)]
 pub(super) struct RunArguments {
@@ -23,11 +26,43 @@ pub(super) struct RunArguments {
     #[arg(long, default_value = "room")]
     pub scene: String,
     /// Tracers: NAME or NAME:PRESET with commas, all, or all:improved. A plain name means the published preset.
+    /// NAME@PARAMETER=VALUE is the tracer with a value of its own, so that one may stand there several times.
     #[arg(long, default_value = "all")]
     pub tracer: String,
     /// Ray sets: names from `list rays` with commas, or all.
     #[arg(long, default_value = "all")]
     pub rays: String,
+    #[command(flatten)]
+    pub work: WorkArguments,
+}
+
+#[derive(Args)]
+pub(super) struct TableArguments {
+    /// The table: a name from `list tables`.
+    pub name: String,
+    /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. All listed ones (all that
+    /// move, for a table over animations) if not given.
+    #[arg(long)]
+    pub scene: Option<String>,
+    /// Ray sets: names from `list rays` with commas, or all; the table's own if not given.
+    #[arg(long)]
+    pub rays: Option<String>,
+    /// Frames of the animation, for a table over animations; 8 if not given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_FRAMES))]
+    pub frames: Option<u32>,
+    /// Measures nothing: makes the table of what was measured before, a file or the folder that holds it.
+    #[arg(long, value_name = "RUN", conflicts_with_all = [
+        "scene", "rays", "frames", "size", "frame", "face", "view", "time", "scale", "settings", "adapter", "preset",
+        "samples", "seed",
+    ])]
+    pub from: Option<PathBuf>,
+    #[command(flatten)]
+    pub work: WorkArguments,
+}
+
+/// What `run` and `table` share.
+#[derive(Args)]
+pub(super) struct WorkArguments {
     /// Image from whose pixels rays start.
     #[arg(long, value_name = "WxH", value_parser = ray_image)]
     pub size: Option<[u32; 2]>,
@@ -53,7 +88,15 @@ pub(super) struct RunArguments {
     pub out: Option<PathBuf>,
 }
 
-/// What `run` and `picture` share.
+/// What a run is about, beside [`WorkArguments`].
+pub(super) struct Matter {
+    pub(super) scenes: Vec<SceneSource>,
+    pub(super) tracers: Vec<TracerRequest>,
+    pub(super) ray_sets: Vec<RaySet>,
+    pub(super) table: Option<&'static Table>,
+}
+
+/// What `run`, `table` and `picture` share.
 #[derive(Args)]
 pub(super) struct CommonArguments {
     /// Viewpoint: a name from `list scenes`, or eye and target as ex,ey,ez:tx,ty,tz.
@@ -135,11 +178,39 @@ impl CommonArguments {
 }
 
 impl RunArguments {
+    pub(super) fn matter(&self) -> Result<Matter, CliError> {
+        Ok(Matter {
+            scenes: names::scenes(&self.scene)?,
+            tracers: names::tracers(&self.tracer, &self.work.common.settings)?,
+            ray_sets: names::ray_sets(&self.rays)?,
+            table: None,
+        })
+    }
+}
+
+impl TableArguments {
+    pub(super) fn matter(&self, table: &'static Table) -> Result<Matter, CliError> {
+        let scenes = match &self.scene {
+            Some(list) => names::scenes(list)?,
+            None => tracebench_scenes::catalogue()
+                .iter()
+                .filter(|entry| table.subject == Subject::Still || entry.animation_s.is_some())
+                .map(|entry| SceneSource::Catalogue(entry.name.to_owned()))
+                .collect(),
+        };
+        Ok(Matter {
+            scenes,
+            tracers: names::peers(table, &self.work.common.settings)?,
+            ray_sets: names::ray_sets(self.rays.as_deref().unwrap_or(table.rays))?,
+            table: Some(table),
+        })
+    }
+}
+
+impl WorkArguments {
     /// The plan, but for the preset, which waits for the adapter if it is not given.
-    pub(super) fn plan(&self, hardware: impl FnOnce() -> bool) -> Result<Plan, CliError> {
-        let tracers = names::tracers(&self.tracer, &self.common.settings)?;
-        let scenes = names::scenes(&self.scene)?;
-        let ray_sets = names::ray_sets(&self.rays)?;
+    pub(super) fn plan(&self, matter: Matter, hardware: impl FnOnce() -> bool) -> Result<Plan, CliError> {
+        let Matter { scenes, tracers, ray_sets, table } = matter;
         let view = self.common.view()?;
         let preset = match &self.preset {
             Some(name) => RunPreset::named(name).ok_or_else(|| CliError::Argument(format!("no preset '{name}'")))?,
@@ -155,6 +226,6 @@ impl RunArguments {
         };
         let ray_parameters = names::ray_values(&self.common.settings)?;
         let time_s = self.common.time;
-        Ok(Plan { scenes, tracers, ray_sets, ray_parameters, preset, view, time_s, seed: self.seed })
+        Ok(Plan { scenes, tracers, ray_sets, ray_parameters, preset, view, time_s, seed: self.seed, table })
     }
 }

@@ -8,6 +8,8 @@ use tracebench_scenes::CatalogueEntry;
 use super::CliError;
 use super::output::print;
 use crate::cases::{CASES, Case};
+use crate::peers::{TABLES, Table};
+use crate::plan::TracerRequest;
 use crate::progress::Progress;
 use crate::rays::{RAY_SETS, RaySet, ray_parameters};
 use crate::registry::TRACERS;
@@ -35,6 +37,7 @@ enum Kind {
     Scenes,
     Rays,
     Cases,
+    Tables,
 }
 
 fn print_json(value: &Value) -> Result<(), CliError> {
@@ -65,6 +68,7 @@ pub(super) fn list(arguments: &ListArguments) -> Result<(), CliError> {
         Kind::Scenes => scenes(),
         Kind::Rays => rays(),
         Kind::Cases => cases(),
+        Kind::Tables => tables(),
     };
     if arguments.json {
         return print_json(&Value::Array(items));
@@ -74,6 +78,7 @@ pub(super) fn list(arguments: &ListArguments) -> Result<(), CliError> {
         Kind::Scenes => scenes_text(),
         Kind::Rays => rays_text(),
         Kind::Cases => CASES.iter().map(case_text).collect(),
+        Kind::Tables => TABLES.iter().map(table_text).collect(),
     })
 }
 
@@ -183,4 +188,28 @@ fn cases() -> Vec<Value> {
 fn case_text(case: &Case) -> String {
     let values: Vec<String> = case.knob.values.iter().map(f64::to_string).collect();
     format!("{:<20} {}\n{:20} {}: {}\n", case.name, case.summary, "", case.knob.label(), values.join(", "))
+}
+
+/// Labels of a table's rows, as `--tracer` takes them.
+fn rows(table: &Table) -> Vec<String> {
+    let row = |request: &TracerRequest| {
+        let own = request.parameters.iter().filter(|(name, _)| request.changed.iter().any(|changed| changed == name));
+        let own: String = own.map(|(name, value)| format!("@{name}={value}")).collect();
+        format!("{}{own}", request.name())
+    };
+    table.contenders().iter().map(row).collect()
+}
+
+fn tables() -> Vec<Value> {
+    let item = |table: &Table| {
+        let rays: Vec<&str> = table.rays.split(',').collect();
+        let Table { name, summary, reference, .. } = table;
+        json!({ "name": name, "summary": summary, "reference": reference, "rays": rays, "tracers": rows(table) })
+    };
+    TABLES.iter().map(item).collect()
+}
+
+fn table_text(table: &Table) -> String {
+    let Table { name, summary, rays, .. } = table;
+    format!("{name:<12} {summary}\n{:12} rows: {}; rays: {rays}\n", "", rows(table).join(", "))
 }

@@ -1,4 +1,4 @@
-//! The command line: `tracebench adapters | list | run | report | picture | stability`.
+//! The command line: `tracebench adapters | list | run | table | compare | report | picture | stability`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
 
@@ -8,6 +8,7 @@ mod names;
 mod output;
 mod run;
 mod stability;
+mod table;
 
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -36,11 +37,13 @@ struct CommandLine {
 enum Verb {
     /// List the graphics adapters of this machine.
     Adapters(list::AdapterArguments),
-    /// List tracers (with their parameters), scenes or ray sets.
+    /// List tracers (with their parameters), scenes, ray sets, cases or tables.
     List(list::ListArguments),
     /// Trace rays, judge them against the truth, and write run.json, tables and charts.
     Run(arguments::RunArguments),
-    /// Make every file that derives from a run.json again.
+    /// Measure tracers of one family side by side, over every scene, and write a table of them.
+    Table(arguments::TableArguments),
+    /// Make every file that derives from a run.json or an updates.json again.
     Report(run::ReportArguments),
     /// Draw what a tracer sees, or gets wrong, as a PNG.
     Picture(arguments::PictureArguments),
@@ -98,6 +101,7 @@ pub fn main() -> ExitCode {
         Verb::Adapters(arguments) => list::adapters(arguments, &progress),
         Verb::List(arguments) => list::list(arguments),
         Verb::Run(arguments) => run::run(arguments, &progress),
+        Verb::Table(arguments) => table::table(arguments, &progress),
         Verb::Report(arguments) => run::report(arguments, &progress),
         Verb::Picture(arguments) => run::picture(arguments, &progress),
         Verb::Stability(arguments) => stability::stability(arguments, &progress),

@@ -6,6 +6,7 @@ use tracebench_api::{ParameterDescription, ParameterError, Parameters, Preset};
 
 use super::CliError;
 use crate::cases::{self, CASES, Case};
+use crate::peers::{self, TABLES, Table};
 use crate::plan::{SceneSource, TracerRequest};
 use crate::rays::{self, RAY_SETS, RaySet};
 use crate::registry::{self, TRACERS};
@@ -88,40 +89,64 @@ fn preset(name: &str) -> Result<Preset, CliError> {
     Preset::ALL.into_iter().find(|preset| preset.name() == name).ok_or_else(|| unknown("preset", name, &known))
 }
 
-/// Tracers: `NAME[:PRESET]`,... or `all[:PRESET]`, with `--set` values on top.
+/// Tracers: `NAME[:PRESET][@PARAMETER=VALUE...]`,... or `all[:PRESET]`, with `--set` values on top.
 pub(super) fn tracers(list: &str, settings: &[String]) -> Result<Vec<TracerRequest>, CliError> {
     let mut requests: Vec<TracerRequest> = Vec::new();
     for part in parts(list, "--tracer")? {
-        let (name, preset) = match part.split_once(':') {
-            None => (part, Preset::Published),
+        let mut pieces = part.split('@');
+        let head = pieces.next().unwrap_or_default();
+        let own: Vec<&str> = pieces.collect();
+        let (name, preset) = match head.split_once(':') {
+            None => (head, Preset::Published),
             Some((name, text)) => (name, preset(text)?),
         };
         let required = name != "all";
+        if !required && !own.is_empty() {
+            return Err(CliError::Argument(format!(
+                "--tracer '{part}': parameters are those of one tracer; name it in place of all"
+            )));
+        }
         let chosen: Vec<_> = if required { vec![named(name)?] } else { TRACERS.iter().collect() };
         for registration in chosen {
-            let description = (registration.describe)();
-            let already = requests
-                .iter_mut()
-                .find(|request| (request.registration.describe)().name == description.name && request.preset == preset);
-            match already {
-                Some(request) => request.required |= required,
-                None => requests.push(TracerRequest {
-                    registration: *registration,
-                    preset,
-                    parameters: Parameters::preset(&description.parameters, preset),
-                    changed: Vec::new(),
-                    required,
-                }),
+            let mut request = TracerRequest { required, ..TracerRequest::of(registration, preset) };
+            for setting in &own {
+                let (parameter, value) = setting.split_once('=').ok_or_else(|| {
+                    CliError::Argument(format!("--tracer '{part}' must read NAME[:PRESET][@PARAMETER=VALUE...]"))
+                })?;
+                set(&mut request, parameter, value)?;
+            }
+            let same = |other: &&mut TracerRequest| {
+                other.name() == request.name() && other.preset == preset && other.parameters == request.parameters
+            };
+            match requests.iter_mut().find(same) {
+                Some(already) => already.required |= required,
+                None => requests.push(request),
             }
         }
     }
-    for setting in settings {
-        let (tracer, parameter, value) = split(setting)?;
-        if tracer != RAYS {
-            apply(setting, tracer, parameter, value, &mut requests)?;
+    apply_all(settings, &mut requests)?;
+    Ok(requests)
+}
+
+/// The tracers of a table with `--set` values on top; none is required, since nobody has named it.
+pub(super) fn peers(table: &Table, settings: &[String]) -> Result<Vec<TracerRequest>, CliError> {
+    let mut requests = table.contenders();
+    apply_all(settings, &mut requests)?;
+    // A value that is set may be one that the table has a row of its own for.
+    let mut different: Vec<TracerRequest> = Vec::new();
+    for request in requests {
+        let same = |other: &TracerRequest| other.name() == request.name() && other.parameters == request.parameters;
+        if !different.iter().any(same) {
+            different.push(request);
         }
     }
-    Ok(requests)
+    Ok(different)
+}
+
+/// A table by name.
+pub(super) fn table(name: &str) -> Result<&'static Table, CliError> {
+    let known: Vec<&str> = TABLES.iter().map(|table| table.name).collect();
+    peers::find(name).ok_or_else(|| unknown("table", name, &known))
 }
 
 /// What `--set` says about ray sets.
@@ -176,26 +201,37 @@ fn named(name: &str) -> Result<&'static registry::Registration, CliError> {
     registry::find(name).ok_or_else(|| unknown("tracer", name, &known))
 }
 
-/// Applies one `tracer.parameter=value`.
-fn apply(
-    setting: &str,
-    tracer: &str,
-    parameter: &str,
-    value: &str,
-    requests: &mut [TracerRequest],
-) -> Result<(), CliError> {
-    let registration = named(tracer)?;
-    let known = (registration.describe)().parameters;
-    let mut applied = false;
-    for request in requests.iter_mut().filter(|request| (request.registration.describe)().name == tracer) {
-        applied = true;
-        let set = request.parameters.set(&known, parameter, value);
-        set.map_err(|error| refused(&known, tracer, parameter, error))?;
-        if !request.changed.iter().any(|name| name == parameter) {
-            request.changed.push(parameter.to_owned());
+/// Sets one parameter of a tracer.
+fn set(request: &mut TracerRequest, parameter: &str, value: &str) -> Result<(), CliError> {
+    let description = (request.registration.describe)();
+    let known = description.parameters;
+    request.set(parameter, value).map_err(|error| refused(&known, description.name, parameter, error))
+}
+
+/// Applies every `--set` that is about a tracer. Values that stand with a tracer's own name are more particular and stay.
+fn apply_all(settings: &[String], requests: &mut [TracerRequest]) -> Result<(), CliError> {
+    let own: Vec<Vec<String>> = requests.iter().map(|request| request.changed.clone()).collect();
+    for setting in settings {
+        let (tracer, parameter, value) = split(setting)?;
+        if tracer == RAYS {
+            continue;
+        }
+        let registration = named(tracer)?;
+        let mut applied = false;
+        for (request, own) in requests.iter_mut().zip(&own).filter(|(request, _)| request.name() == tracer) {
+            applied = true;
+            if own.iter().any(|name| name == parameter) {
+                // It is looked at all the same.
+                set(&mut TracerRequest::of(registration, request.preset), parameter, value)?;
+            } else {
+                set(request, parameter, value)?;
+            }
+        }
+        if !applied {
+            return Err(CliError::Argument(format!("--set {setting}: {tracer} is not in --tracer")));
         }
     }
-    if applied { Ok(()) } else { Err(CliError::Argument(format!("--set {setting}: {tracer} is not in --tracer"))) }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -235,5 +271,38 @@ mod tests {
         let set = tracers("bvh-cpu,bvh-cpu:improved", &["bvh-cpu.build=fastest".to_owned()]).unwrap();
         assert!(set.iter().all(|each| each.required && each.parameters.choice("build") == "fastest"));
         assert_eq!(tracers("all,bvh-cpu", &[]).unwrap().len(), TRACERS.len());
+    }
+
+    /// A tracer may stand in a list several times with values of its own, which `--set` does not touch and the label
+    /// tells; what is wrong with one is said as of `--set`.
+    #[test]
+    fn tracers_have_values_of_their_own() {
+        let list = "bvh-cpu,bvh-cpu@build=fastest,bvh-cpu:improved@build=fast,bvh-cpu@build=fastest";
+        let found = tracers(list, &["bvh-cpu.build=slow".to_owned()]).unwrap();
+        let builds: Vec<&str> = found.iter().map(|request| request.parameters.choice("build")).collect();
+        assert_eq!(builds, ["slow", "fastest", "fast"]);
+        assert!(found.iter().all(|request| request.required && request.changed == ["build"]));
+        for (list, part) in [
+            ("bvh-cpu@buid=fast", "'build'"),
+            ("bvh-cpu@build=quick", "very_fast"),
+            ("bvh-cpu@build", "PARAMETER=VALUE"),
+            ("bvh-cpu@", "PARAMETER=VALUE"),
+            ("all@build=fast", "one tracer"),
+        ] {
+            assert!(message(tracers(list, &[])).contains(part), "{list}");
+        }
+        assert!(message(tracers("bvh-cpu@build=fast", &["bvh-cpu.build=quick".to_owned()])).contains("very_fast"));
+    }
+
+    /// A table has every peer, none of them required, and no row twice, whatever is set.
+    #[test]
+    fn tables_have_every_peer_once() {
+        let bvh = table("bvh").unwrap();
+        let plain = peers(bvh, &[]).unwrap();
+        let set = peers(bvh, &[format!("{}.build=fast", bvh.reference)]).unwrap();
+        assert_eq!(set.len() + 1, plain.len());
+        assert!(plain.iter().chain(&set).all(|request| !request.required));
+        assert!(message(table("bvhs")).contains("'bvh'"));
+        assert!(message(peers(bvh, &["screen-dda.stride=2".to_owned()])).contains("not in"));
     }
 }

@@ -4,20 +4,22 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::arguments::{PictureArguments, RunArguments};
+use super::arguments::{Matter, PictureArguments, RunArguments, WorkArguments};
 use super::output::print;
 use super::{CliError, names, open_device};
 use crate::picture;
 use crate::plan::{Plan, RunPreset, TracerRequest};
 use crate::progress::Progress;
 use crate::rays::RAY_SETS;
-use crate::results::Run;
+use crate::registry::Device;
+use crate::report::Measured;
+use crate::results::{Run, Skipped};
 use crate::truth::Cache;
 use crate::{report as reports, runner};
 
 #[derive(Args)]
 pub(super) struct ReportArguments {
-    /// A run.json, or the folder that holds it.
+    /// A run.json or an updates.json, or the folder that holds it.
     path: PathBuf,
 }
 
@@ -26,26 +28,50 @@ pub(super) fn needs_device(requests: &[TracerRequest]) -> bool {
 }
 
 pub(super) fn run(arguments: &RunArguments, progress: &Progress) -> Result<(), CliError> {
-    // Arguments are checked before any device or file is touched.
-    let requests = names::tracers(&arguments.tracer, &arguments.common.settings)?;
-    arguments.plan(|| false)?;
-    let device = open_device(
-        arguments.common.adapter.as_deref(),
-        needs_device(&requests),
-        requests.iter().any(TracerRequest::must_have_device),
-    )?;
-    let plan = arguments.plan(|| device.as_ref().is_ok_and(|gpu| !gpu.is_software()))?;
-    let out = match &arguments.out {
-        Some(path) => OutputFolder::open(path)?,
-        None => OutputFolder::fresh()?,
-    };
-    say_plan(&plan, device.as_ref().ok().map(|gpu| gpu.listing.name.as_str()), progress);
-    let run = runner::execute(&plan, &device, &Cache::of_user(), progress).inspect_err(|_| out.abandon())?;
-    say_skipped(&run, progress);
-    reports::write_run(&run, &out.path)?;
+    let work = Work::prepare(&arguments.work, || arguments.matter(), progress)?;
+    let run = work.measure(progress)?;
     let mut lines = run.headlines();
-    lines.push(out.path.join("summary.md").display().to_string());
+    lines.push(work.out.path.join("summary.md").display().to_string());
     print(&(lines.join("\n") + "\n"))
+}
+
+/// What is to be measured, on which device, and where the results go.
+pub(super) struct Work {
+    pub(super) plan: Plan,
+    pub(super) device: Device,
+    pub(super) out: OutputFolder,
+}
+
+impl Work {
+    /// Checks the arguments before any device or file is touched, then opens both.
+    pub(super) fn prepare(
+        arguments: &WorkArguments,
+        matter: impl Fn() -> Result<Matter, CliError>,
+        progress: &Progress,
+    ) -> Result<Self, CliError> {
+        let checked = arguments.plan(matter()?, || false)?;
+        let device = open_device(
+            arguments.common.adapter.as_deref(),
+            needs_device(&checked.tracers),
+            checked.tracers.iter().any(TracerRequest::must_have_device),
+        )?;
+        let plan = arguments.plan(matter()?, || device.as_ref().is_ok_and(|gpu| !gpu.is_software()))?;
+        let out = match &arguments.out {
+            Some(path) => OutputFolder::open(path)?,
+            None => OutputFolder::fresh()?,
+        };
+        say_plan(&plan, device.as_ref().ok().map(|gpu| gpu.listing.name.as_str()), progress);
+        Ok(Self { plan, device, out })
+    }
+
+    /// Runs the plan and writes everything.
+    pub(super) fn measure(&self, progress: &Progress) -> Result<Run, CliError> {
+        let run = runner::execute(&self.plan, &self.device, &Cache::of_user(), progress)
+            .inspect_err(|_| self.out.abandon())?;
+        say_skipped(&run.skipped, progress);
+        reports::write_run(&run, &self.out.path)?;
+        Ok(run)
+    }
 }
 
 /// The folder for results, made before the work is done: one that cannot be written is refused then.
@@ -109,8 +135,8 @@ fn say_plan(plan: &Plan, adapter: Option<&str>, progress: &Progress) {
     ));
 }
 
-fn say_skipped(run: &Run, progress: &Progress) {
-    for skipped in &run.skipped {
+pub(super) fn say_skipped(skipped: &[Skipped], progress: &Progress) {
+    for skipped in skipped {
         let parts = [skipped.tracer.as_deref(), Some(skipped.scene.as_str()), skipped.rays.as_deref()];
         let what: Vec<&str> = parts.into_iter().flatten().collect();
         progress.say(&format!("skipped {}: {}", what.join(" "), skipped.reason));
@@ -118,16 +144,20 @@ fn say_skipped(run: &Run, progress: &Progress) {
 }
 
 pub(super) fn report(arguments: &ReportArguments, progress: &Progress) -> Result<(), CliError> {
-    let run = reports::read_run(&arguments.path)?;
-    let directory = if arguments.path.is_dir() {
-        arguments.path.clone()
-    } else {
-        arguments.path.parent().map(Path::to_path_buf).unwrap_or_default()
+    let directory = folder_of(&arguments.path);
+    let written = match reports::read_any(&arguments.path)? {
+        Measured::Run(run) => reports::write_derived(&run, &directory)?,
+        Measured::Updates(updates) => reports::write_updates_table(&updates, &directory)?,
     };
-    for path in reports::write_derived(&run, &directory)? {
+    for path in written {
         progress.say(&path.display().to_string());
     }
     Ok(())
+}
+
+/// The folder that a file is in, or that is one.
+pub(super) fn folder_of(path: &Path) -> PathBuf {
+    if path.is_dir() { path.to_owned() } else { path.parent().map(Path::to_path_buf).unwrap_or_default() }
 }
 
 pub(super) fn picture(arguments: &PictureArguments, progress: &Progress) -> Result<(), CliError> {
@@ -152,6 +182,7 @@ pub(super) fn picture(arguments: &PictureArguments, progress: &Progress) -> Resu
         view: arguments.common.view()?,
         time_s: arguments.common.time,
         seed: 1,
+        table: None,
     };
     let needed = tracer.registration.needs_device();
     let device = open_device(arguments.common.adapter.as_deref(), needed, needed)?;

@@ -3,8 +3,6 @@
 use std::io;
 use std::path::PathBuf;
 
-use crate::results::SCHEMA;
-
 /// Why results could not be written or read. Every message names the file and, where the user can do something, what.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
@@ -31,10 +29,12 @@ pub enum ReportError {
         source: io::Error,
     },
     /// There is no run to read.
-    #[error("there is no {}; give the folder that a run was written to, or its run.json", path.display())]
+    #[error("there is no {}; give the folder that a run was written to, or its {file}", path.display())]
     Missing {
         /// The file looked for.
         path: PathBuf,
+        /// What such files are called.
+        file: &'static str,
     },
     /// A file cannot be read.
     #[error("cannot read {}: {source}", path.display())]
@@ -45,22 +45,26 @@ pub enum ReportError {
         source: io::Error,
     },
     /// A file that is not JSON, or only the beginning of it.
-    #[error("{} is not a whole JSON document (truncated, or not a run.json): {source}", path.display())]
+    #[error("{} is not a whole JSON document (truncated, or not a {file}): {source}", path.display())]
     NotJson {
         /// The file.
         path: PathBuf,
+        /// What was looked for.
+        file: &'static str,
         /// Where and why.
         source: serde_json::Error,
     },
     /// JSON without a schema number.
-    #[error("{} has no \"schema\" and so is not a run.json; give the folder that a run was written to", path.display())]
+    #[error("{} has no \"schema\" and so is not a {file}; give the folder that a run was written to", path.display())]
     NoSchema {
         /// The file.
         path: PathBuf,
+        /// What was looked for.
+        file: &'static str,
     },
     /// A run of another version of this program.
     #[error(
-        "{} follows schema {found}, this program reads schema {SCHEMA}; use the version of the program that wrote it, \
+        "{} follows schema {found}, this program reads schema {wanted}; use the version of the program that wrote it, \
          or run again",
         path.display()
     )]
@@ -69,12 +73,18 @@ pub enum ReportError {
         path: PathBuf,
         /// Its schema, as written there.
         found: String,
+        /// The schema that this program reads.
+        wanted: u32,
     },
     /// The right schema number over the wrong fields.
-    #[error("{} says that it follows schema {SCHEMA}, but does not: {source}", path.display())]
-    NotARun {
+    #[error("{} says that it follows schema {wanted} of {file}, but does not: {source}", path.display())]
+    NotAsSaid {
         /// The file.
         path: PathBuf,
+        /// What was looked for.
+        file: &'static str,
+        /// The schema.
+        wanted: u32,
         /// What is wrong.
         source: serde_json::Error,
     },

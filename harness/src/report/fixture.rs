@@ -79,6 +79,7 @@ pub(super) fn run(contenders: &[(&str, Quality)], sets: &[(&str, Query)]) -> Run
         started: "2031-05-06T07:08:09Z".to_owned(),
         seed: 20_260_101,
         preset: "quick".to_owned(),
+        table: None,
         ray_parameters: BTreeMap::new(),
         controls: controls.iter().map(|(name, missed, blur)| control(name, *missed, *blur, sets)).collect(),
         runs: contenders.iter().map(|(name, quality)| contender(name, *quality, sets)).collect(),
@@ -200,6 +201,7 @@ fn contender(name: &str, quality: Quality, sets: &[(&str, Query)]) -> TracerRun 
             geometry_bytes: 3_500_000,
             build_peak_bytes: 11 << 20,
         },
+        structure_statistics: BTreeMap::from([("nodes".to_owned(), 4321.0), ("sah_cost".to_owned(), 57.25)]),
         build: BuildRecord { times: times(quality, &samples, vec![phase("sort"), phase("collapse")]), setup_ms: 12.5 },
         traces: sets.iter().enumerate().map(|(index, (rays, query))| trace(rays, *query, index, quality)).collect(),
     }

@@ -77,6 +77,11 @@ pub(super) fn thousands(count: u64) -> String {
     text
 }
 
+/// What a structure says of itself: a count with commas, or a number.
+pub(super) fn statistic(value: f64) -> String {
+    if value.fract() == 0.0 && (0.0..1e15).contains(&value) { thousands(value as u64) } else { significant(value, 4) }
+}
+
 /// Bytes as MiB (2^20 bytes).
 pub(super) fn mib(bytes: u64) -> String {
     significant(bytes as f64 / f64::from(1 << 20), 4)

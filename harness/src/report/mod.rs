@@ -12,11 +12,13 @@ mod format;
 mod group;
 mod markdown;
 mod metrics;
+mod peers;
 mod stability;
 mod summary;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod updates;
 mod verdict;
 
 use std::fs;
@@ -25,8 +27,11 @@ use std::path::{Path, PathBuf};
 
 pub use error::ReportError;
 pub use stability::{STABILITY_TABLE, matrix as stability_matrix, write as write_stability};
+pub use updates::{write_updates, write_updates_table};
 
+use crate::peers::Table;
 use crate::results::{Run, SCHEMA};
+use crate::updates::Updates;
 
 /// The file that holds everything.
 pub const RUN_FILE: &str = "run.json";
@@ -65,11 +70,33 @@ pub fn write_derived(run: &Run, directory: &Path) -> Result<Vec<PathBuf>, Report
     write("summary.md", summary::summary(run, &groups).as_bytes())?;
     write("traces.csv", &tables::traces(run, &groups)?)?;
     write("wrong_rays.csv", &tables::wrong_rays(&groups)?)?;
+    if let Some(table) = run.table.as_deref().and_then(crate::peers::find) {
+        for (name, contents) in peers::files(table, run)? {
+            write(&name, &contents)?;
+        }
+    }
     for file in chart::charts(run, &groups)? {
         write(&file.name, &file.contents)?;
     }
     remove_stale_charts(directory, &paths);
     Ok(paths)
+}
+
+/// Writes a table of peers over a run, whatever the run was made for, and gives the paths.
+///
+/// # Errors
+/// If the folder or a file cannot be written, or the run has no tracer of the table's family.
+pub fn write_table(table: &Table, run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
+    if !run.runs.iter().any(|one| table.holds(&one.tracer.name)) {
+        let reason = "no tracer of this run belongs into it".to_owned();
+        return Err(ReportError::Made { what: format!("table {}", table.name), reason });
+    }
+    files::create_directory(directory)?;
+    let write = |(name, contents): (String, Vec<u8>)| {
+        let path = directory.join(name);
+        files::write(&path, &contents).map(|()| path)
+    };
+    peers::files(table, run)?.into_iter().map(write).collect()
 }
 
 /// Charts of scenes that only an older run in the same folder had would pass for this one's.
@@ -85,23 +112,65 @@ fn remove_stale_charts(directory: &Path, written: &[PathBuf]) {
     }
 }
 
+/// Where the table of a folder stands.
+pub fn table_page(table: &Table, directory: &Path) -> PathBuf {
+    directory.join(format!("{}.md", peers::stem(table)))
+}
+
 /// Reads a run back from its folder or from the file itself.
 ///
 /// # Errors
 /// If there is no such file, it is not a whole JSON document, or it follows another schema.
 pub fn read_run(path: &Path) -> Result<Run, ReportError> {
-    let path = if path.is_dir() { path.join(RUN_FILE) } else { path.to_owned() };
+    read(path, RUN_FILE, SCHEMA)
+}
+
+/// Reads what was measured of structures that follow animations back, from its folder or from the file itself.
+///
+/// # Errors
+/// As [`read_run`].
+pub fn read_updates(path: &Path) -> Result<Updates, ReportError> {
+    read(path, updates::UPDATES_FILE, crate::updates::SCHEMA)
+}
+
+/// What a folder holds.
+#[derive(Debug)]
+pub enum Measured {
+    /// A run.
+    Run(Box<Run>),
+    /// Structures that follow animations.
+    Updates(Box<Updates>),
+}
+
+/// Reads whichever of the two there is: of a folder that holds both the run, of a file what its name says.
+///
+/// # Errors
+/// As [`read_run`].
+pub fn read_any(path: &Path) -> Result<Measured, ReportError> {
+    let is_updates = if path.is_dir() {
+        !path.join(RUN_FILE).exists() && path.join(updates::UPDATES_FILE).exists()
+    } else {
+        path.file_name().is_some_and(|name| name == updates::UPDATES_FILE)
+    };
+    if is_updates {
+        return Ok(Measured::Updates(Box::new(read_updates(path)?)));
+    }
+    Ok(Measured::Run(Box::new(read_run(path)?)))
+}
+
+fn read<T: serde::de::DeserializeOwned>(path: &Path, file: &'static str, wanted: u32) -> Result<T, ReportError> {
+    let path = if path.is_dir() { path.join(file) } else { path.to_owned() };
     let text = fs::read(&path).map_err(|source| match source.kind() {
-        ErrorKind::NotFound => ReportError::Missing { path: path.clone() },
+        ErrorKind::NotFound => ReportError::Missing { path: path.clone(), file },
         _ => ReportError::Read { path: path.clone(), source },
     })?;
     let value: serde_json::Value =
-        serde_json::from_slice(&text).map_err(|source| ReportError::NotJson { path: path.clone(), source })?;
+        serde_json::from_slice(&text).map_err(|source| ReportError::NotJson { path: path.clone(), file, source })?;
     // Before everything else is looked at: a file of another schema lacks fields, and that would be said instead.
     match value.get("schema") {
-        Some(schema) if schema.as_u64() == Some(u64::from(SCHEMA)) => {}
-        Some(schema) => return Err(ReportError::Schema { path, found: schema.to_string() }),
-        None => return Err(ReportError::NoSchema { path }),
+        Some(schema) if schema.as_u64() == Some(u64::from(wanted)) => {}
+        Some(schema) => return Err(ReportError::Schema { path, found: schema.to_string(), wanted }),
+        None => return Err(ReportError::NoSchema { path, file }),
     }
-    serde_json::from_value(value).map_err(|source| ReportError::NotARun { path, source })
+    serde_json::from_value(value).map_err(|source| ReportError::NotAsSaid { path, file, wanted, source })
 }

@@ -5,23 +5,26 @@ use std::fmt::Write as _;
 use tracebench_api::Query;
 
 use super::format::{
-    self, NONE, clock_of, mib, optional, percent, percent_with_interval, significant, thousands, with_interval,
+    self, NONE, clock_of, mib, optional, percent, percent_with_interval, significant, statistic, thousands,
+    with_interval,
 };
 use super::group::{Group, RaySet, Role};
 use super::markdown::{Table, inline};
 use super::metrics::{self, Metric};
 use super::verdict;
-use crate::results::{AnyJudgement, Causes, Classes, ClosestJudgement, Judgement, Run, TraceRecord, TracerRun};
+use crate::results::{
+    AnyJudgement, Causes, Classes, ClosestJudgement, Judgement, Occlusion, Run, Skipped, TraceRecord, TracerRun,
+};
 
 /// How many causes a row names.
 const TOP_CAUSES: usize = 5;
 
 /// A trace with its place in the table.
-type Row<'a> = (Role, &'a TracerRun, &'a TraceRecord);
+pub(super) type Row<'a> = (Role, &'a TracerRun, &'a TraceRecord);
 
 /// The whole summary.
 pub(super) fn summary(run: &Run, groups: &[Group<'_>]) -> String {
-    let mut text = head(run);
+    let mut text = head(run, "tracebench: speed and accuracy of the same rays");
     if groups.is_empty() {
         text += "\nNothing ran.\n";
     }
@@ -32,11 +35,12 @@ pub(super) fn summary(run: &Run, groups: &[Group<'_>]) -> String {
             text += &ray_set(group, set);
         }
     }
-    text + &skipped(run)
+    text + &skipped(&run.skipped)
 }
 
-fn head(run: &Run) -> String {
-    let mut text = "# tracebench: speed and accuracy of the same rays\n\n".to_owned();
+/// What holds of the whole run, below a title.
+pub(super) fn head(run: &Run, title: &str) -> String {
+    let mut text = format!("# {title}\n\n");
     let mut item = |name: &str, value: String| {
         let _ = writeln!(text, "- {name}: {}", inline(&value));
     };
@@ -120,7 +124,9 @@ fn scene(group: &Group<'_>) -> String {
 }
 
 fn build_table(group: &Group<'_>) -> String {
-    let mut table = Table::new(&[
+    // Runs of before structures were asked have nothing to say here.
+    let says = group.contenders.iter().any(|run| !run.structure_statistics.is_empty());
+    let mut headings = vec![
         "tracer".to_owned(),
         "residency".to_owned(),
         "frame, faces (px)".to_owned(),
@@ -130,7 +136,11 @@ fn build_table(group: &Group<'_>) -> String {
         metrics::STRUCTURE.heading(),
         metrics::GEOMETRY.heading(),
         metrics::BUILD_PEAK.heading(),
-    ]);
+    ];
+    if says {
+        headings.push("what the structure says of itself".to_owned());
+    }
+    let mut table = Table::new(&headings);
     for run in &group.contenders {
         let build = &run.build;
         let time = match build.times.samples_ms.is_empty() {
@@ -143,7 +153,7 @@ fn build_table(group: &Group<'_>) -> String {
             .iter()
             .map(|phase| format!("{} {}", phase.name, significant(phase.median_ms, 3)))
             .collect();
-        table.row(&[
+        let mut cells = vec![
             run.tracer.label(),
             run.tracer.residency.clone(),
             format!("{}, {}", size(run.viewpoint.frame), run.viewpoint.face),
@@ -153,7 +163,12 @@ fn build_table(group: &Group<'_>) -> String {
             mib(run.memory.structure_bytes),
             mib(run.memory.geometry_bytes),
             mib(run.memory.build_peak_bytes),
-        ]);
+        ];
+        if says {
+            let said = run.structure_statistics.iter().map(|(name, value)| format!("{name} {}", statistic(*value)));
+            cells.push(said.collect::<Vec<_>>().join("; "));
+        }
+        table.row(&cells);
     }
     if group.contenders.is_empty() { String::new() } else { format!("\n### Build\n\n{}", table.text) }
 }
@@ -177,7 +192,7 @@ fn ray_set(group: &Group<'_>, set: &RaySet<'_>) -> String {
 }
 
 /// The intervals' coverage, which few samples cannot bring to 95 %.
-fn coverage(rows: &[Row<'_>]) -> String {
+pub(super) fn coverage(rows: &[Row<'_>]) -> String {
     let timed = rows.iter().filter(|(role, _, trace)| *role == Role::Contender && !trace.times.samples_ms.is_empty());
     let (mut low, mut high, mut samples) = (f64::INFINITY, 0.0_f64, u64::MAX);
     for (_, _, trace) in timed {
@@ -214,7 +229,7 @@ fn closest_tables(text: &mut String, rows: &[Row<'_>]) {
     for (role, run, trace) in rows {
         let Judgement::Closest(judgement) = &trace.judgement else { continue };
         let trials = metrics::trials(trace);
-        let mut cells = speed_cells(*role, run, trace, judgement.agreement.tight.is_some());
+        let mut cells = speed_cells(*role, run, trace, judgement.agreement.tight.is_some()).to_vec();
         cells.extend(agreements(judgement, trials));
         let position = judgement.position_error;
         cells.push(format!(
@@ -240,6 +255,16 @@ fn closest_tables(text: &mut String, rows: &[Row<'_>]) {
     let _ = write!(text, "\n{}\nClasses, rays:\n\n{}", main.text, classes.text);
 }
 
+/// Whether anything could be judged, and the cells that tell the accuracy of a trace: three of a closest-hit set, one of
+/// an any-hit set.
+pub(super) fn accuracies(trace: &TraceRecord) -> (bool, Vec<String>) {
+    let trials = metrics::trials(trace);
+    match &trace.judgement {
+        Judgement::Closest(closest) => (closest.agreement.tight.is_some(), agreements(closest, trials).to_vec()),
+        Judgement::Any(any) => (any.occlusion.balanced_accuracy.is_some(), vec![accuracy(&any.occlusion, trials)]),
+    }
+}
+
 /// The three agreements, always together: share, interval, wrong rays.
 fn agreements(judgement: &ClosestJudgement, trials: u64) -> [String; 3] {
     let (agreement, interval) = (&judgement.agreement, &judgement.interval);
@@ -259,6 +284,18 @@ fn agreements(judgement: &ClosestJudgement, trials: u64) -> [String; 3] {
     ]
 }
 
+/// The accuracy of an any-hit set: share, interval, wrong rays.
+fn accuracy(occlusion: &Occlusion, trials: u64) -> String {
+    let wrong = occlusion.false_occluded + occlusion.false_free;
+    occlusion.balanced_accuracy.map_or_else(
+        || "every ray is a tie".to_owned(),
+        |share| {
+            let share = percent_with_interval(share, occlusion.balanced_accuracy_interval, trials);
+            format!("{share}; {} wrong of {}", thousands(wrong), thousands(trials))
+        },
+    )
+}
+
 fn any_tables(text: &mut String, rows: &[Row<'_>]) {
     let mut main = Table::new(&[
         "tracer".to_owned(),
@@ -276,15 +313,8 @@ fn any_tables(text: &mut String, rows: &[Row<'_>]) {
     for (role, run, trace) in rows {
         let Judgement::Any(AnyJudgement { occlusion, ties, .. }) = &trace.judgement else { continue };
         let trials = metrics::trials(trace);
-        let mut cells = speed_cells(*role, run, trace, occlusion.balanced_accuracy.is_some());
-        let wrong = occlusion.false_occluded + occlusion.false_free;
-        cells.push(occlusion.balanced_accuracy.map_or_else(
-            || "every ray is a tie".to_owned(),
-            |share| {
-                let share = percent_with_interval(share, occlusion.balanced_accuracy_interval, trials);
-                format!("{share}; {} wrong of {}", thousands(wrong), thousands(trials))
-            },
-        ));
+        let mut cells = speed_cells(*role, run, trace, occlusion.balanced_accuracy.is_some()).to_vec();
+        cells.push(accuracy(occlusion, trials));
         let counts = [occlusion.true_occluded, occlusion.true_free, occlusion.false_occluded, occlusion.false_free];
         cells.extend(counts.map(thousands));
         cells.push(thousands(*ties));
@@ -295,20 +325,17 @@ fn any_tables(text: &mut String, rows: &[Row<'_>]) {
 
 /// Label, clock, rays, speed and time; the last two only beside an accuracy, and never for controls, which trace
 /// nothing.
-fn speed_cells(role: Role, run: &TracerRun, trace: &TraceRecord, judged: bool) -> Vec<String> {
-    let mut cells = vec![label(role, run)];
+pub(super) fn speed_cells(role: Role, run: &TracerRun, trace: &TraceRecord, judged: bool) -> [String; 5] {
+    let clock = if role == Role::Control { NONE.to_owned() } else { clock_of(&trace.times) };
     let speed = metrics::speed(trace).filter(|_| judged && role == Role::Contender);
-    cells.push(if role == Role::Control { NONE.to_owned() } else { clock_of(&trace.times) });
-    cells.push(thousands(trace.count));
-    match speed {
+    let [speed, time] = match speed {
         Some(speed) => {
             let interval = metrics::speed_interval(trace).unwrap_or([speed, speed]);
-            cells.push(with_interval(speed, interval, 4));
-            cells.push(with_interval(trace.times.median_ms, trace.times.interval_ms, 4));
+            [with_interval(speed, interval, 4), with_interval(trace.times.median_ms, trace.times.interval_ms, 4)]
         }
-        None => cells.extend([NONE.to_owned(), NONE.to_owned()]),
-    }
-    cells
+        None => [NONE.to_owned(), NONE.to_owned()],
+    };
+    [label(role, run), clock, thousands(trace.count), speed, time]
 }
 
 fn causes(rows: &[Row<'_>]) -> String {
@@ -367,13 +394,14 @@ fn statuses(rows: &[Row<'_>]) -> String {
     if any { format!("\nHow rays ended:\n\n{}", table.text) } else { String::new() }
 }
 
-fn skipped(run: &Run) -> String {
+/// What did not run.
+pub(super) fn skipped(skipped: &[Skipped]) -> String {
     let mut text = "\n## Skipped\n\n".to_owned();
-    if run.skipped.is_empty() {
+    if skipped.is_empty() {
         return text + "Nothing.\n";
     }
     let mut table = Table::new(&["tracer", "scene", "rays", "reason"].map(str::to_owned));
-    for each in &run.skipped {
+    for each in skipped {
         let or_all = |name: &Option<String>| name.clone().unwrap_or_else(|| "all".to_owned());
         table.row(&[or_all(&each.tracer), each.scene.clone(), or_all(&each.rays), each.reason.clone()]);
     }

@@ -198,7 +198,20 @@ impl MapColumns {
     }
 }
 
-fn code(query: tracebench_api::Query) -> String {
+/// The five columns that tell a trace's accuracy: shares by the three rules, balanced accuracy, ties.
+pub(super) fn accuracies(trace: &TraceRecord) -> [String; 5] {
+    let closest = metrics::closest(trace).map(|verdict| &verdict.agreement);
+    let balanced = metrics::any(trace).and_then(|verdict| verdict.occlusion.balanced_accuracy);
+    [
+        number(closest.and_then(|agreement| agreement.hit_miss)),
+        number(closest.and_then(|agreement| agreement.tight)),
+        number(closest.and_then(|agreement| agreement.footprint)),
+        number(balanced),
+        metrics::ties(&trace.judgement).to_string(),
+    ]
+}
+
+pub(super) fn code(query: tracebench_api::Query) -> String {
     match query {
         tracebench_api::Query::Closest => "closest".to_owned(),
         tracebench_api::Query::Any => "any".to_owned(),
@@ -206,7 +219,7 @@ fn code(query: tracebench_api::Query) -> String {
 }
 
 /// The shortest text that reads back as the same number; whole numbers without a point.
-fn number(value: Option<f64>) -> String {
+pub(super) fn number(value: Option<f64>) -> String {
     match value {
         Some(value) if value.fract() == 0.0 && value.abs() < 1e15 => format!("{value:.0}"),
         Some(value) if value.is_finite() => format!("{value:?}"),
@@ -218,7 +231,7 @@ fn text(value: Option<impl ToString>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }
 
-fn to_csv(name: &str, rows: Vec<Vec<String>>) -> Result<Vec<u8>, ReportError> {
+pub(super) fn to_csv(name: &str, rows: Vec<Vec<String>>) -> Result<Vec<u8>, ReportError> {
     let fail = |reason: String| ReportError::Made { what: name.to_owned(), reason };
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {

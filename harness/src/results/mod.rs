@@ -33,6 +33,9 @@ pub struct Run {
     pub seed: u64,
     /// Run preset: smoke, quick or paper. Figures of a smoke run only show that things work.
     pub preset: String,
+    /// The table that the run was made for, if it was made for one.
+    #[serde(default)]
+    pub table: Option<String>,
     /// What was said about ray sets: every parameter's value. Empty in files of before there were any.
     #[serde(default)]
     pub ray_parameters: BTreeMap<String, serde_json::Value>,
@@ -99,6 +102,9 @@ pub struct TracerRun {
     pub tracer: TracerRecord,
     /// Its memory.
     pub memory: MemoryRecord,
+    /// What its structure says of itself when it is validated, by name. Empty in files of before it was asked.
+    #[serde(default)]
+    pub structure_statistics: BTreeMap<String, f64>,
     /// Its build.
     pub build: BuildRecord,
     /// Its traces, one a ray set.
@@ -241,17 +247,28 @@ pub struct PhaseRecord {
 }
 
 impl PhaseRecord {
-    /// Collects the phases of several samples of the same work.
+    /// Collects the phases of several samples of the same work, in order of first appearance. A phase that only some
+    /// samples have, as the first refit after a build may, has as many samples as had it.
     pub fn collect(samples: &[Vec<PhaseSample>]) -> Vec<Self> {
-        let Some(first) = samples.first() else { return Vec::new() };
-        let of_phase = |index: usize| -> Vec<f64> {
-            samples.iter().filter_map(|phases| phases.get(index)).map(|phase| phase.duration_ms).collect()
-        };
-        let record = |(index, phase): (usize, &PhaseSample)| {
-            let samples_ms = of_phase(index);
-            Self { name: phase.name.clone(), median_ms: crate::statistics::median(&samples_ms), samples_ms }
-        };
-        first.iter().enumerate().map(record).collect()
+        let mut records: Vec<Self> = Vec::new();
+        for phases in samples {
+            // Of phases of the same name within a sample the first is told from the second.
+            let mut seen = vec![false; records.len()];
+            for phase in phases {
+                let place = (0..seen.len()).find(|place| !seen[*place] && records[*place].name == phase.name);
+                let place = place.unwrap_or_else(|| {
+                    records.push(Self { name: phase.name.clone(), median_ms: 0.0, samples_ms: Vec::new() });
+                    seen.push(false);
+                    seen.len() - 1
+                });
+                seen[place] = true;
+                records[place].samples_ms.push(phase.duration_ms);
+            }
+        }
+        for record in &mut records {
+            record.median_ms = crate::statistics::median(&record.samples_ms);
+        }
+        records
     }
 }
 

@@ -10,7 +10,7 @@ use tracebench_api::{Parameters, Preset};
 use tracebench_harness::cases::{CASES, Case, Expectation, MOST_TIES, Rule, expectation};
 use tracebench_harness::plan::TracerRequest;
 use tracebench_harness::progress::Progress;
-use tracebench_harness::registry::TRACERS;
+use tracebench_harness::registry::{Registration, TRACERS};
 use tracebench_harness::stability::{CaseRecord, Stability, Verdict, run};
 use tracebench_tests::{adapter_has_ray_queries, available};
 
@@ -20,15 +20,9 @@ fn gpu() -> Arc<Gpu> {
 
 /// Every registered tracer with its published preset; those that the adapter cannot run, as if by `all`.
 fn requests() -> Vec<TracerRequest> {
-    let request = |registration: &tracebench_harness::registry::Registration| {
-        let description = (registration.describe)();
-        TracerRequest {
-            registration: *registration,
-            preset: Preset::Published,
-            parameters: Parameters::preset(&description.parameters, Preset::Published),
-            changed: Vec::new(),
-            required: available(description.name, registration.create(&Ok(gpu())), &gpu()).is_some(),
-        }
+    let request = |each: &Registration| TracerRequest {
+        required: available((each.describe)().name, each.create(&Ok(gpu())), &gpu()).is_some(),
+        ..TracerRequest::of(each, Preset::Published)
     };
     TRACERS.iter().map(request).collect()
 }
