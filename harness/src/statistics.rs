@@ -29,6 +29,11 @@ pub fn percentile(samples: &[f64], percent: f64) -> Option<f64> {
 /// The k-th smallest and k-th largest of n samples enclose the median unless fewer than k samples fall on one side:
 /// coverage = 1 - 2 P(Binomial(n, 1/2) < k).
 pub fn median_interval(samples: &[f64]) -> ([f64; 2], f64) {
+    median_interval_of(samples, WANTED_COVERAGE)
+}
+
+/// [`median_interval`] with at least another coverage, where there are enough samples for it.
+pub fn median_interval_of(samples: &[f64], wanted_coverage: f64) -> ([f64; 2], f64) {
     let sorted = sorted(samples);
     let count = sorted.len();
     if count == 0 {
@@ -39,7 +44,7 @@ pub fn median_interval(samples: &[f64]) -> ([f64; 2], f64) {
     let mut coverage = 1.0 - 2.0 * tail;
     while 2 * (chosen + 1) <= count {
         tail += binomial_half(count, chosen);
-        if 1.0 - 2.0 * tail < WANTED_COVERAGE {
+        if 1.0 - 2.0 * tail < wanted_coverage {
             break;
         }
         coverage = 1.0 - 2.0 * tail;

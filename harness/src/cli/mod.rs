@@ -3,6 +3,7 @@
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
 
 mod arguments;
+mod compare;
 mod list;
 mod names;
 mod output;
@@ -43,6 +44,8 @@ enum Verb {
     Run(arguments::RunArguments),
     /// Measure tracers of one family side by side, over every scene, and write a table of them.
     Table(arguments::TableArguments),
+    /// Hold two runs against each other: what got slower or less accurate, what changed, what only one has.
+    Compare(compare::CompareArguments),
     /// Make every file that derives from a run.json or an updates.json again.
     Report(run::ReportArguments),
     /// Draw what a tracer sees, or gets wrong, as a PNG.
@@ -102,6 +105,7 @@ pub fn main() -> ExitCode {
         Verb::List(arguments) => list::list(arguments),
         Verb::Run(arguments) => run::run(arguments, &progress),
         Verb::Table(arguments) => table::table(arguments, &progress),
+        Verb::Compare(arguments) => compare::compare(arguments),
         Verb::Report(arguments) => run::report(arguments, &progress),
         Verb::Picture(arguments) => run::picture(arguments, &progress),
         Verb::Stability(arguments) => stability::stability(arguments, &progress),

@@ -12,18 +12,18 @@ use crate::results::{
 use crate::statistics::{median, median_interval, wilson};
 
 /// Rays of every set.
-pub(super) const COUNT: u64 = 131_072;
+pub(crate) const COUNT: u64 = 131_072;
 const TIES: u64 = 12;
 /// Rays whose truth is a hit.
 const HITS: u64 = 117_000;
 
 /// The ray sets that exist.
-pub(super) const SETS: [(&str, Query); 3] =
+pub(crate) const SETS: [(&str, Query); 3] =
     [("primary", Query::Closest), ("diffuse", Query::Closest), ("ao", Query::Any)];
 
 /// How good and how fast a made-up tracer is.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Quality {
+pub(crate) struct Quality {
     /// Share of the rays that truly hit and that it misses.
     pub missed: f64,
     /// Typical error of t, in scene diagonals.
@@ -35,14 +35,14 @@ pub(super) struct Quality {
 }
 
 /// An analytic and a sampled tracer, three controls, three ray sets.
-pub(super) fn typical() -> Run {
+pub(crate) fn typical() -> Run {
     let exact = Quality { missed: 0.0, blur: 1e-9, speed: 3.1, clock: ClockKind::Host };
     let sampled = Quality { missed: 0.11, blur: 2e-4, speed: 11.0, clock: ClockKind::SubmitToDone };
     run(&[("bvh-cpu", exact), ("screen-dda", sampled)], &SETS)
 }
 
 /// Twelve tracers, some with long names, over five decades of speed, one without a wrong ray.
-pub(super) fn crowded() -> Run {
+pub(crate) fn crowded() -> Run {
     let names = [
         "bvh-cpu",
         "bvh-gpu",
@@ -69,7 +69,7 @@ pub(super) fn crowded() -> Run {
 }
 
 /// Contenders of given qualities on given ray sets, with the controls.
-pub(super) fn run(contenders: &[(&str, Quality)], sets: &[(&str, Query)]) -> Run {
+pub(crate) fn run(contenders: &[(&str, Quality)], sets: &[(&str, Query)]) -> Run {
     let controls = [("oracle", 0.0, 0.0), ("always-miss", 1.0, 0.0), ("always-hit", 0.0, 0.3)];
     Run {
         schema: SCHEMA,

@@ -4,10 +4,11 @@
 //! derived files depend on nothing but the run: made again from the same `run.json` they are the same bytes.
 
 mod chart;
+mod compare;
 mod error;
 pub(crate) mod files;
 #[cfg(test)]
-mod fixture;
+pub(crate) mod fixture;
 mod format;
 mod group;
 mod markdown;
@@ -25,6 +26,7 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+pub use compare::comparison_text;
 pub use error::ReportError;
 pub use stability::{STABILITY_TABLE, matrix as stability_matrix, write as write_stability};
 pub use updates::{write_updates, write_updates_table};

@@ -1,0 +1,59 @@
+//! `compare`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::CliError;
+use super::output::print;
+use crate::compare::{self, Comparison, DEFAULT_THRESHOLD};
+use crate::report;
+
+#[derive(Args)]
+pub(super) struct CompareArguments {
+    /// The run that is compared with: a run.json, or the folder that holds it.
+    a: PathBuf,
+    /// The run that is compared.
+    b: PathBuf,
+    /// As one JSON object.
+    #[arg(long)]
+    json: bool,
+    /// How much longer the slower must take to count, percent, beside being beyond noise.
+    #[arg(long, value_name = "PERCENT", default_value_t = DEFAULT_THRESHOLD * 100.0, value_parser = percent,
+          allow_hyphen_values = true)]
+    threshold: f64,
+    /// End with status 1 if something got slower or less accurate beyond noise, or if the runs have nothing in common.
+    #[arg(long)]
+    fail_on_regression: bool,
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|percent: &f64| (0.0..=1000.0).contains(percent));
+    found.ok_or_else(|| "a number of percent from 0 to 1000".to_owned())
+}
+
+pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {
+    let (a, b) = (report::read_run(&arguments.a)?, report::read_run(&arguments.b)?);
+    let name = |path: &PathBuf| path.display().to_string();
+    let (a, b) = ((name(&arguments.a), a), (name(&arguments.b), b));
+    let found = compare::compare((&a.0, &a.1), (&b.0, &b.1), arguments.threshold / 100.0);
+    print(&if arguments.json {
+        let json = serde_json::to_string_pretty(&found).map_err(|error| CliError::Other(error.to_string()))?;
+        json + "\n"
+    } else {
+        report::comparison_text(&found)
+    })?;
+    if arguments.fail_on_regression { outcome(&found) } else { Ok(()) }
+}
+
+/// Whether nothing got worse, which nothing in common cannot show.
+fn outcome(found: &Comparison) -> Result<(), CliError> {
+    let regressions = found.regressions();
+    if found.is_empty() {
+        return Err(CliError::Other("nothing stands in both runs, so nothing was compared".to_owned()));
+    }
+    match regressions.len() {
+        0 => Ok(()),
+        count => Err(CliError::Other(format!("{count} got worse: {}", regressions.join("; ")))),
+    }
+}

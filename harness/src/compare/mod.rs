@@ -1,0 +1,308 @@
+//! What differs between two runs: the same tracers on the same rays, row by row.
+//!
+//! Rows match by content: the scene's hash, the viewpoint, the tracer with its parameters, the rays' hash. What has moved
+//! beyond noise is told apart from what has changed exactly (answers, counters, bytes, statistics of structures).
+
+mod accuracy;
+mod ratio;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use tracebench_api::ClockKind;
+
+pub use accuracy::{Accuracy, Shift};
+pub use ratio::{LEAST_SAMPLES, Movement, Ratio};
+
+use crate::results::{Run, Times, TraceRecord, TracerRun, ViewpointRecord};
+
+/// The schema of a comparison as JSON.
+pub const SCHEMA: u32 = 1;
+
+/// How much slower (a share) something must be to count, where nothing else is said.
+pub const DEFAULT_THRESHOLD: f64 = 0.05;
+
+/// Two runs held against each other.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// The first run.
+    pub a: Side,
+    /// The second run.
+    pub b: Side,
+    /// How much slower (a share) something must be to count.
+    pub threshold: f64,
+    /// What differs between the runs as wholes: machine, commit, preset.
+    pub differences: Vec<String>,
+    /// Builds and structures of both.
+    pub builds: Vec<BuildRow>,
+    /// Traces of both.
+    pub traces: Vec<TraceRow>,
+    /// What only the first run has.
+    pub only_in_a: Vec<Key>,
+    /// What only the second run has.
+    pub only_in_b: Vec<Key>,
+}
+
+/// A run by name.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Side {
+    /// What the user called it.
+    pub path: String,
+    /// Commit of the program.
+    pub commit: String,
+    /// Whether its tree was changed.
+    pub dirty: Option<bool>,
+    /// When it began.
+    pub started: String,
+    /// The machine in one line.
+    pub machine: String,
+}
+
+/// What a row is about.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Key {
+    /// Scene.
+    pub scene: String,
+    /// Hash of the scene.
+    pub scene_sha256: String,
+    /// Viewpoint.
+    pub viewpoint: String,
+    /// Tracer as it is labelled.
+    pub tracer: String,
+    /// Ray set; `None` for the tracer with all it did.
+    pub rays: Option<String>,
+    /// Hash of the rays.
+    pub rays_sha256: Option<String>,
+}
+
+/// A time in both runs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Speed {
+    /// Median of the first, milliseconds; `None` where nothing was timed.
+    pub a_ms: Option<f64>,
+    /// Median of the second, milliseconds.
+    pub b_ms: Option<f64>,
+    /// Clock of the first.
+    pub a_clock: ClockKind,
+    /// Clock of the second.
+    pub b_clock: ClockKind,
+    /// Speed of the second over that of the first; `None` if their clocks differ or one was not timed.
+    pub ratio: Option<Ratio>,
+    /// What is to be said of it; `None` without a ratio.
+    pub movement: Option<Movement>,
+}
+
+/// Something that must be the same and is not: its value in the first run and in the second, `None` where one has it not.
+pub type Changes = BTreeMap<String, [Option<f64>; 2]>;
+
+/// A tracer's build and structure in both runs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BuildRow {
+    /// Which.
+    pub key: Key,
+    /// Speed of the builds.
+    pub speed: Speed,
+    /// Bytes that changed.
+    pub bytes: Changes,
+    /// What the structure says of itself, where that changed.
+    pub statistics: Changes,
+}
+
+/// A tracer's answers to a ray set in both runs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TraceRow {
+    /// Which.
+    pub key: Key,
+    /// Speed of the traces.
+    pub speed: Speed,
+    /// Accuracy by every rule.
+    pub accuracy: Vec<Accuracy>,
+    /// Whether the answers are the same bit for bit.
+    pub same_hits: bool,
+    /// Bytes that changed.
+    pub bytes: Changes,
+    /// Counters that changed, totals.
+    pub counters: Changes,
+}
+
+impl Comparison {
+    /// What got slower or less accurate beyond noise, a sentence each.
+    pub fn regressions(&self) -> Vec<String> {
+        let builds = self.builds.iter().filter(|row| row.speed.movement == Some(Movement::Slower));
+        let builds = builds.map(|row| format!("{}: build slower", row.key.sentence()));
+        let traces = self.traces.iter().flat_map(|row| {
+            let slower = (row.speed.movement == Some(Movement::Slower)).then(|| "slower".to_owned());
+            let worse = row.accuracy.iter().filter(|accuracy| accuracy.shift == Shift::Worse);
+            let worse = worse.map(|accuracy| format!("less accurate by {}", accuracy.rule));
+            slower.into_iter().chain(worse).map(|what| format!("{}: {what}", row.key.sentence())).collect::<Vec<_>>()
+        });
+        builds.chain(traces).collect()
+    }
+
+    /// Whether anything stands in both runs.
+    pub fn is_empty(&self) -> bool {
+        self.builds.is_empty()
+    }
+}
+
+impl Key {
+    fn of(run: &TracerRun, trace: Option<&TraceRecord>) -> Self {
+        Self {
+            scene: run.scene.name.clone(),
+            scene_sha256: run.scene.sha256.clone(),
+            viewpoint: run.viewpoint.name.clone(),
+            tracer: run.tracer.label(),
+            rays: trace.map(|trace| trace.rays.clone()),
+            rays_sha256: trace.map(|trace| trace.rays_sha256.clone()),
+        }
+    }
+
+    /// In words.
+    pub fn sentence(&self) -> String {
+        let rays = self.rays.as_ref().map_or_else(String::new, |rays| format!(" {rays}"));
+        format!("{} {}{rays}", self.scene, self.tracer)
+    }
+}
+
+/// Holds two runs, each with the path that it came from, against each other. `threshold` is a share: 0.05 for 5 %.
+pub fn compare(a: (&str, &Run), b: (&str, &Run), threshold: f64) -> Comparison {
+    let side = |(path, run): (&str, &Run)| Side {
+        path: path.to_owned(),
+        commit: run.commit.clone(),
+        dirty: run.dirty,
+        started: run.started.clone(),
+        machine: run.machine.label(),
+    };
+    let mut comparison = Comparison {
+        schema: SCHEMA,
+        a: side(a),
+        b: side(b),
+        threshold,
+        differences: differences(a.1, b.1),
+        builds: Vec::new(),
+        traces: Vec::new(),
+        only_in_a: Vec::new(),
+        only_in_b: Vec::new(),
+    };
+    let (pairs, only_in_a, only_in_b) = pairs(&a.1.runs, &b.1.runs, same_work);
+    comparison.only_in_a.extend(only_in_a.into_iter().map(|run| Key::of(run, None)));
+    comparison.only_in_b.extend(only_in_b.into_iter().map(|run| Key::of(run, None)));
+    for (a, b) in pairs {
+        comparison.builds.push(build_row(a, b, threshold));
+        let (traces, only_in_a, only_in_b) = self::pairs(&a.traces, &b.traces, same_rays);
+        comparison.only_in_a.extend(only_in_a.into_iter().map(|trace| Key::of(a, Some(trace))));
+        comparison.only_in_b.extend(only_in_b.into_iter().map(|trace| Key::of(b, Some(trace))));
+        comparison.traces.extend(traces.into_iter().map(|(one, other)| trace_row(a, one, other, threshold)));
+    }
+    comparison
+}
+
+/// Pairs of what is the same on both sides, each used once, in the order of the first; then what is left of either.
+fn pairs<'a, T>(a: &'a [T], b: &'a [T], same: fn(&T, &T) -> bool) -> (Vec<(&'a T, &'a T)>, Vec<&'a T>, Vec<&'a T>) {
+    let mut left: Vec<&T> = b.iter().collect();
+    let (mut pairs, mut only_in_a) = (Vec::new(), Vec::new());
+    for one in a {
+        match left.iter().position(|other| same(one, other)) {
+            Some(place) => pairs.push((one, left.remove(place))),
+            None => only_in_a.push(one),
+        }
+    }
+    (pairs, only_in_a, left)
+}
+
+/// The same tracer with the same parameters over the same triangles from the same viewpoint; presets and labels are names.
+fn same_work(a: &TracerRun, b: &TracerRun) -> bool {
+    let unnamed = |viewpoint: &ViewpointRecord| ViewpointRecord { name: String::new(), ..viewpoint.clone() };
+    a.scene.sha256 == b.scene.sha256
+        && a.tracer.name == b.tracer.name
+        && a.tracer.parameters == b.tracer.parameters
+        && unnamed(&a.viewpoint) == unnamed(&b.viewpoint)
+}
+
+fn same_rays(a: &TraceRecord, b: &TraceRecord) -> bool {
+    a.rays == b.rays && a.rays_sha256 == b.rays_sha256 && a.query == b.query && a.end == b.end && a.count == b.count
+}
+
+/// What differs between the runs as wholes, a sentence each.
+fn differences(a: &Run, b: &Run) -> Vec<String> {
+    let adapter = |run: &Run| {
+        let adapter = run.machine.adapter.as_ref();
+        adapter
+            .map_or_else(|| "none".to_owned(), |each| format!("{}, {} {}", each.name, each.driver, each.driver_version))
+    };
+    let commit = |run: &Run| {
+        let mark = if run.dirty == Some(true) { " with changes" } else { "" };
+        format!("{}{mark}", run.commit)
+    };
+    let parameters = |run: &Run| serde_json::to_string(&run.ray_parameters).unwrap_or_default();
+    let both = [
+        ("processor", a.machine.cpu.clone(), b.machine.cpu.clone()),
+        ("threads", a.machine.threads.to_string(), b.machine.threads.to_string()),
+        ("adapter", adapter(a), adapter(b)),
+        ("system", a.machine.os.clone(), b.machine.os.clone()),
+        ("compiler", a.machine.rustc.clone(), b.machine.rustc.clone()),
+        ("commit", commit(a), commit(b)),
+        ("preset", a.preset.clone(), b.preset.clone()),
+        ("seed", a.seed.to_string(), b.seed.to_string()),
+        ("ray parameters", parameters(a), parameters(b)),
+    ];
+    both.into_iter().filter(|(_, a, b)| a != b).map(|(what, a, b)| format!("{what}: {a} against {b}")).collect()
+}
+
+fn speed(a: &Times, b: &Times, threshold: f64) -> Speed {
+    let median = |times: &Times| (!times.samples_ms.is_empty()).then_some(times.median_ms);
+    let ratio = if a.clock == b.clock { Ratio::of_speeds(&a.samples_ms, &b.samples_ms) } else { None };
+    let fewest = a.samples_ms.len().min(b.samples_ms.len());
+    Speed {
+        a_ms: median(a),
+        b_ms: median(b),
+        a_clock: a.clock,
+        b_clock: b.clock,
+        ratio,
+        movement: ratio.map(|ratio| ratio.movement(fewest, threshold)),
+    }
+}
+
+fn build_row(a: &TracerRun, b: &TracerRun, threshold: f64) -> BuildRow {
+    let bytes = |run: &TracerRun| {
+        BTreeMap::from([
+            ("structure".to_owned(), run.memory.structure_bytes as f64),
+            ("geometry".to_owned(), run.memory.geometry_bytes as f64),
+            ("build peak".to_owned(), run.memory.build_peak_bytes as f64),
+        ])
+    };
+    // A file of before structures were asked has nothing to compare.
+    let asked = !a.structure_statistics.is_empty() && !b.structure_statistics.is_empty();
+    BuildRow {
+        key: Key::of(a, None),
+        speed: speed(&a.build.times, &b.build.times, threshold),
+        bytes: changes(&bytes(a), &bytes(b)),
+        statistics: if asked { changes(&a.structure_statistics, &b.structure_statistics) } else { Changes::new() },
+    }
+}
+
+fn trace_row(run: &TracerRun, a: &TraceRecord, b: &TraceRecord, threshold: f64) -> TraceRow {
+    let counters = |trace: &TraceRecord| {
+        trace.counters.iter().map(|(name, counter)| (name.clone(), counter.total as f64)).collect::<BTreeMap<_, _>>()
+    };
+    let bytes = |trace: &TraceRecord| BTreeMap::from([("a trace".to_owned(), trace.per_trace_bytes as f64)]);
+    TraceRow {
+        key: Key::of(run, Some(a)),
+        speed: speed(&a.times, &b.times, threshold),
+        accuracy: Accuracy::of_both(&a.judgement, &b.judgement),
+        same_hits: a.hits_sha256 == b.hits_sha256,
+        bytes: changes(&bytes(a), &bytes(b)),
+        counters: changes(&counters(a), &counters(b)),
+    }
+}
+
+/// What is not the same on both sides.
+fn changes(a: &BTreeMap<String, f64>, b: &BTreeMap<String, f64>) -> Changes {
+    let names = a.keys().chain(b.keys().filter(|name| !a.contains_key(*name)));
+    let both = names.map(|name| (name.clone(), [a.get(name).copied(), b.get(name).copied()]));
+    both.filter(|(_, [a, b])| a != b).collect()
+}

@@ -1,0 +1,175 @@
+//! A comparison of two runs as text.
+
+use std::fmt::Write as _;
+
+use super::format::{self, NONE, clock, optional, percent, significant, statistic, thousands};
+use super::markdown::{Table, inline};
+use crate::compare::{Accuracy, Changes, Comparison, Key, LEAST_SAMPLES, Movement, Shift, Side, Speed};
+
+/// The whole comparison, as Markdown.
+pub fn comparison_text(comparison: &Comparison) -> String {
+    let mut text = "# Comparison of two runs\n\n".to_owned();
+    for (name, side) in [("A", &comparison.a), ("B", &comparison.b)] {
+        let Side { path, started, machine, .. } = side;
+        let commit = format::commit(&side.commit, side.dirty);
+        let _ = writeln!(text, "- {name}: {}, {started}, commit {commit}, {}", inline(path), inline(machine));
+    }
+    for difference in &comparison.differences {
+        let _ = writeln!(text, "- **differs**, {}", inline(difference));
+    }
+    let _ = writeln!(
+        text,
+        "\nRatios are speed of B over speed of A: below 1 is slower. Intervals combine order statistics of both; what they \
+         cover stands beside. A time moved if its interval excludes 1, the slower takes more than {} % longer, and both have at \
+         least {LEAST_SAMPLES} samples; an accuracy moved if the 95 % intervals are disjoint. Samples of one run do not tell how \
+         runs differ on a machine that does other work too.",
+        significant(comparison.threshold * 100.0, 3)
+    );
+    text += &moved(comparison);
+    if comparison.is_empty() {
+        text += "\nNothing stands in both runs.\n";
+    } else {
+        text += &builds(comparison);
+        text += &traces(comparison);
+    }
+    for (name, keys) in [("A", &comparison.only_in_a), ("B", &comparison.only_in_b)] {
+        text += &only(name, keys);
+    }
+    text
+}
+
+fn moved(comparison: &Comparison) -> String {
+    let mut lines = Vec::new();
+    for row in &comparison.builds {
+        lines.extend(movement(&row.speed).map(|what| format!("{}: build {what}", row.key.sentence())));
+    }
+    for row in &comparison.traces {
+        let shifts = row.accuracy.iter().filter_map(|accuracy| {
+            let what = match accuracy.shift {
+                Shift::Worse => "**less accurate**",
+                Shift::Better => "more accurate",
+                Shift::Same | Shift::Within => return None,
+            };
+            Some(format!("{what} by {}: {} wrong rays, were {}", accuracy.rule, accuracy.b_wrong, accuracy.a_wrong))
+        });
+        let said = movement(&row.speed).into_iter().chain(shifts);
+        lines.extend(said.map(|what| format!("{}: {what}", row.key.sentence())));
+    }
+    let exact = |row: &&crate::compare::BuildRow| !row.bytes.is_empty() || !row.statistics.is_empty();
+    let builds = comparison.builds.iter().filter(exact).count();
+    let changed = |row: &&crate::compare::TraceRow| !row.same_hits || !row.bytes.is_empty() || !row.counters.is_empty();
+    let traces = comparison.traces.iter().filter(changed).count();
+    let mut text = "\n## Moved beyond noise\n\n".to_owned();
+    for line in &lines {
+        let _ = writeln!(text, "- {}", inline(line));
+    }
+    if lines.is_empty() {
+        text += "Nothing.\n";
+    }
+    let _ = writeln!(
+        text,
+        "\nExactly changed: {builds} of {} structures (bytes, statistics), {traces} of {} traces (answers, bytes, counters).",
+        comparison.builds.len(),
+        comparison.traces.len()
+    );
+    text
+}
+
+fn movement(speed: &Speed) -> Option<String> {
+    let ratio = speed.ratio?;
+    let what = match speed.movement? {
+        Movement::Slower => "**slower**",
+        Movement::Faster => "faster",
+        Movement::Within | Movement::TooFewSamples => return None,
+    };
+    Some(format!("{what}, ratio {}", with_interval(&ratio)))
+}
+
+fn with_interval(ratio: &crate::compare::Ratio) -> String {
+    format::with_interval(ratio.value, ratio.interval, 3)
+}
+
+/// Clock, times and ratio of a row, and what is to be said of it.
+fn speed_cells(speed: &Speed) -> [String; 5] {
+    let said = match (speed.movement, speed.a_clock == speed.b_clock) {
+        (_, false) => format!("clocks differ: {} against {}", clock(speed.a_clock), clock(speed.b_clock)),
+        (Some(Movement::Slower), _) => "**slower**".to_owned(),
+        (Some(Movement::Faster), _) => "faster".to_owned(),
+        (Some(Movement::TooFewSamples), _) => "too few samples".to_owned(),
+        (Some(Movement::Within), _) => "within noise".to_owned(),
+        (None, _) => NONE.to_owned(),
+    };
+    let times = format!("{}, {}", optional(speed.a_ms, 4), optional(speed.b_ms, 4));
+    let ratio = speed.ratio.as_ref().map_or_else(|| NONE.to_owned(), with_interval);
+    let coverage = speed.ratio.map_or_else(|| NONE.to_owned(), |ratio| format!("{:.1} %", ratio.coverage * 100.0));
+    [clock(speed.a_clock).to_owned(), times, ratio, coverage, said]
+}
+
+fn changed(changes: &Changes) -> String {
+    let value = |value: &Option<f64>| value.map_or_else(|| NONE.to_owned(), statistic);
+    let each = |(name, [a, b]): (&String, &[Option<f64>; 2])| format!("{name} {} → {}", value(a), value(b));
+    if changes.is_empty() { "same".to_owned() } else { changes.iter().map(each).collect::<Vec<_>>().join("; ") }
+}
+
+const SPEED_HEADINGS: [&str; 5] = ["clock", "A, B (ms)", "ratio", "coverage", "time"];
+
+fn builds(comparison: &Comparison) -> String {
+    let headings = [&["scene", "tracer"][..], &SPEED_HEADINGS, &["bytes", "structure"]].concat();
+    let mut table = Table::new(&headings.iter().map(|&heading| heading.to_owned()).collect::<Vec<_>>());
+    for row in &comparison.builds {
+        let mut cells = vec![row.key.scene.clone(), row.key.tracer.clone()];
+        cells.extend(speed_cells(&row.speed));
+        cells.extend([changed(&row.bytes), changed(&row.statistics)]);
+        table.row(&cells);
+    }
+    format!("\n## Builds\n\n{}", table.text)
+}
+
+fn traces(comparison: &Comparison) -> String {
+    let after = ["accuracy, A → B", "answers", "counters, totals", "bytes"];
+    let headings = [&["scene", "tracer", "rays"][..], &SPEED_HEADINGS, &after].concat();
+    let mut table = Table::new(&headings.iter().map(|&heading| heading.to_owned()).collect::<Vec<_>>());
+    for row in &comparison.traces {
+        let Key { scene, tracer, rays, .. } = &row.key;
+        let mut cells = vec![scene.clone(), tracer.clone(), rays.clone().unwrap_or_default()];
+        // No speed stands without its accuracy.
+        cells.extend(speed_cells(&row.speed));
+        cells.push(row.accuracy.iter().map(accuracy).collect::<Vec<_>>().join("; "));
+        cells.push(if row.same_hits { "same" } else { "differ" }.to_owned());
+        cells.extend([changed(&row.counters), changed(&row.bytes)]);
+        table.row(&cells);
+    }
+    if comparison.traces.is_empty() { String::new() } else { format!("\n## Traces\n\n{}", table.text) }
+}
+
+fn accuracy(accuracy: &Accuracy) -> String {
+    let Accuracy { rule, a, b, a_wrong, b_wrong, rays, shift } = accuracy;
+    let share = |share: &Option<f64>| share.map_or_else(|| NONE.to_owned(), |share| percent(share, *rays));
+    let wrong = |count: &u64| thousands(*count);
+    match shift {
+        Shift::Same => format!("{rule} {} % ({} wrong)", share(a), wrong(a_wrong)),
+        Shift::Within | Shift::Better | Shift::Worse => {
+            let said = match shift {
+                Shift::Worse => " **less**",
+                Shift::Better => " more",
+                Shift::Same | Shift::Within => "",
+            };
+            format!("{rule} {} → {} % ({} → {} wrong){said}", share(a), share(b), wrong(a_wrong), wrong(b_wrong))
+        }
+    }
+}
+
+fn only(name: &str, keys: &[Key]) -> String {
+    if keys.is_empty() {
+        return String::new();
+    }
+    let mut text = format!("\n## Only in {name}\n\n");
+    for key in keys {
+        let Key { scene_sha256, viewpoint, rays_sha256, .. } = key;
+        let rays =
+            rays_sha256.as_ref().map_or_else(String::new, |hash| format!(", rays {}", format::hash_prefix(hash)));
+        let about = format!("scene {}{rays}, viewpoint {viewpoint}", format::hash_prefix(scene_sha256));
+        let _ = writeln!(text, "- {} ({})", inline(&key.sentence()), inline(&about));
+    }
+    text
+}
