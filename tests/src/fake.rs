@@ -18,6 +18,10 @@ pub enum Manner {
     Slow,
     /// Writes other hits when it counts than when it is timed.
     Wavering,
+    /// Finds its structure unsound.
+    Unsound,
+    /// Says of its structure what is no number.
+    Numberless,
 }
 
 /// A host tracer that never hits, in a manner of its own.
@@ -79,6 +83,10 @@ impl Structure for FakeStructure {
     }
 
     fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
-        Ok(Vec::new())
+        match self.manner {
+            Manner::Unsound => Err(TracerError::Failed("nothing is where it should be".to_owned())),
+            Manner::Numberless => Ok(vec![("nodes", 1.0), ("cost", f64::NAN)]),
+            _ => Ok(vec![("nodes", 1.0)]),
+        }
     }
 }

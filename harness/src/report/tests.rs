@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use tempfile::TempDir;
-use tracebench_api::Query;
+use tracebench_api::{ClockKind, Query};
 
 use super::*;
-use crate::results::Judgement;
+use crate::results::{Judgement, TraceRecord};
 
 fn write(run: &Run) -> (TempDir, BTreeMap<String, Vec<u8>>) {
     let folder = TempDir::new().unwrap();
@@ -250,4 +250,101 @@ fn errors_are_clear() {
     fails(&at("plain"), "no \"schema\"");
     fs::write(at("thin"), format!("{{\"schema\": {SCHEMA}}}")).unwrap();
     fails(&at("thin"), "missing field");
+}
+
+/// The table's run: its reference and two peers, one timed on the device.
+fn of_peers() -> Run {
+    let quality = |speed: f64, clock| fixture::Quality { missed: 0.001, blur: 1e-9, speed, clock };
+    let peers = [
+        ("bvh-cpu", quality(3.0, ClockKind::Host)),
+        ("bvh-gpu", quality(9.0, ClockKind::DeviceTimestamps)),
+        ("screen-dda", quality(20.0, ClockKind::Host)),
+    ];
+    Run { table: Some("bvh".to_owned()), ..fixture::run(&peers, &fixture::SETS) }
+}
+
+/// A table's rows are the tracers of its family, each with rate, size and cost; ratios are by the host's clock, which of
+/// device work is not the clock of its speed; its files are made where the run was made for it, and only there.
+#[test]
+fn tables_set_peers_side_by_side() {
+    let run = of_peers();
+    let (_folder, files) = write(&run);
+    let (header, rows) = table(&files, "table_bvh.csv");
+    assert_eq!(rows.len(), 2 * fixture::SETS.len());
+    assert!(rows.iter().all(|row| row["tracer_name"] != "screen-dda"));
+    let value = |row: &BTreeMap<String, String>, name: &str| row[name].parse::<f64>().unwrap();
+    for (row, (one, trace)) in
+        rows.iter().zip(run.runs[..2].iter().flat_map(|one| one.traces.iter().map(move |trace| (one, trace))))
+    {
+        assert_eq!((&row["tracer"], &row["rays"]), (&one.tracer.name, &trace.rays));
+        let close = |name: &str, expected: f64| assert!((value(row, name) / expected - 1.0).abs() < 1e-12, "{name}");
+        close("build_mtriangles_per_s", 0.156034 / (one.build.times.median_ms / 1e3));
+        close("bytes_per_triangle", f64::from(7 << 20) / 156_034.0);
+        close("structure_sah_cost", 57.25);
+        let host = |trace: &TraceRecord| trace.times.submit_to_done_median_ms.unwrap_or(trace.times.median_ms);
+        let reference = run.runs[0].traces.iter().find(|other| other.rays == trace.rays).unwrap();
+        close("speed_over_reference", host(reference) / host(trace));
+        close("counter_nodes_per_ray", 37.0);
+        let accuracy = if trace.query == Query::Any { "balanced_accuracy_share" } else { "agreement_tight_share" };
+        assert!(value(row, accuracy) > 0.99);
+    }
+    // By the device's clock alone the second would be three times as fast.
+    let device = rows.iter().find(|row| row["tracer"] == "bvh-gpu" && row["rays"] == "primary").unwrap();
+    let by_speeds = run.runs[1].traces[0].mrays_per_s / run.runs[0].traces[0].mrays_per_s;
+    assert!((by_speeds - 3.0).abs() < 1e-9 && value(device, "speed_over_reference") < 2.999);
+    assert_eq!(header.iter().filter(|name| name.ends_with("_over_reference")).count(), 2);
+    let page = text(&files, "table_bvh.md");
+    assert!(
+        page.contains("× bvh-cpu") && page.contains("device timestamps") && !page.contains("| screen-dda"),
+        "{page}"
+    );
+    let plain = Run { table: None, ..run.clone() };
+    assert!(write(&plain).1.keys().all(|name| !name.starts_with("table_")));
+    let elsewhere = TempDir::new().unwrap();
+    let bvh = crate::peers::find("bvh").unwrap();
+    for path in write_table(bvh, &plain, elsewhere.path()).unwrap() {
+        let name = path.file_name().unwrap().to_str().unwrap();
+        assert!(fs::read(&path).unwrap() == files[name], "{name} differs");
+    }
+    let others = Run { runs: run.runs[2..].to_vec(), ..run };
+    assert!(write_table(bvh, &others, elsewhere.path()).unwrap_err().to_string().contains("no tracer"));
+}
+
+/// No row of a table tells a speed, or a ratio of speeds, without its accuracy.
+#[test]
+fn tables_tell_no_speed_without_accuracy() {
+    let mut run = of_peers();
+    let page = |run: &Run| text(&write(run).1, "table_bvh.md");
+    let speeds = |page: &str| {
+        let rows = page
+            .lines()
+            .filter(|line| line.starts_with("| bvh-") && line.contains(" clock |") | line.contains("timestamps |"));
+        let cells = rows.map(|line| line.split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>());
+        // Builds have no accuracy; their rows end with a cost.
+        let traces =
+            cells.filter(|cells| cells.iter().any(|cell| cell.contains("wrong of") || cell.contains("is a tie")));
+        traces.map(|cells| (cells[3].starts_with(|c: char| c.is_ascii_digit()), cells[4].clone())).collect::<Vec<_>>()
+    };
+    let found = speeds(&page(&run));
+    assert!(found.len() == 6 && found.iter().all(|(speed, ratio)| *speed && ratio != format::NONE), "{found:?}");
+    for trace in run.runs.iter_mut().flat_map(|one| &mut one.traces) {
+        if let Judgement::Closest(judgement) = &mut trace.judgement {
+            (judgement.agreement, judgement.interval) = Default::default();
+        }
+    }
+    let found = speeds(&page(&run));
+    let silent = found.iter().filter(|(speed, ratio)| !speed && ratio == format::NONE).count();
+    assert_eq!((found.len(), silent), (6, 4), "{found:?}");
+}
+
+/// Builds say what structures say of themselves; the column is not there where nobody was asked.
+#[test]
+fn the_summary_tells_statistics() {
+    let mut run = fixture::typical();
+    let summary = |run: &Run| summary::summary(run, &group::groups(run));
+    assert!(summary(&run).contains("nodes 4,321; sah_cost 57.25"));
+    for one in run.runs.iter_mut().chain(&mut run.controls) {
+        one.structure_statistics.clear();
+    }
+    assert!(!summary(&run).contains("says of itself"));
 }

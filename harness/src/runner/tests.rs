@@ -28,6 +28,7 @@ fn measure(tracer: Box<dyn Tracer>, control: Option<Control>) -> Result<Entry, R
     let mut entries = [Entry::new(Contender::ready(description, parameters, tracer), None, control)];
     let quiet = Progress::new(true);
     sample_builds(&session, &mut entries, 2, &quiet);
+    validate(&mut entries, &quiet);
     sample_traces(&session, &session.rays[0], &mut entries, 2, &quiet)?;
     let [entry] = entries;
     Ok(entry)
@@ -78,4 +79,17 @@ fn primary_rays_start_at_the_eye() {
     let session = session();
     let rays: &[Ray] = &session.rays[0].buffer.host;
     assert!(rays.len() == 64 && rays.iter().all(|ray| ray.origin == [0.0, 0.0, 3.0]));
+}
+
+/// Proves that what a structure says of itself is kept, and that one which is unsound, or says what is no number, is out of
+/// the race before it is traced.
+#[test]
+fn structures_must_be_sound() {
+    let honest = measure(Box::new(Fake(Manner::Honest)), None).unwrap();
+    assert_eq!(honest.statistics.into_iter().collect::<Vec<_>>(), [("nodes".to_owned(), 1.0)]);
+    for (manner, part) in [(Manner::Unsound, "where it should be"), (Manner::Numberless, "cost is NaN")] {
+        let entry = measure(Box::new(Fake(manner)), None).unwrap();
+        let failure = entry.failure.map(|error| error.to_string()).unwrap_or_default();
+        assert!(failure.contains(part) && entry.traces.is_empty() && entry.statistics.is_empty(), "{failure}");
+    }
 }

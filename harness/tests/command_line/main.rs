@@ -1,8 +1,10 @@
 //! The program as scripts use it: exit statuses, messages, files.
 
+mod compare;
 mod refusals;
 mod runs;
 mod stability;
+mod tables;
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;

@@ -1,0 +1,194 @@
+//! `table` and `list tables`.
+
+use super::*;
+
+/// A table that takes a second.
+const SMALL: [&str; 7] = ["--quiet", "--preset", "smoke", "--size", "16x8", "--samples", "2"];
+
+fn table(bench: &Bench, name: &str, arguments: &[&str]) -> Outcome {
+    bench.call(&[&["table", name][..], &SMALL, arguments].concat())
+}
+
+/// Rows of a CSV by column.
+fn rows(path: &Path) -> Vec<std::collections::BTreeMap<String, String>> {
+    let mut reader = csv::Reader::from_path(path).unwrap();
+    let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    let row = |record: csv::StringRecord| header.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
+    reader.records().map(|record| row(record.unwrap())).collect()
+}
+
+/// Proves that the table has a row for every peer and variant in a catalogue scene and a file, that its figures are those of
+/// run.json, that the record says what structures say of themselves, and that `report` and `--from` make the same files.
+#[test]
+fn a_table_of_hierarchies() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("one.glb"), glb(&TRIANGLE)).unwrap();
+    let scenes = ["--scene", "room,one.glb", "--rays", "diffuse,ao", "--out", "out"];
+    let outcome = table(&bench, "bvh", &scenes);
+    assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
+    assert!(outcome.stdout.contains("| bvh-cpu build=fastest | host clock |"), "{}", outcome.stdout);
+    let run = bench.result("out");
+    assert_eq!((run["table"].as_str(), run["schema"].as_u64()), (Some("bvh"), Some(2)));
+    let listed: Value = serde_json::from_str(&bench.call(&["list", "tables", "--json"]).stdout).unwrap();
+    // What this machine cannot run is said for every scene.
+    let skipped = run["skipped"].as_array().unwrap().iter().filter(|each| each["scene"] == "room").count();
+    let wanted = listed[0]["tracers"].as_array().unwrap().len() - skipped;
+    let runs = run["runs"].as_array().unwrap();
+    assert!(wanted >= 8 && runs.len() == 2 * wanted, "{} of {wanted}", runs.len());
+    let found = rows(&bench.path("out/table_bvh.csv"));
+    let number = |text: &str| text.parse::<f64>().unwrap();
+    for row in found.iter().filter(|row| row["rays"] == "diffuse") {
+        let parameters: Value = serde_json::from_str(&row["parameters_json"]).unwrap();
+        let is_row = |one: &&Value| {
+            one["scene"]["name"] == row["scene"]
+                && one["tracer"]["name"] == row["tracer_name"]
+                && one["tracer"]["parameters"] == parameters
+        };
+        let one = runs.iter().find(is_row).unwrap();
+        for (name, value) in one["structure_statistics"].as_object().unwrap() {
+            assert_eq!(number(&row[&format!("structure_{name}")]), value.as_f64().unwrap(), "{name}");
+        }
+        // Of what the device itself builds nobody tells the nodes.
+        if one["tracer"]["name"] != "ray-query" {
+            assert!(number(&row["structure_sah_cost"]) >= 1.0 && number(&row["structure_nodes"]) >= 1.0);
+            assert!(number(&row["counter_nodes_visited_per_ray"]) > 0.0);
+        }
+        let seconds = one["build"]["median_ms"].as_f64().unwrap() / 1e3;
+        let rate = one["scene"]["triangles"].as_f64().unwrap() / seconds / 1e6;
+        assert!((number(&row["build_mtriangles_per_s"]) / rate - 1.0).abs() < 1e-9);
+        assert!(number(&row["agreement_tight_share"]) > 0.9);
+    }
+    assert_eq!(found.iter().filter(|row| row["rays"] == "diffuse" && row["scene"] == "room").count(), wanted);
+    assert_eq!(found.iter().filter(|row| row["tracer"] == "bvh-cpu").count(), 4);
+    let files = ["out/table_bvh.md", "out/table_bvh.csv"].map(|name| bench.path(name));
+    let before = files.clone().map(|file| std::fs::read(file).unwrap());
+    for again in [vec!["report", "out"], vec!["table", "bvh", "--from", "out"]] {
+        files.iter().for_each(|file| std::fs::remove_file(file).unwrap());
+        assert_eq!(bench.call(&[&["--quiet"][..], &again].concat()).status, 0);
+        assert!(files.clone().map(|file| std::fs::read(file).unwrap()) == before, "{again:?}");
+    }
+    // A run that was made for no table has none, until one asks for it.
+    bench.run(&["--tracer", "bvh-cpu,screen-dda", "--rays", "primary"], "plain");
+    assert!(!bench.path("plain/table_bvh.md").exists());
+    let outcome = bench.call(&["table", "bvh", "--from", "plain/run.json", "--out", "elsewhere"]);
+    assert_eq!(outcome.status, 0, "{outcome:?}");
+    assert!(outcome.stdout.contains("| bvh-cpu |") && !outcome.stdout.contains("| screen-dda |"));
+    assert_eq!(names(&bench.path("elsewhere")), ["table_bvh.csv", "table_bvh.md"].map(str::to_owned).into());
+}
+
+/// Proves that every tracer follows in every way that it has, beside a fresh build; that a rebuild costs by the heuristic
+/// what a fresh build costs and a refit of a cloth more, with the same answers' accuracy; and that the table is made again.
+#[test]
+fn a_table_of_updates() {
+    let bench = Bench::new();
+    let outcome =
+        table(&bench, "bvh-updates", &["--scene", "cloth", "--frames", "3", "--samples", "4", "--out", "out"]);
+    assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
+    let found: Value = serde_json::from_slice(&std::fs::read(bench.path("out/updates.json")).unwrap()).unwrap();
+    let counts = ["schema", "frames", "passes"].map(|name| found[name].as_u64().unwrap());
+    assert_eq!(counts, [1, 3, 2]);
+    let scene = &found["scenes"][0];
+    assert_eq!(scene["times_s"].as_array().unwrap().len(), 4);
+    assert_eq!(scene["controls"].as_array().unwrap().len(), 3);
+    let rows = scene["rows"].as_array().unwrap();
+    let row = |tracer: &str, way: &str| {
+        let found = rows.iter().find(|row| row["tracer"]["name"] == tracer && row["way"] == way);
+        found.unwrap_or_else(|| panic!("no {way} of {tracer}"))
+    };
+    for tracer in ["bvh-cpu", "bvh-gpu"] {
+        let [fresh, rebuild, refit] = ["fresh build", "rebuild", "refit"].map(|way| row(tracer, way));
+        let cost = |row: &Value| row["structure_statistics"]["sah_cost"].as_f64().unwrap();
+        assert!((cost(rebuild) / cost(fresh) - 1.0).abs() < 1e-9 && cost(refit) > 1.01 * cost(fresh), "{tracer}");
+        for row in [rebuild, refit] {
+            // Two passes over three frames.
+            assert_eq!(row["update"]["samples_ms"].as_array().unwrap().len(), 6);
+            let trace = &row["traces"][0];
+            assert_eq!(
+                (&trace["rays"], &trace["rays_sha256"]),
+                (&json!("diffuse"), &fresh["traces"][0]["rays_sha256"])
+            );
+            assert!(trace["judgement"]["agreement"]["tight"].as_f64().unwrap() > 0.98, "{trace}");
+        }
+        assert_eq!(rebuild["traces"][0]["hits_sha256"], fresh["traces"][0]["hits_sha256"]);
+    }
+    let file = bench.path("out/table_bvh_updates.csv");
+    let before = std::fs::read(&file).unwrap();
+    for again in
+        [vec!["report", "out"], vec!["report", "out/updates.json"], vec!["table", "bvh-updates", "--from", "out"]]
+    {
+        std::fs::remove_file(&file).unwrap();
+        assert_eq!(bench.call(&[&["--quiet"][..], &again].concat()).status, 0, "{again:?}");
+        assert!(std::fs::read(&file).unwrap() == before, "{again:?}");
+    }
+}
+
+/// Proves that wrong arguments end with status 2 and name what is right, that what cannot be measured or read ends with 1,
+/// and that neither leaves a file.
+#[test]
+fn wrong_tables() {
+    let bench = Bench::new();
+    for (arguments, parts) in [
+        (vec!["bvhs"], vec!["bvhs", "'bvh'"]),
+        (vec![], vec!["<NAME>"]),
+        (vec!["bvh", "--frames", "4"], vec!["--frames", "not over animations"]),
+        (vec!["bvh-updates", "--frames", "0"], vec!["--frames", "1..=240"]),
+        (vec!["bvh-updates", "--time", "1"], vec!["--time", "whole animations"]),
+        (vec!["bvh", "--scene", "rooom"], vec!["'room'"]),
+        (vec!["bvh", "--rays", "diffus"], vec!["'diffuse'"]),
+        (vec!["bvh", "--set", "screen-dda.stride=2"], vec!["not in"]),
+        (vec!["bvh", "--set", "bvh-cpu.build=quick"], vec!["very_fast"]),
+        (vec!["bvh", "--from", "x", "--scene", "room"], vec!["--from", "--scene"]),
+        (vec!["bvh", "--tracer", "bvh-cpu"], vec!["--tracer"]),
+    ] {
+        bench.fails(&[&["table"][..], &arguments].concat(), 2, &parts);
+    }
+    bench.fails(&["table", "bvh", "--from", "nowhere"], 1, &["nowhere", "run.json"]);
+    bench.fails(&["table", "bvh-updates", "--from", "."], 1, &["updates.json"]);
+    bench.fails(
+        &["table", "bvh-updates", "--quiet", "--scene", "room", "--preset", "smoke", "--out", "out"],
+        1,
+        &["does not move"],
+    );
+    assert!(names(bench.folder.path()).iter().all(|name| name == "cache"), "{:?}", names(bench.folder.path()));
+    let other = json!({ "schema": 99 }).to_string();
+    std::fs::write(bench.path("updates.json"), &other).unwrap();
+    bench.fails(&["table", "bvh-updates", "--from", "."], 1, &["schema 99", "reads schema 1"]);
+    bench.fails(&["report", "updates.json"], 1, &["schema 99"]);
+    std::fs::write(bench.path("updates.json"), "{\"schema\": 1}").unwrap();
+    bench.fails(&["table", "bvh-updates", "--from", "."], 1, &["updates.json", "missing field"]);
+    bench.run(&["--tracer", "screen-dda", "--rays", "primary"], "views");
+    bench.fails(&["table", "bvh", "--from", "views"], 1, &["no tracer of this run belongs"]);
+}
+
+/// Proves that without an adapter the peers on the host stand in the table, and the others below it with the reason.
+#[test]
+fn tables_without_an_adapter() {
+    let bench = Bench::new();
+    let arguments = ["table", "bvh", "--scene", "cloth", "--rays", "ao", "--out", "out"];
+    let outcome = bench.call_without_adapter(&[&arguments[..], &SMALL].concat());
+    assert_eq!(outcome.status, 0, "{outcome:?}");
+    assert!(
+        outcome.stdout.contains("| bvh-cpu |") && outcome.stdout.contains("| bvh-gpu | cloth | all |"),
+        "{outcome:?}"
+    );
+}
+
+/// Proves that tables are listed for people and for scripts, and that the rows of one are names that `--tracer` takes, each a
+/// contender of its own.
+#[test]
+fn tables_are_listed() {
+    let bench = Bench::new();
+    let listed: Value = serde_json::from_str(&bench.call(&["list", "tables", "--json"]).stdout).unwrap();
+    let text = bench.call(&["list", "tables"]).stdout;
+    for table in listed.as_array().unwrap() {
+        assert!(text.contains(table["name"].as_str().unwrap()) && table["summary"].is_string(), "{table}");
+    }
+    let rows = listed[0]["tracers"].as_array().unwrap().iter().map(|row| row.as_str().unwrap());
+    let with_ray_queries = tracebench_tests::adapter_has_ray_queries(&tracebench_tests::gpu());
+    // Named, what this machine cannot run is an error.
+    let rows: Vec<&str> = rows.filter(|row| !row.starts_with("ray-query") || with_ray_queries).collect();
+    let run = bench.run(&["--tracer", &rows.join(","), "--rays", "primary", "--samples", "1"], "out");
+    let labels: BTreeSet<String> =
+        run["runs"].as_array().unwrap().iter().map(|one| one["tracer"].to_string()).collect();
+    assert_eq!(labels.len(), rows.len());
+}
