@@ -12,8 +12,8 @@ use super::format::{
 use super::group::{Group, RaySet, Role, groups};
 use super::markdown::{Table as Markdown, inline};
 use super::metrics;
-use super::summary;
-use super::tables::{accuracies, code, number, to_csv};
+use super::tables::{accuracy_columns, code, number, to_csv};
+use super::{cells, summary};
 use crate::peers::Table;
 use crate::results::{Run, Times, TraceRecord, TracerRun};
 
@@ -141,8 +141,8 @@ fn traces(table: &Table, group: &Group<'_>, set: &RaySet<'_>) -> String {
     headings.extend(counters.iter().map(|name| format!("{name} per ray ↓")));
     let mut markdown = Markdown::new(&headings);
     for (role, run, trace) in &rows {
-        let (judged, accuracies) = summary::accuracies(trace);
-        let [label, clock, _, speed, ..] = summary::speed_cells(*role, run, trace, judged);
+        let (judged, accuracies) = cells::accuracies(trace);
+        let [label, clock, _, speed, ..] = cells::speed_cells(*role, run, trace, judged);
         // A ratio is a speed: never without its accuracy.
         let ratio = ratio(reference.map(|trace| &trace.times), &trace.times).filter(|_| judged);
         let mut cells = vec![label, clock, speed, optional(ratio, 3)];
@@ -151,7 +151,7 @@ fn traces(table: &Table, group: &Group<'_>, set: &RaySet<'_>) -> String {
         markdown.row(&cells);
     }
     let title = format!("{}: {}, {} rays", inline(&set.title), format::query(set.query), thousands(set.count));
-    format!("\n### {title}\n{}\n{}", summary::coverage(&all), markdown.text)
+    format!("\n### {title}\n{}\n{}", cells::coverage(&all), markdown.text)
 }
 
 /// One row a tracer and ray set, with every scalar of the table.
@@ -271,6 +271,6 @@ fn trace_cells(trace: &TraceRecord, beside: Option<&TraceRecord>) -> Vec<String>
         number(host_ms(&trace.times)),
         number(ratio(beside.map(|trace| &trace.times), &trace.times)),
     ];
-    cells.extend(accuracies(trace));
+    cells.extend(accuracy_columns(trace));
     cells
 }

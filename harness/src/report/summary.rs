@@ -4,23 +4,16 @@ use std::fmt::Write as _;
 
 use tracebench_api::Query;
 
-use super::format::{
-    self, NONE, clock_of, mib, optional, percent, percent_with_interval, significant, statistic, thousands,
-    with_interval,
-};
+use super::cells::{Row, accuracies, coverage, label, speed_cells};
+use super::format::{self, NONE, clock_of, mib, optional, percent, significant, statistic, thousands, with_interval};
 use super::group::{Group, RaySet, Role};
 use super::markdown::{Table, inline};
 use super::metrics::{self, Metric};
 use super::verdict;
-use crate::results::{
-    AnyJudgement, Causes, Classes, ClosestJudgement, Judgement, Occlusion, Run, Skipped, TraceRecord, TracerRun,
-};
+use crate::results::{AnyJudgement, Causes, Classes, Judgement, Run, Skipped};
 
 /// How many causes a row names.
 const TOP_CAUSES: usize = 5;
-
-/// A trace with its place in the table.
-pub(super) type Row<'a> = (Role, &'a TracerRun, &'a TraceRecord);
 
 /// The whole summary.
 pub(super) fn summary(run: &Run, groups: &[Group<'_>]) -> String {
@@ -191,23 +184,6 @@ fn ray_set(group: &Group<'_>, set: &RaySet<'_>) -> String {
     text
 }
 
-/// The intervals' coverage, which few samples cannot bring to 95 %.
-pub(super) fn coverage(rows: &[Row<'_>]) -> String {
-    let timed = rows.iter().filter(|(role, _, trace)| *role == Role::Contender && !trace.times.samples_ms.is_empty());
-    let (mut low, mut high, mut samples) = (f64::INFINITY, 0.0_f64, u64::MAX);
-    for (_, _, trace) in timed {
-        low = low.min(trace.times.interval_coverage);
-        high = high.max(trace.times.interval_coverage);
-        samples = samples.min(trace.times.samples_ms.len() as u64);
-    }
-    if !low.is_finite() {
-        return String::new();
-    }
-    let share = |share: f64| format!("{:.1} %", share * 100.0);
-    let range = if low == high { share(low) } else { format!("{} to {}", share(low), share(high)) };
-    format!("\nAt least {samples} samples a row; the intervals of times cover the median with {range}.\n")
-}
-
 fn closest_tables(text: &mut String, rows: &[Row<'_>]) {
     let agreement = |metric: &Metric| format!("agreement {}", metric.heading());
     let mut main = Table::new(&[
@@ -228,9 +204,9 @@ fn closest_tables(text: &mut String, rows: &[Row<'_>]) {
     );
     for (role, run, trace) in rows {
         let Judgement::Closest(judgement) = &trace.judgement else { continue };
-        let trials = metrics::trials(trace);
-        let mut cells = speed_cells(*role, run, trace, judgement.agreement.tight.is_some()).to_vec();
-        cells.extend(agreements(judgement, trials));
+        let (judged, accuracies) = accuracies(trace);
+        let mut cells = speed_cells(*role, run, trace, judged).to_vec();
+        cells.extend(accuracies);
         let position = judgement.position_error;
         cells.push(format!(
             "{} / {} / {}",
@@ -255,47 +231,6 @@ fn closest_tables(text: &mut String, rows: &[Row<'_>]) {
     let _ = write!(text, "\n{}\nClasses, rays:\n\n{}", main.text, classes.text);
 }
 
-/// Whether anything could be judged, and the cells that tell the accuracy of a trace: three of a closest-hit set, one of
-/// an any-hit set.
-pub(super) fn accuracies(trace: &TraceRecord) -> (bool, Vec<String>) {
-    let trials = metrics::trials(trace);
-    match &trace.judgement {
-        Judgement::Closest(closest) => (closest.agreement.tight.is_some(), agreements(closest, trials).to_vec()),
-        Judgement::Any(any) => (any.occlusion.balanced_accuracy.is_some(), vec![accuracy(&any.occlusion, trials)]),
-    }
-}
-
-/// The three agreements, always together: share, interval, wrong rays.
-fn agreements(judgement: &ClosestJudgement, trials: u64) -> [String; 3] {
-    let (agreement, interval) = (&judgement.agreement, &judgement.interval);
-    let hit_or_miss = |classes: &Classes| classes.false_hit + classes.false_miss;
-    let all = |classes: &Classes| hit_or_miss(classes) + classes.early + classes.late;
-    let cell = |share: Option<f64>, interval, wrong| match share {
-        Some(share) => {
-            let share = percent_with_interval(share, interval, trials);
-            format!("{share}; {} wrong of {}", thousands(wrong), thousands(trials))
-        }
-        None => "every ray is a tie".to_owned(),
-    };
-    [
-        cell(agreement.hit_miss, interval.hit_miss, hit_or_miss(&judgement.classes.tight)),
-        cell(agreement.tight, interval.tight, all(&judgement.classes.tight)),
-        cell(agreement.footprint, interval.footprint, all(&judgement.classes.footprint)),
-    ]
-}
-
-/// The accuracy of an any-hit set: share, interval, wrong rays.
-fn accuracy(occlusion: &Occlusion, trials: u64) -> String {
-    let wrong = occlusion.false_occluded + occlusion.false_free;
-    occlusion.balanced_accuracy.map_or_else(
-        || "every ray is a tie".to_owned(),
-        |share| {
-            let share = percent_with_interval(share, occlusion.balanced_accuracy_interval, trials);
-            format!("{share}; {} wrong of {}", thousands(wrong), thousands(trials))
-        },
-    )
-}
-
 fn any_tables(text: &mut String, rows: &[Row<'_>]) {
     let mut main = Table::new(&[
         "tracer".to_owned(),
@@ -312,30 +247,15 @@ fn any_tables(text: &mut String, rows: &[Row<'_>]) {
     ]);
     for (role, run, trace) in rows {
         let Judgement::Any(AnyJudgement { occlusion, ties, .. }) = &trace.judgement else { continue };
-        let trials = metrics::trials(trace);
-        let mut cells = speed_cells(*role, run, trace, occlusion.balanced_accuracy.is_some()).to_vec();
-        cells.push(accuracy(occlusion, trials));
+        let (judged, accuracies) = accuracies(trace);
+        let mut cells = speed_cells(*role, run, trace, judged).to_vec();
+        cells.extend(accuracies);
         let counts = [occlusion.true_occluded, occlusion.true_free, occlusion.false_occluded, occlusion.false_free];
         cells.extend(counts.map(thousands));
         cells.push(thousands(*ties));
         main.row(&cells);
     }
     let _ = write!(text, "\n{}", main.text);
-}
-
-/// Label, clock, rays, speed and time; the last two only beside an accuracy, and never for controls, which trace
-/// nothing.
-pub(super) fn speed_cells(role: Role, run: &TracerRun, trace: &TraceRecord, judged: bool) -> [String; 5] {
-    let clock = if role == Role::Control { NONE.to_owned() } else { clock_of(&trace.times) };
-    let speed = metrics::speed(trace).filter(|_| judged && role == Role::Contender);
-    let [speed, time] = match speed {
-        Some(speed) => {
-            let interval = metrics::speed_interval(trace).unwrap_or([speed, speed]);
-            [with_interval(speed, interval, 4), with_interval(trace.times.median_ms, trace.times.interval_ms, 4)]
-        }
-        None => [NONE.to_owned(), NONE.to_owned()],
-    };
-    [label(role, run), clock, thousands(trace.count), speed, time]
 }
 
 fn causes(rows: &[Row<'_>]) -> String {
@@ -413,13 +333,6 @@ fn many_ties(judgement: &Judgement) -> bool {
     match judgement {
         Judgement::Closest(judgement) => judgement.many_ties,
         Judgement::Any(judgement) => judgement.many_ties,
-    }
-}
-
-fn label(role: Role, run: &TracerRun) -> String {
-    match role {
-        Role::Control => format!("{} (control)", run.tracer.label()),
-        Role::Contender => run.tracer.label(),
     }
 }
 

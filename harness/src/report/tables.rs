@@ -199,7 +199,7 @@ impl MapColumns {
 }
 
 /// The five columns that tell a trace's accuracy: shares by the three rules, balanced accuracy, ties.
-pub(super) fn accuracies(trace: &TraceRecord) -> [String; 5] {
+pub(super) fn accuracy_columns(trace: &TraceRecord) -> [String; 5] {
     let closest = metrics::closest(trace).map(|verdict| &verdict.agreement);
     let balanced = metrics::any(trace).and_then(|verdict| verdict.occlusion.balanced_accuracy);
     [

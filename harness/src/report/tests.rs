@@ -163,7 +163,7 @@ fn tables_hold_the_run() {
     assert_eq!(row["clock"], "submit_to_done");
     assert_eq!(row["balanced_accuracy_share"], "");
     let (_, rows) = table(&files, "wrong_rays.csv");
-    let wrong = |trace: &crate::results::TraceRecord| match &trace.judgement {
+    let wrong = |trace: &TraceRecord| match &trace.judgement {
         Judgement::Closest(judgement) => judgement.wrong_rays.len(),
         Judgement::Any(judgement) => judgement.wrong_rays.len(),
     };

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use super::format::{self, NONE, clock_code, clock_of, mib, optional, thousands, with_interval};
 use super::markdown::{Table as Markdown, inline};
 use super::metrics;
-use super::tables::{accuracies, code, number, to_csv};
-use super::{ReportError, files, summary};
+use super::tables::{accuracy_columns, code, number, to_csv};
+use super::{ReportError, cells, files, summary};
 use crate::results::{Judgement, Times, TraceRecord};
 use crate::updates::{FRESH_BUILD, SceneUpdates, UpdateRow, Updates};
 
@@ -156,7 +156,7 @@ fn traces(scene: &SceneUpdates, rays: &str, sha256: &str) -> String {
     headings.extend(counters.iter().map(|name| format!("{name} per ray ↓")));
     let mut markdown = Markdown::new(&headings);
     for (row, trace) in &found {
-        let (judged, accuracies) = summary::accuracies(trace);
+        let (judged, accuracies) = cells::accuracies(trace);
         let fresh = fresh_of(scene, row).and_then(|fresh| trace_of(fresh, rays, sha256));
         let speed = metrics::speed(trace).filter(|_| judged);
         let speed = speed.map(|speed| with_interval(speed, metrics::speed_interval(trace).unwrap_or([speed; 2]), 4));
@@ -247,7 +247,7 @@ fn rows(updates: &Updates) -> Vec<Vec<String>> {
             number(speed.map(|[_, high]| high)),
             number(over_fresh(&trace.times, beside.map(|fresh| &fresh.times)).map(|slower| 1.0 / slower)),
         ];
-        cells.extend(accuracies(trace));
+        cells.extend(accuracy_columns(trace));
         cells.extend([updates.commit.clone(), updates.preset.clone(), updates.machine.label()]);
         rows.push(cells);
     }

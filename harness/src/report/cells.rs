@@ -1,0 +1,90 @@
+//! Cells of tables that tell of traces: never a speed without its accuracy.
+
+use super::format::{NONE, clock_of, percent_with_interval, thousands, with_interval};
+use super::group::Role;
+use super::metrics;
+use crate::results::{Classes, ClosestJudgement, Judgement, Occlusion, TraceRecord, TracerRun};
+
+/// A trace with its place in the table.
+pub(super) type Row<'a> = (Role, &'a TracerRun, &'a TraceRecord);
+
+/// Label, clock, rays, speed and time; the last two only beside an accuracy, and never for controls, which trace
+/// nothing.
+pub(super) fn speed_cells(role: Role, run: &TracerRun, trace: &TraceRecord, judged: bool) -> [String; 5] {
+    let clock = if role == Role::Control { NONE.to_owned() } else { clock_of(&trace.times) };
+    let speed = metrics::speed(trace).filter(|_| judged && role == Role::Contender);
+    let [speed, time] = match speed {
+        Some(speed) => {
+            let interval = metrics::speed_interval(trace).unwrap_or([speed, speed]);
+            [with_interval(speed, interval, 4), with_interval(trace.times.median_ms, trace.times.interval_ms, 4)]
+        }
+        None => [NONE.to_owned(), NONE.to_owned()],
+    };
+    [label(role, run), clock, thousands(trace.count), speed, time]
+}
+
+/// Whether anything could be judged, and the cells that tell the accuracy of a trace: three of a closest-hit set, one of
+/// an any-hit set.
+pub(super) fn accuracies(trace: &TraceRecord) -> (bool, Vec<String>) {
+    let trials = metrics::trials(trace);
+    match &trace.judgement {
+        Judgement::Closest(closest) => (closest.agreement.tight.is_some(), agreements(closest, trials).to_vec()),
+        Judgement::Any(any) => (any.occlusion.balanced_accuracy.is_some(), vec![accuracy(&any.occlusion, trials)]),
+    }
+}
+
+/// The three agreements, always together: share, interval, wrong rays.
+fn agreements(judgement: &ClosestJudgement, trials: u64) -> [String; 3] {
+    let (agreement, interval) = (&judgement.agreement, &judgement.interval);
+    let hit_or_miss = |classes: &Classes| classes.false_hit + classes.false_miss;
+    let all = |classes: &Classes| hit_or_miss(classes) + classes.early + classes.late;
+    let cell = |share: Option<f64>, interval, wrong| match share {
+        Some(share) => {
+            let share = percent_with_interval(share, interval, trials);
+            format!("{share}; {} wrong of {}", thousands(wrong), thousands(trials))
+        }
+        None => "every ray is a tie".to_owned(),
+    };
+    [
+        cell(agreement.hit_miss, interval.hit_miss, hit_or_miss(&judgement.classes.tight)),
+        cell(agreement.tight, interval.tight, all(&judgement.classes.tight)),
+        cell(agreement.footprint, interval.footprint, all(&judgement.classes.footprint)),
+    ]
+}
+
+/// The accuracy of an any-hit set: share, interval, wrong rays.
+fn accuracy(occlusion: &Occlusion, trials: u64) -> String {
+    let wrong = occlusion.false_occluded + occlusion.false_free;
+    occlusion.balanced_accuracy.map_or_else(
+        || "every ray is a tie".to_owned(),
+        |share| {
+            let share = percent_with_interval(share, occlusion.balanced_accuracy_interval, trials);
+            format!("{share}; {} wrong of {}", thousands(wrong), thousands(trials))
+        },
+    )
+}
+
+/// The intervals' coverage, which few samples cannot bring to 95 %.
+pub(super) fn coverage(rows: &[Row<'_>]) -> String {
+    let timed = rows.iter().filter(|(role, _, trace)| *role == Role::Contender && !trace.times.samples_ms.is_empty());
+    let (mut low, mut high, mut samples) = (f64::INFINITY, 0.0_f64, u64::MAX);
+    for (_, _, trace) in timed {
+        low = low.min(trace.times.interval_coverage);
+        high = high.max(trace.times.interval_coverage);
+        samples = samples.min(trace.times.samples_ms.len() as u64);
+    }
+    if !low.is_finite() {
+        return String::new();
+    }
+    let share = |share: f64| format!("{:.1} %", share * 100.0);
+    let range = if low == high { share(low) } else { format!("{} to {}", share(low), share(high)) };
+    format!("\nAt least {samples} samples a row; the intervals of times cover the median with {range}.\n")
+}
+
+/// The tracer's label, marked if it is a control's.
+pub(super) fn label(role: Role, run: &TracerRun) -> String {
+    match role {
+        Role::Control => format!("{} (control)", run.tracer.label()),
+        Role::Contender => run.tracer.label(),
+    }
+}
