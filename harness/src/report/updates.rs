@@ -82,7 +82,8 @@ fn page(updates: &Updates) -> String {
     item("Started", &updates.started);
     let _ = writeln!(
         text,
-        "\nEvery structure is built over the first frame and follows {} frames, evenly over the whole animation, in {} counted passes. Times \
+        "\nEvery structure is built over the first frame and follows {} frames, evenly over the animation (to its \
+         middle, where it comes back to its start), in {} counted passes. Times \
          are medians over all updates with an order-statistic interval in brackets; each names its clock. At the last frame \
          all trace the same rays, beside a fresh build over that frame: × fresh is the ratio to that build's time or speed, \
          where both have the same clock. The controls score what they must, else there would be no table.",

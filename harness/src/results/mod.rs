@@ -346,3 +346,35 @@ pub struct CounterRecord {
     /// The largest of any one ray.
     pub greatest_per_ray: u64,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Phases are collected by name and not by place: one that only the first sample has does not shift the others, and two
+    /// of one name within a sample are told apart.
+    #[test]
+    fn phases_that_come_and_go_are_kept_apart() {
+        let sample = |phases: &[(&str, f64)]| {
+            let phase = |&(name, duration_ms): &(&str, f64)| PhaseSample { name: name.to_owned(), duration_ms };
+            phases.iter().map(phase).collect::<Vec<_>>()
+        };
+        let samples = [
+            sample(&[("read back", 9.0), ("fit", 1.0), ("fit", 5.0)]),
+            sample(&[("fit", 2.0), ("fit", 6.0)]),
+            sample(&[("fit", 3.0), ("fit", 7.0), ("build", 4.0)]),
+        ];
+        let found: Vec<_> = PhaseRecord::collect(&samples)
+            .into_iter()
+            .map(|phase| (phase.name, phase.median_ms, phase.samples_ms))
+            .collect();
+        let expected = [
+            ("read back", 9.0, vec![9.0]),
+            ("fit", 2.0, vec![1.0, 2.0, 3.0]),
+            ("fit", 6.0, vec![5.0, 6.0, 7.0]),
+            ("build", 4.0, vec![4.0]),
+        ];
+        assert_eq!(found, expected.map(|(name, median, samples)| (name.to_owned(), median, samples)));
+        assert!(PhaseRecord::collect(&[]).is_empty());
+    }
+}

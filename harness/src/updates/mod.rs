@@ -7,6 +7,7 @@ mod record;
 
 use std::sync::Arc;
 
+use glam::Vec3;
 use tracebench_api::{Geometry, Gpu, TracerError, Update};
 use tracebench_scenes::Scene;
 
@@ -22,6 +23,9 @@ use crate::results::{Skipped, TracerRecord, TracerRun};
 use crate::runner::{self, Entry, LoadedScene, RunError};
 use crate::session::Contender;
 use crate::truth::Cache;
+
+/// An animation whose vertices all end within so many scene diagonals of where they began comes back to its start.
+const RETURNED_DIAGONALS: f64 = 1e-3;
 
 /// Frames where nothing else is said.
 pub const DEFAULT_FRAMES: u32 = 8;
@@ -110,10 +114,16 @@ struct Film {
 }
 
 impl Film {
-    /// Frames evenly over the animation, the first at its begin and the last at its end.
+    /// Frames evenly over the animation, the first at its begin and the last at its end; of one that comes back to where it
+    /// began at its middle, where it is farthest from that: at its end a structure of the first frame would fit again.
     fn new(mut scene: Scene, frames: u32) -> Result<Self, RunError> {
         let duration_s = scene.animation.as_ref().map_or(0.0, |animation| animation.duration_s);
-        let times_s: Vec<f64> = (0..=frames).map(|frame| duration_s * f64::from(frame) / f64::from(frames)).collect();
+        scene.set_time(0.0)?;
+        let first = scene.mesh.positions.clone();
+        scene.set_time(duration_s)?;
+        let returns = farthest(&first, &scene.mesh.positions) <= RETURNED_DIAGONALS * scene.diagonal();
+        let end_s = if returns { duration_s / 2.0 } else { duration_s };
+        let times_s: Vec<f64> = (0..=frames).map(|frame| end_s * f64::from(frame) / f64::from(frames)).collect();
         let mut positions = Vec::new();
         for time_s in &times_s {
             scene.set_time(*time_s)?;
@@ -121,6 +131,12 @@ impl Film {
         }
         Ok(Self { scene, times_s, positions })
     }
+}
+
+/// The farthest that any vertex has moved, scene units.
+fn farthest(from: &[[f32; 3]], to: &[[f32; 3]]) -> f64 {
+    let moved = |(a, b): (&[f32; 3], &[f32; 3])| f64::from(Vec3::from(*a).distance(Vec3::from(*b)));
+    from.iter().zip(to).map(moved).fold(0.0, f64::max)
 }
 
 /// What follows: an entry of the race with its way.
@@ -301,17 +317,30 @@ mod tests {
         assert!(wrong.taken_by(&request).is_none());
     }
 
-    /// Frames cover the animation from begin to end, and each has the vertices of its time.
+    /// Frames cover the animation from begin to end, or to its middle where it comes back, and each has the vertices of its
+    /// time; at the last one something has moved.
     #[test]
     fn films_cover_the_animation() {
-        let film = Film::new(tracebench_scenes::procedural("hangar", 0.01).unwrap(), 4).unwrap();
-        let end = film.scene.animation.as_ref().unwrap().duration_s;
-        assert_eq!(film.times_s, [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| share * end));
-        let mut fresh = tracebench_scenes::procedural("hangar", 0.01).unwrap();
-        for (time_s, positions) in film.times_s.iter().zip(&film.positions) {
-            fresh.set_time(*time_s).unwrap();
-            assert!(fresh.mesh.positions == *positions);
+        let mut returning = 0;
+        for entry in tracebench_scenes::catalogue().iter().filter(|entry| entry.animation_s.is_some()) {
+            let made = || tracebench_scenes::procedural(entry.name, 0.01).unwrap();
+            let film = Film::new(made(), 4).unwrap();
+            let mut fresh = made();
+            let duration_s = entry.animation_s.unwrap();
+            fresh.set_time(duration_s).unwrap();
+            let returns = farthest(&film.positions[0], &fresh.mesh.positions) < 1e-3 * fresh.diagonal();
+            returning += usize::from(returns);
+            let end_s = if returns { duration_s / 2.0 } else { duration_s };
+            assert_eq!(film.times_s, [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| share * end_s), "{}", entry.name);
+            for (time_s, positions) in film.times_s.iter().zip(&film.positions) {
+                fresh.set_time(*time_s).unwrap();
+                assert!(fresh.mesh.positions == *positions);
+            }
+            assert_eq!(film.scene.sha256, fresh.sha256);
+            let moved = farthest(&film.positions[0], &film.positions[4]);
+            assert!(moved > 0.01 * fresh.diagonal(), "{}: {moved}", entry.name);
         }
-        assert!(film.positions[0] != film.positions[1] && film.scene.sha256 == fresh.sha256);
+        // Both kinds are there.
+        assert!(returning > 0 && returning < 4, "{returning}");
     }
 }
