@@ -9,12 +9,20 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
 
 /// Modules that others import, in order of dependence.
-const MODULES: &[&str] =
-    &["shared/types.wgsl", "shared/view.wgsl", "shared/dispatch.wgsl", "shared/triangle.wgsl", "bvh/search.wgsl"];
+const MODULES: &[&str] = &[
+    "shared/types.wgsl",
+    "shared/view.wgsl",
+    "shared/dispatch.wgsl",
+    "shared/triangle.wgsl",
+    "bvh/search.wgsl",
+    "bvh/build.wgsl",
+];
 
 /// Every variant: constant's name, file, definitions that are switched on.
 const VARIANTS: &[(&str, &str, &[&str])] = &[
     ("EYE_DEPTH_RASTER", "shared/eye_depth_raster.wgsl", &[]),
+    ("PREFIX_SUM", "shared/prefix_sum.wgsl", &[]),
+    ("RADIX_SORT", "shared/radix_sort.wgsl", &[]),
     ("SCREEN_DDA_TRACE", "screen-dda/trace.wgsl", &[]),
     ("SCREEN_DDA_TRACE_COUNTED", "screen-dda/trace.wgsl", &["COUNTERS"]),
     ("BVH_WIDE", "bvh/cwbvh.wgsl", &[]),
@@ -25,6 +33,12 @@ const VARIANTS: &[(&str, &str, &[&str])] = &[
     ("BVH_BINARY_COUNTED", "bvh/binary.wgsl", &["COUNTERS"]),
     ("BVH_BINARY_DEEP", "bvh/binary.wgsl", &["DEEP"]),
     ("BVH_BINARY_DEEP_COUNTED", "bvh/binary.wgsl", &["DEEP", "COUNTERS"]),
+    ("BVH_BUILD_LEAVES", "bvh/leaves.wgsl", &[]),
+    ("BVH_BUILD_CLUSTER", "bvh/cluster.wgsl", &[]),
+    ("BVH_BUILD_CLUSTER_WIDE", "bvh/cluster.wgsl", &["WIDE"]),
+    ("BVH_BUILD_CONVERT", "bvh/convert.wgsl", &[]),
+    ("BVH_REFIT_BINARY", "bvh/refit.wgsl", &[]),
+    ("BVH_REFIT_WIDE", "bvh/refit.wgsl", &["WIDE"]),
     ("TEST_TRIANGLE_FUNCTIONS", "test/triangle_functions.wgsl", &[]),
     ("TEST_VIEW_FUNCTIONS", "test/view_functions.wgsl", &[]),
 ];

@@ -42,6 +42,11 @@ pub const TRACERS: &[Registration] = &[
         create: |gpu| Ok(Box::new(tracebench_bvh::BvhGpu::new(gpu?)?)),
     },
     Registration {
+        describe: tracebench_bvh::lbvh_description,
+        family: Family::Bvh,
+        create: |gpu| Ok(Box::new(tracebench_bvh::LbvhGpu::new(gpu?)?)),
+    },
+    Registration {
         describe: tracebench_bvh::ray_query_description,
         family: Family::Bvh,
         create: |gpu| Ok(Box::new(tracebench_bvh::RayQuery::new(gpu?)?)),

@@ -4,3 +4,8 @@
 fn linear_invocation(workgroup: vec3<u32>, workgroups: vec3<u32>, local: u32, workgroup_size: u32) -> u32 {
     return (workgroup.y * workgroups.x + workgroup.x) * workgroup_size + local;
 }
+
+// The same for workgroups.
+fn linear_workgroup(workgroup: vec3<u32>, workgroups: vec3<u32>) -> u32 {
+    return workgroup.y * workgroups.x + workgroup.x;
+}

@@ -10,8 +10,11 @@ use obvhs::cwbvh::node::CwBvhNode;
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::wgpu::BufferUsages;
 use tracebench_api::{Hit, NO_PRIMITIVE, Ray, Status, View, Viewpoint};
-use tracebench_bvh::{BINARY_STACK, BinaryNode, DeviceTriangle, QuerySettings, ROW_BITS, SearchSettings, WIDE_STACK};
-use tracebench_kit::{ViewUniform, bind_group, compute_pipeline, dispatch_linear};
+use tracebench_bvh::{
+    BINARY_STACK, BinaryNode, BuildSettings, ClusterIteration, ConversionLevel, DeviceTriangle, QuerySettings,
+    ROW_BITS, RefitStage, SearchSettings, WIDE_STACK,
+};
+use tracebench_kit::{SortPass, ViewUniform, bind_group, compute_pipeline, dispatch_linear};
 use tracebench_shaders::{ALL, Shader, TEST_VIEW_FUNCTIONS};
 use tracebench_tests::{Numbers, gpu, viewpoint};
 
@@ -92,6 +95,24 @@ fn shared() -> BTreeMap<&'static str, Layout> {
         ("unscale", offset_of!(QuerySettings, unscale)),
         ("greatest_t", offset_of!(QuerySettings, greatest_t)),
     ];
+    let build_settings = [
+        ("low", offset_of!(BuildSettings, low)),
+        ("triangle_count", offset_of!(BuildSettings, triangle_count)),
+        ("cells_per_unit", offset_of!(BuildSettings, cells_per_unit)),
+        ("scale", offset_of!(BuildSettings, scale)),
+    ];
+    let iteration = [
+        ("index", offset_of!(ClusterIteration, index)),
+        ("allowed", offset_of!(ClusterIteration, allowed)),
+        ("search_radius", offset_of!(ClusterIteration, search_radius)),
+    ];
+    let level = [("index", offset_of!(ConversionLevel, index)), ("tallest", offset_of!(ConversionLevel, tallest))];
+    let stage = [("index", offset_of!(RefitStage, index)), ("triangle_count", offset_of!(RefitStage, triangle_count))];
+    let sort_pass = [
+        ("count", offset_of!(SortPass, count)),
+        ("blocks", offset_of!(SortPass, blocks)),
+        ("shift", offset_of!(SortPass, shift)),
+    ];
     let triangle = [
         ("first", offset_of!(DeviceTriangle, first)),
         ("primitive", offset_of!(DeviceTriangle, primitive)),
@@ -124,6 +145,11 @@ fn shared() -> BTreeMap<&'static str, Layout> {
     BTreeMap::from([
         ("QuerySettings", layout(&query_settings, size_of::<QuerySettings>())),
         ("SearchSettings", layout(&search_settings, size_of::<SearchSettings>())),
+        ("BuildSettings", layout(&build_settings, size_of::<BuildSettings>())),
+        ("Iteration", layout(&iteration, size_of::<ClusterIteration>())),
+        ("Level", layout(&level, size_of::<ConversionLevel>())),
+        ("Stage", layout(&stage, size_of::<RefitStage>())),
+        ("SortPass", layout(&sort_pass, size_of::<SortPass>())),
         ("Triangle", layout(&triangle, size_of::<DeviceTriangle>())),
         ("BinaryNode", layout(&binary_node, size_of::<BinaryNode>())),
         ("WideNode", layout(&wide_node, size_of::<CwBvhNode>())),
@@ -200,6 +226,9 @@ fn entry_points_exist() {
         let points = module.entry_points.iter();
         points.map(|point| (point.name.clone(), point.stage, point.workgroup_size[0])).collect()
     };
+    let cluster = [("search", 64), ("tally", 64), ("add_up", 256), ("merge", 64), ("finish", 256)]
+        .map(|(name, size)| (name, ShaderStage::Compute, size))
+        .to_vec();
     let expected: BTreeMap<&str, Vec<(&str, ShaderStage, u32)>> = BTreeMap::from([
         ("EYE_DEPTH_RASTER", vec![("vertex", ShaderStage::Vertex, 0), ("fragment", ShaderStage::Fragment, 0)]),
         ("SCREEN_DDA_TRACE", vec![("trace", ShaderStage::Compute, 64)]),
@@ -216,6 +245,14 @@ fn entry_points_exist() {
             "RAY_QUERY",
             ["trace", "trace_counted", "find_own_triangle"].map(|name| (name, ShaderStage::Compute, 64)).to_vec(),
         ),
+        ("PREFIX_SUM", vec![("reduce", ShaderStage::Compute, 256), ("scan", ShaderStage::Compute, 256)]),
+        ("RADIX_SORT", vec![("count", ShaderStage::Compute, 32), ("scatter", ShaderStage::Compute, 32)]),
+        ("BVH_BUILD_LEAVES", ["encode", "place", "fill"].map(|name| (name, ShaderStage::Compute, 64)).to_vec()),
+        ("BVH_BUILD_CLUSTER", cluster.clone()),
+        ("BVH_BUILD_CLUSTER_WIDE", cluster),
+        ("BVH_BUILD_CONVERT", vec![("convert", ShaderStage::Compute, 64)]),
+        ("BVH_REFIT_BINARY", vec![("fit", ShaderStage::Compute, 64), ("fit_last", ShaderStage::Compute, 256)]),
+        ("BVH_REFIT_WIDE", vec![("fit", ShaderStage::Compute, 64)]),
         ("TEST_TRIANGLE_FUNCTIONS", vec![("cross_pairs", ShaderStage::Compute, 64)]),
         ("TEST_VIEW_FUNCTIONS", vec![("project", ShaderStage::Compute, 64)]),
     ]);
@@ -258,6 +295,10 @@ fn constants_are_those_of_rust() {
             } else if name == "PRIVATE_STACK" {
                 let wide = shader.name.starts_with("BVH_WIDE");
                 assert_eq!(value as usize, if wide { WIDE_STACK } else { BINARY_STACK }, "{}", shader.name);
+            } else if name == "MOST_LEVELS" {
+                // Builds on the device rely on the stacks: a compressed level has room for three binary ones.
+                assert_eq!(value as usize, BINARY_STACK, "{}", shader.name);
+                assert!(value as usize <= 3 * WIDE_STACK);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! What is expected of a tracer on a case, and whether it came.
 
-use super::{bvh_cpu, bvh_gpu, ray_query, screen_dda};
+use super::{bvh_cpu, bvh_gpu, lbvh_gpu, ray_query, screen_dda};
 pub use crate::judge::Rule;
 
 /// What is expected of a tracer with its published preset on a case. Shares are of the rays that are no tie.
@@ -41,6 +41,7 @@ pub type Column = &'static [(&'static str, Expectation)];
 pub const COLUMNS: &[(&str, Column)] = &[
     ("bvh-cpu", bvh_cpu::EXPECTATIONS),
     ("bvh-gpu", bvh_gpu::EXPECTATIONS),
+    ("lbvh-gpu", lbvh_gpu::EXPECTATIONS),
     ("ray-query", ray_query::EXPECTATIONS),
     ("screen-dda", screen_dda::EXPECTATIONS),
 ];

@@ -9,6 +9,7 @@ mod bvh_gpu;
 pub mod expectation;
 mod eye;
 mod frames;
+mod lbvh_gpu;
 mod many;
 mod probe;
 mod ray_query;

@@ -4,6 +4,8 @@
 //! `bvh-cpu` is an eight-wide compressed hierarchy (CWBVH; Ylitie, Karras and Laine, HPG 2017), traversed in f32 on all
 //! cores. Its triangle test is obvhs's, which is not watertight; its answers are judged like anyone's.
 //!
+//! `lbvh-gpu` is built on the device by PLOC++ (Benthin et al., HPG 2022) and traversed as `bvh-gpu` is.
+//!
 //! `bvh-gpu` is the same hierarchy, or a binary one, uploaded and traversed in compute, with the watertight triangle test of
 //! Woop, Benthin and Wald (JCGT 2013).
 //!
@@ -14,6 +16,7 @@ mod cpu;
 mod gpu;
 mod hierarchy;
 mod input;
+mod lbvh;
 mod ray_query;
 mod refit;
 mod sah;
@@ -23,5 +26,8 @@ pub use binary::BinaryNode;
 pub use cpu::{BvhCpu, description};
 pub use gpu::{
     BINARY_STACK, BvhGpu, DeviceTriangle, ROW_BITS, SearchSettings, WIDE_STACK, description as gpu_description,
+};
+pub use lbvh::{
+    BuildSettings, ClusterIteration, ConversionLevel, LbvhGpu, RefitStage, description as lbvh_description,
 };
 pub use ray_query::{QuerySettings, RayQuery, description as ray_query_description};

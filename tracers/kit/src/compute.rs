@@ -40,10 +40,19 @@ pub fn compute_pipeline(gpu: &Gpu, shader: Shader, entry_point: &str) -> Result<
 
 /// Binds resources to bindings 0, 1, 2, ... of group 0.
 pub fn bind_group(gpu: &Gpu, layout: &wgpu::BindGroupLayout, resources: &[BindingResource<'_>]) -> wgpu::BindGroup {
+    let numbered: Vec<_> = (0..).zip(resources.iter().cloned()).collect();
+    bind_group_at(gpu, layout, &numbered)
+}
+
+/// Binds resources to the bindings of those numbers, for an entry point that does not use every binding of its shader.
+pub fn bind_group_at(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+    resources: &[(u32, BindingResource<'_>)],
+) -> wgpu::BindGroup {
     let entries: Vec<_> = resources
         .iter()
-        .enumerate()
-        .map(|(binding, resource)| BindGroupEntry { binding: binding as u32, resource: resource.clone() })
+        .map(|(binding, resource)| BindGroupEntry { binding: *binding, resource: resource.clone() })
         .collect();
     gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
 }

@@ -1,9 +1,16 @@
-//! Device parts that several tracers share: views as uniforms, pipelines and dispatches, rasterized eye depth.
+//! Device parts that several tracers share: views as uniforms, pipelines and dispatches, buffers that are kept, prefix sums
+//! and sorts, rasterized eye depth.
 
 mod compute;
 mod eye_depth;
+mod prefix_sum;
+mod radix_sort;
+mod room;
 mod view_uniform;
 
-pub use compute::{bind_group, compute_pipeline, dispatch_linear, shader_module};
+pub use compute::{bind_group, bind_group_at, compute_pipeline, dispatch_linear, shader_module};
 pub use eye_depth::{EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
+pub use prefix_sum::{PrefixSum, PrefixSumPlan};
+pub use radix_sort::{RadixSort, RadixSortPlan, SortPass};
+pub use room::Room;
 pub use view_uniform::ViewUniform;

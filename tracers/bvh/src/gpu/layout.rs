@@ -12,7 +12,7 @@ use tracebench_api::{Ledger, Parameters, PhaseClock, TracerError};
 use crate::binary::{Binary, BinaryNode};
 use crate::input::build_parameters;
 use crate::wide::{check_boxes, check_references, depth};
-use crate::{hierarchy, refit};
+use crate::{hierarchy, refit, sah};
 
 /// `Triangle` of shaders/bvh/search.wgsl.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -157,6 +157,14 @@ impl Tree {
         match self {
             Self::Wide(wide) => depth(wide),
             Self::Binary(binary) => Ok(binary.depth()),
+        }
+    }
+
+    /// What a search costs by the surface area heuristic.
+    pub(crate) fn sah_cost(&self) -> f64 {
+        match self {
+            Self::Wide(wide) => sah::of_wide(wide),
+            Self::Binary(binary) => sah::of_binary(&binary.nodes),
         }
     }
 

@@ -4,18 +4,17 @@
 //! of `bvh-cpu`'s build, then laying out what the device takes, then the upload, from the first write until the device
 //! has everything. A trace is timed on the device's clock alone.
 
-mod description;
-mod layout;
-mod resident;
-mod search;
+pub(crate) mod description;
+pub(crate) mod layout;
+pub(crate) mod resident;
+pub(crate) mod search;
 #[cfg(test)]
-mod tests;
-mod texels;
+pub(crate) mod tests;
+pub(crate) mod texels;
 
 use std::sync::Arc;
 
 use obvhs::triangle::Triangle;
-use tracebench_api::wgpu::BufferUsages;
 use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
     Tracer, TracerError, Update, Viewpoint,
@@ -27,7 +26,6 @@ pub use search::{BINARY_STACK, SearchSettings, WIDE_STACK};
 pub use texels::ROW_BITS;
 
 use crate::input::{gather, scale_for};
-use crate::sah;
 use layout::Tree;
 use resident::Resident;
 use search::Searches;
@@ -163,19 +161,7 @@ impl Structure for BvhGpuStructure {
     }
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        let gpu = &self.searches.gpu;
-        let bytes = job.rays.host.len().max(1) as u64 * 8;
-        gpu.check_storage_binding("counts", bytes, "--size")?;
-        let counts = gpu.buffer("counts", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?;
-        let mut clock = PhaseClock::new(Some(gpu));
-        self.searches.record(&self.resident, self.scale, &job, hits, Some(&counts), &mut clock)?;
-        clock.finish()?;
-        let counts: Vec<[u32; 2]> = bytemuck::pod_collect_to_vec(&gpu.read(&counts, bytes)?);
-        let counts = &counts[..job.rays.host.len()];
-        Ok(vec![
-            Counter::of("nodes_visited", counts.iter().map(|[nodes, _]| u64::from(*nodes))),
-            Counter::of("triangle_tests", counts.iter().map(|[_, tests]| u64::from(*tests))),
-        ])
+        self.searches.count(&self.resident, self.scale, &job, hits)
     }
 
     fn memory(&self) -> MemoryReport {
@@ -200,15 +186,11 @@ impl Structure for BvhGpuStructure {
         if depth > self.resident.depth {
             return Err(TracerError::Failed(format!("{depth} levels, stacks are for {}", self.resident.depth)));
         }
-        let sah_cost = match &tree {
-            Tree::Wide(wide) => sah::of_wide(wide),
-            Tree::Binary(binary) => sah::of_binary(&binary.nodes),
-        };
         Ok(vec![
             ("nodes", tree.node_count() as f64),
             ("depth", depth as f64),
             ("references", ordered.len() as f64),
-            ("sah_cost", sah_cost),
+            ("sah_cost", tree.sah_cost()),
         ])
     }
 }

@@ -9,7 +9,7 @@ use super::texels::Texels;
 
 const TURN_DOWN: &str = "the scene's triangle count, or take a build without splits (--set bvh-gpu.build=medium)";
 
-const TRIANGLES: &str = "triangles in leaf order";
+pub(crate) const TRIANGLES: &str = "triangles in leaf order";
 
 const STACKS: &str = "traversal stacks";
 
@@ -32,6 +32,12 @@ pub(crate) struct Resident {
 }
 
 impl Resident {
+    /// Takes over what kernels fill: nodes of no more than `depth` levels, which private stacks must serve, and triangles
+    /// in the order of the leaves.
+    pub(crate) fn of_texels(kind: NodeKind, depth: usize, nodes: Texels, triangles: Texels) -> Self {
+        Self { kind, depth, with_splits: false, nodes, triangles, stacks: None }
+    }
+
     /// Uploads, into the textures of `there` where these are large enough, and waits until the device has everything. What
     /// was there is as it was after an error that a size has caused.
     ///
@@ -90,7 +96,16 @@ impl Resident {
     /// # Errors
     /// [`TracerError::Failed`] if the device fails.
     pub(crate) fn read(&self, gpu: &Gpu) -> Result<(Tree, Vec<DeviceTriangle>), TracerError> {
-        let nodes = self.nodes.read(gpu)?;
+        self.read_first(gpu, self.nodes.used())
+    }
+
+    /// Reads a hierarchy back of whose nodes no more than the first `node_bytes` are in use.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the device fails.
+    pub(crate) fn read_first(&self, gpu: &Gpu, node_bytes: u64) -> Result<(Tree, Vec<DeviceTriangle>), TracerError> {
+        let mut nodes = self.nodes.read(gpu)?;
+        nodes.truncate(node_bytes as usize);
         let triangles: Vec<DeviceTriangle> = bytemuck::pod_collect_to_vec(&self.triangles.read(gpu)?);
         Ok((Tree::from_device(self.kind, &nodes, &triangles, self.with_splits), triangles))
     }

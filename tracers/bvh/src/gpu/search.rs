@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline};
-use tracebench_api::{EndPoint, Gpu, HitBuffer, PhaseClock, Query, TraceJob, TracerError};
+use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, PhaseClock, Query, TraceJob, TracerError};
 use tracebench_kit::{bind_group, compute_pipeline, dispatch_linear};
 use tracebench_shaders::{
     BVH_BINARY, BVH_BINARY_COUNTED, BVH_BINARY_DEEP, BVH_BINARY_DEEP_COUNTED, BVH_WIDE, BVH_WIDE_COUNTED,
@@ -142,7 +142,9 @@ impl Searches {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         if job.end != EndPoint::Hit {
-            return Err(TracerError::Unsupported("bvh-gpu stores positions alone, no surfaces".to_owned()));
+            return Err(TracerError::Unsupported(
+                "hierarchies on the device store positions alone, no surfaces".to_owned(),
+            ));
         }
         let gpu = &*self.gpu;
         let kernels = match resident.kind {
@@ -176,5 +178,28 @@ impl Searches {
                 dispatch_linear(encoder, pipeline, bindings, *lanes, WORKGROUP_SIZE);
             }
         })
+    }
+
+    /// Traces by a counting variant.
+    pub(crate) fn count(
+        &self,
+        resident: &Resident,
+        scale: f32,
+        job: &TraceJob<'_>,
+        hits: &HitBuffer,
+    ) -> Result<Vec<Counter>, TracerError> {
+        let gpu = &self.gpu;
+        let bytes = job.rays.host.len().max(1) as u64 * 8;
+        gpu.check_storage_binding("counts", bytes, "--size")?;
+        let counts = gpu.buffer("counts", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?;
+        let mut clock = PhaseClock::new(Some(gpu));
+        self.record(resident, scale, job, hits, Some(&counts), &mut clock)?;
+        clock.finish()?;
+        let counts: Vec<[u32; 2]> = bytemuck::pod_collect_to_vec(&gpu.read(&counts, bytes)?);
+        let counts = &counts[..job.rays.host.len()];
+        Ok(vec![
+            Counter::of("nodes_visited", counts.iter().map(|[nodes, _]| u64::from(*nodes))),
+            Counter::of("triangle_tests", counts.iter().map(|[_, tests]| u64::from(*tests))),
+        ])
     }
 }

@@ -14,7 +14,7 @@ const TEXEL_BYTES: u32 = 16;
 const ROW_BYTES: u32 = TEXEL_BYTES << ROW_BITS;
 
 /// A texture of words, row by row.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Texels {
     name: &'static str,
     view: TextureView,
@@ -36,23 +36,44 @@ impl Texels {
         there: Option<&Texels>,
         turn_down: &str,
     ) -> Result<Self, TracerError> {
-        Self::check(gpu, name, contents.len(), turn_down)?;
-        let used = contents.len() as u64;
-        let (view, allocated) = match there.filter(|there| there.capacity() >= used) {
-            Some(there) => (there.view.clone(), there.allocated),
-            None => create(gpu, name, rows(used))?,
-        };
+        let texels = Self::room(gpu, name, contents.len() as u64, there, turn_down)?;
         let whole_rows = contents.len() / ROW_BYTES as usize;
         let (whole, rest) = contents.split_at(whole_rows * ROW_BYTES as usize);
         let rest_texels = rest.len() as u32 / TEXEL_BYTES;
         let parts = [(whole, 0, [1 << ROW_BITS, whole_rows as u32]), (rest, whole_rows as u32, [rest_texels, 1])];
         for (bytes, first_row, [width, height]) in parts.into_iter().filter(|(bytes, ..)| !bytes.is_empty()) {
             let origin = wgpu::Origin3d { x: 0, y: first_row, z: 0 };
-            let target = wgpu::TexelCopyTextureInfo { origin, ..view.texture().as_image_copy() };
+            let target = wgpu::TexelCopyTextureInfo { origin, ..texels.view.texture().as_image_copy() };
             let size = Extent3d { width, height, depth_or_array_layers: 1 };
             gpu.queue.write_texture(target, bytes, layout(), size);
         }
+        Ok(texels)
+    }
+
+    /// The texture that is there if it has room for so many bytes, else a new one.
+    ///
+    /// # Errors
+    /// As [`Texels::write`].
+    pub(crate) fn room(
+        gpu: &Gpu,
+        name: &'static str,
+        used: u64,
+        there: Option<&Texels>,
+        turn_down: &str,
+    ) -> Result<Self, TracerError> {
+        Self::check(gpu, name, used as usize, turn_down)?;
+        let (view, allocated) = match there.filter(|there| there.capacity() >= used) {
+            Some(there) => (there.view.clone(), there.allocated),
+            None => create(gpu, name, rows(used))?,
+        };
         Ok(Self { name, view, used, allocated })
+    }
+
+    /// Records a copy of what is in use from a buffer of [`whole_rows`].
+    pub(crate) fn record_copy(&self, encoder: &mut wgpu::CommandEncoder, from: &wgpu::Buffer) {
+        let size = Extent3d { width: 1 << ROW_BITS, height: rows(self.used), depth_or_array_layers: 1 };
+        let source = TexelCopyBufferInfo { buffer: from, layout: layout() };
+        encoder.copy_buffer_to_texture(source, self.view.texture().as_image_copy(), size);
     }
 
     /// Checks that the device can hold that many bytes in one texture.
@@ -75,6 +96,11 @@ impl Texels {
     /// What is bound.
     pub(crate) fn view(&self) -> &TextureView {
         &self.view
+    }
+
+    /// Bytes in use.
+    pub(crate) fn used(&self) -> u64 {
+        self.used
     }
 
     /// Enters the texture.
@@ -108,6 +134,11 @@ impl Texels {
     fn capacity(&self) -> u64 {
         u64::from(self.view.texture().height()) * u64::from(ROW_BYTES)
     }
+}
+
+/// Bytes of the rows that hold so many.
+pub(crate) fn whole_rows(bytes: u64) -> u64 {
+    u64::from(rows(bytes)) * u64::from(ROW_BYTES)
 }
 
 /// Rows that hold so many bytes, one at least.

@@ -1,0 +1,153 @@
+//! The pipelines, and what they are told.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use tracebench_api::wgpu::ComputePipeline;
+use tracebench_api::{Geometry, Gpu, TracerError};
+use tracebench_kit::{RadixSort, compute_pipeline};
+use tracebench_shaders::{
+    BVH_BUILD_CLUSTER, BVH_BUILD_CLUSTER_WIDE, BVH_BUILD_CONVERT, BVH_BUILD_LEAVES, BVH_REFIT_BINARY, BVH_REFIT_WIDE,
+    Shader,
+};
+
+/// As `WORKGROUP_SIZE` in shaders/bvh.
+pub(super) const WORKGROUP_SIZE: u32 = 64;
+
+/// Bits of a Morton code.
+pub(super) const CODE_BITS: u32 = 30;
+
+/// Cells of the Morton grid along an axis.
+const CELLS: f64 = 1024.0;
+
+/// `RUN` of shaders/bvh/cluster.wgsl.
+pub(super) const RUN: u32 = 16;
+
+/// `FINISHED` of shaders/bvh/build.wgsl.
+pub(super) const FINISHED: usize = 128;
+
+/// `TAKEN_SLOTS` there.
+pub(super) const TAKEN_SLOTS: usize = 256;
+
+/// `CROWDED` there.
+pub(super) const CROWDED: usize = 257;
+
+/// `LEVELS` there.
+pub(super) const LEVELS: usize = 258;
+
+/// `BuildSettings` of shaders/bvh/build.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct BuildSettings {
+    /// Least corner of the scene, units of the hierarchy.
+    pub low: [f32; 3],
+    /// Triangles.
+    pub triangle_count: u32,
+    /// Cells of the Morton grid per unit; 0 along an axis without extent.
+    pub cells_per_unit: [f32; 3],
+    /// From scene units to those of the hierarchy, a power of two.
+    pub scale: f32,
+}
+
+impl BuildSettings {
+    pub(super) fn new(geometry: &Geometry, scale: f32) -> Self {
+        let extent = (geometry.bounds_max.as_dvec3() - geometry.bounds_min.as_dvec3()) * f64::from(scale);
+        // More cells than f32 can tell apart, as for a scene that is flat but for rounding, are as good as none.
+        let cells = |extent: f64| if extent > 1e-30 { (CELLS / extent) as f32 } else { 0.0 };
+        Self {
+            low: (geometry.bounds_min * scale).to_array(),
+            triangle_count: geometry.triangles.len() as u32,
+            cells_per_unit: extent.to_array().map(cells),
+            scale,
+        }
+    }
+}
+
+/// `Iteration` of shaders/bvh/cluster.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct ClusterIteration {
+    /// The number of the iteration, from 0 on; of the last clusters' iterations that of those before.
+    pub index: u32,
+    /// Of more clusters than these, neighbours are paired without a search.
+    pub allowed: u32,
+    /// Neighbours on each side that are searched, >= 1.
+    pub search_radius: u32,
+}
+
+/// `Level` of shaders/bvh/convert.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct ConversionLevel {
+    /// The level's number, from the root's on.
+    pub index: u32,
+    /// Most levels of binary nodes below a child of this level.
+    pub tallest: u32,
+}
+
+/// `Stage` of shaders/bvh/refit.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct RefitStage {
+    /// The number of the iteration or of the level.
+    pub index: u32,
+    /// Triangles.
+    pub triangle_count: u32,
+}
+
+/// The kernels of clustering for one kind of node.
+pub(super) struct ClusterKernels {
+    pub(super) search: ComputePipeline,
+    pub(super) tally: ComputePipeline,
+    pub(super) add_up: ComputePipeline,
+    pub(super) merge: ComputePipeline,
+    pub(super) finish: ComputePipeline,
+}
+
+impl ClusterKernels {
+    fn new(gpu: &Gpu, shader: Shader) -> Result<Self, TracerError> {
+        let pipeline = |entry_point| compute_pipeline(gpu, shader, entry_point);
+        Ok(Self {
+            search: pipeline("search")?,
+            tally: pipeline("tally")?,
+            add_up: pipeline("add_up")?,
+            merge: pipeline("merge")?,
+            finish: pipeline("finish")?,
+        })
+    }
+}
+
+/// Every pipeline of builds and refits.
+pub(super) struct Kernels {
+    pub(super) gpu: Arc<Gpu>,
+    pub(super) sort: RadixSort,
+    pub(super) encode: ComputePipeline,
+    pub(super) place: ComputePipeline,
+    pub(super) fill: ComputePipeline,
+    pub(super) cluster_binary: ClusterKernels,
+    pub(super) cluster_wide: ClusterKernels,
+    pub(super) convert: ComputePipeline,
+    pub(super) refit_binary: ComputePipeline,
+    pub(super) refit_binary_last: ComputePipeline,
+    pub(super) refit_wide: ComputePipeline,
+}
+
+impl Kernels {
+    /// Compiles them.
+    pub(super) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        let leaves = |entry_point| compute_pipeline(&gpu, BVH_BUILD_LEAVES, entry_point);
+        Ok(Self {
+            sort: RadixSort::new(&gpu)?,
+            encode: leaves("encode")?,
+            place: leaves("place")?,
+            fill: leaves("fill")?,
+            cluster_binary: ClusterKernels::new(&gpu, BVH_BUILD_CLUSTER)?,
+            cluster_wide: ClusterKernels::new(&gpu, BVH_BUILD_CLUSTER_WIDE)?,
+            convert: compute_pipeline(&gpu, BVH_BUILD_CONVERT, "convert")?,
+            refit_binary: compute_pipeline(&gpu, BVH_REFIT_BINARY, "fit")?,
+            refit_binary_last: compute_pipeline(&gpu, BVH_REFIT_BINARY, "fit_last")?,
+            refit_wide: compute_pipeline(&gpu, BVH_REFIT_WIDE, "fit")?,
+            gpu,
+        })
+    }
+}

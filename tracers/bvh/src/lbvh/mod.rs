@@ -1,0 +1,232 @@
+//! `lbvh-gpu`: a hierarchy that is built on the device from the scene's triangles, every time, and traversed there by the
+//! searches of `bvh-gpu`.
+//!
+//! The build is PLOC++ (Benthin, Drabinski, Tessari, Dittebrandt, HPG 2022) over 30-bit Morton codes of the triangles'
+//! boxes. H-PLOC (Benthin et al., HPG 2024) gives hierarchies of that quality in one launch and PLOC++ needs one kernel an
+//! iteration, but both have workgroups that wait for others, or that go on with what another has just written: WGSL promises
+//! neither that others make progress nor that their writes are seen within a dispatch, and has no subgroups without an
+//! extension. Karras's LBVH (HPG 2012) builds its tree in one such pass, too, and needs treelets (Karras, Aila, HPG 2013)
+//! for a quality like clustering's. So iterations are dispatches here, four kernels each; their number has a bound that
+//! the host knows (`iterations`), so nothing is read back, and it bounds the depth, too.
+//!
+//! The preset `published` searches 8 neighbours on each side in every iteration, H-PLOC's advice, beyond which hierarchies
+//! hardly get better; `improved` searches 2 in the first two iterations, as obvhs's search depth threshold does.
+//!
+//! Compressed nodes are converted from the binary ones level by level. The conversion is a phase of the build and counted
+//! with it. Which place a compressed node has may differ from build to build, as lanes ask for places in no order; what is
+//! in it does not, nor do hits and counts.
+//!
+//! A hierarchy over thousands of equal triangles is balanced here, so private stacks serve it; whether there are such is read
+//! back before the first trace, which then takes a ray a lane as `bvh-gpu` does for its deep hierarchies.
+//!
+//! What is timed: build, refit and trace by the device's clock, every kernel within a phase. Bindings and uniforms are made
+//! before.
+
+mod description;
+mod iterations;
+mod kernels;
+mod plan;
+mod rooms;
+#[cfg(test)]
+mod tests;
+
+use std::cell::OnceCell;
+use std::sync::Arc;
+
+use tracebench_api::{
+    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryReport, Parameters, PhaseClock, Structure, TraceJob, Tracer,
+    TracerError, Update, Viewpoint,
+};
+
+pub use description::description;
+pub use kernels::{BuildSettings, ClusterIteration, ConversionLevel, RefitStage};
+
+use crate::gpu::layout::{DeviceTriangle, NodeKind, Tree};
+use crate::gpu::resident::Resident;
+use crate::gpu::search::{Searches, private_stack, scratch_bytes};
+use crate::input::scale_for;
+use kernels::{CROWDED, FINISHED, Kernels, LEVELS, TAKEN_SLOTS};
+use plan::Plan;
+use rooms::WIDE_NODE_BYTES;
+
+/// The tracer.
+pub struct LbvhGpu {
+    kernels: Arc<Kernels>,
+    searches: Arc<Searches>,
+}
+
+impl LbvhGpu {
+    /// Creates the pipelines.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the device refuses one.
+    pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        Ok(Self { kernels: Arc::new(Kernels::new(Arc::clone(&gpu))?), searches: Arc::new(Searches::new(gpu)?) })
+    }
+}
+
+/// A hierarchy on the device, with what it takes to build it again.
+struct LbvhStructure {
+    kernels: Arc<Kernels>,
+    searches: Arc<Searches>,
+    plan: Plan,
+    resident: Resident,
+    /// Factor from scene units to those of the hierarchy, a power of two.
+    scale: f32,
+    /// Whether many triangles coincide; asked of the device once, before the first trace.
+    crowded: OnceCell<bool>,
+}
+
+impl Tracer for LbvhGpu {
+    fn build(
+        &self,
+        geometry: &Geometry,
+        _viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Box<dyn Structure>, TracerError> {
+        Ok(Box::new(LbvhStructure::build(&self.kernels, &self.searches, geometry, parameters, None, clock)?))
+    }
+}
+
+impl LbvhStructure {
+    /// Builds, in the buffers of `there` where these are large enough.
+    fn build(
+        kernels: &Arc<Kernels>,
+        searches: &Arc<Searches>,
+        geometry: &Geometry,
+        parameters: &Parameters,
+        there: Option<&Plan>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Self, TracerError> {
+        let kind = NodeKind::of(parameters);
+        let radii = ["search_radius", "early_search_radius"].map(|name| parameters.integer(name).max(1) as u32);
+        let plan = Plan::new(kernels, kind, geometry.triangles.len() as u32, radii, there)?;
+        let scale = scale_for(geometry.diagonal());
+        plan.build(kernels, geometry, scale, clock)?;
+        // Neither kind of node has more levels than a private stack serves.
+        let resident = Resident::of_texels(kind, private_stack(kind), plan.nodes.clone(), plan.triangles.clone());
+        Ok(Self {
+            kernels: Arc::clone(kernels),
+            searches: Arc::clone(searches),
+            plan,
+            resident,
+            scale,
+            crowded: OnceCell::new(),
+        })
+    }
+
+    /// How far the last build came, word by word; known once its clock has been finished.
+    fn progress(&self) -> Result<Vec<u32>, TracerError> {
+        let room = &self.plan.rooms.progress;
+        Ok(bytemuck::pod_collect_to_vec(&self.kernels.gpu.read(&room.buffer, room.used_bytes)?))
+    }
+
+    fn wide_nodes(&self) -> Result<u64, TracerError> {
+        Ok(self.progress()?[LEVELS..].iter().map(|nodes| u64::from(*nodes)).sum())
+    }
+
+    /// A job's parameters, with a ray a lane where hundreds of triangles coincide: a ray that meets one tests all, and
+    /// Mesa's software driver ends a lane's loops after 65,535 rounds, which a few such rays reach.
+    fn parameters(&self, job: &TraceJob<'_>) -> Result<Parameters, TracerError> {
+        let crowded = match self.crowded.get() {
+            Some(crowded) => *crowded,
+            None => {
+                let crowded = self.progress()?[CROWDED] != 0;
+                *self.crowded.get_or_init(|| crowded)
+            }
+        };
+        let mut parameters = job.parameters.clone();
+        if crowded {
+            parameters
+                .set(&description().parameters, "rays_per_lane", "1")
+                .map_err(|error| TracerError::Failed(error.to_string()))?;
+        }
+        Ok(parameters)
+    }
+
+    /// Reads the hierarchy back.
+    fn read(&self) -> Result<(Tree, Vec<DeviceTriangle>), TracerError> {
+        let node_bytes = match self.plan.kind {
+            NodeKind::Wide => self.wide_nodes()? * WIDE_NODE_BYTES,
+            NodeKind::Binary => self.plan.nodes.used(),
+        };
+        self.resident.read_first(&self.kernels.gpu, node_bytes)
+    }
+}
+
+impl Structure for LbvhStructure {
+    fn update(
+        &mut self,
+        update: Update,
+        geometry: &Geometry,
+        _viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        match update {
+            Update::Rebuild => {
+                *self = Self::build(&self.kernels, &self.searches, geometry, parameters, Some(&self.plan), clock)?;
+            }
+            Update::Refit => {
+                if geometry.triangles.len() != self.plan.triangle_count as usize {
+                    return Err(TracerError::Failed(format!(
+                        "a hierarchy over {} triangles cannot be fitted to {}: rebuild it",
+                        self.plan.triangle_count,
+                        geometry.triangles.len()
+                    )));
+                }
+                let scale = scale_for(geometry.diagonal());
+                self.plan.refit(&self.kernels, geometry, scale, clock)?;
+                self.scale = scale;
+            }
+            Update::Reuse => {}
+        }
+        Ok(())
+    }
+
+    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        let job = TraceJob { parameters: &self.parameters(&job)?, ..job };
+        self.searches.record(&self.resident, self.scale, &job, hits, None, clock)
+    }
+
+    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        let job = TraceJob { parameters: &self.parameters(&job)?, ..job };
+        self.searches.count(&self.resident, self.scale, &job, hits)
+    }
+
+    fn memory(&self) -> MemoryReport {
+        let mut ledger = Ledger::new();
+        // A device that fails says so at the next trace; until then all of the nodes' room counts as used.
+        let room = self.plan.rooms.wide.as_ref().map_or(0, |wide| wide.used_bytes / WIDE_NODE_BYTES);
+        self.resident.enter(&mut ledger);
+        self.plan.rooms.enter(self.wide_nodes().unwrap_or(room).min(room), &self.plan.sort, &mut ledger);
+        ledger.borrow_transient(self.plan.uniform_bytes());
+        ledger.report(0)
+    }
+
+    fn scratch_bytes(&self, ray_count: usize) -> u64 {
+        scratch_bytes(&self.resident, ray_count)
+    }
+
+    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        let (tree, ordered) = self.read()?;
+        tree.check(&ordered, self.plan.triangle_count as usize, true)?;
+        let depth = tree.depth()?;
+        if depth > self.resident.depth {
+            return Err(TracerError::Failed(format!("{depth} levels, stacks are for {}", self.resident.depth)));
+        }
+        let progress = self.progress()?;
+        // Iterations that began with fewer clusters than the one before.
+        let counts = progress[..FINISHED].iter().chain(&progress[FINISHED..TAKEN_SLOTS]).filter(|count| **count > 0);
+        let counts: Vec<u32> = counts.copied().collect();
+        let iterations = counts.windows(2).filter(|pair| pair[1] < pair[0]).count();
+        Ok(vec![
+            ("nodes", tree.node_count() as f64),
+            ("depth", depth as f64),
+            ("references", ordered.len() as f64),
+            ("sah_cost", tree.sah_cost()),
+            ("cluster_iterations", iterations as f64),
+        ])
+    }
+}

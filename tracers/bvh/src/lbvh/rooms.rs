@@ -1,0 +1,89 @@
+//! The buffers of a structure, kept from build to build.
+
+use tracebench_api::{Gpu, Ledger, TracerError};
+use tracebench_kit::{RadixSortPlan, Room};
+
+use super::kernels::{LEVELS, RUN};
+use crate::binary::BinaryNode;
+use crate::gpu::WIDE_STACK;
+use crate::gpu::layout::{DeviceTriangle, NodeKind};
+use crate::gpu::texels::whole_rows;
+
+pub(super) const TURN_DOWN: &str = "the scene's triangle count";
+
+/// Bytes of a compressed node.
+pub(super) const WIDE_NODE_BYTES: u64 = 80;
+
+/// Words of the buffer that tells how far a build is.
+const PROGRESS_WORDS: u64 = (LEVELS + WIDE_STACK + 1) as u64;
+
+/// Every buffer but those of the sort. Nodes and triangles are built in buffers, which kernels read and write in any order,
+/// and copied to the textures that searches read.
+pub(super) struct Rooms {
+    pub(super) triangles: Room,
+    /// Pairs of binary nodes: what is searched, or what compressed nodes are converted from.
+    pub(super) binary: Room,
+    pub(super) wide: Option<Room>,
+    /// Clusters at the start of each iteration, slots taken, compressed nodes of each level.
+    pub(super) progress: Room,
+    /// Morton codes; while clusters are merged, the place of each one's nearest neighbour.
+    pub(super) codes: Room,
+    /// The triangle in each place along the curve.
+    pub(super) order: Room,
+    /// Clusters before an even and an odd iteration. A refit keeps the boxes of compressed nodes in the first.
+    pub(super) clusters: [Room; 2],
+    pub(super) tallies: Room,
+}
+
+impl Rooms {
+    /// Room for a build, in the buffers of `there` where these are large enough.
+    pub(super) fn new(
+        gpu: &Gpu,
+        kind: NodeKind,
+        triangle_count: u32,
+        there: Option<&Rooms>,
+    ) -> Result<Self, TracerError> {
+        let count = u64::from(triangle_count);
+        let room = |name, bytes, there: Option<&Room>| Room::new(gpu, name, bytes, TURN_DOWN, there);
+        // What textures are copied from has whole rows of them.
+        let copied = |name, bytes, there: Option<&Room>| {
+            let padded = Room::new(gpu, name, whole_rows(bytes), TURN_DOWN, there)?;
+            Ok::<_, TracerError>(Room { used_bytes: bytes, ..padded })
+        };
+        let node_bytes = size_of::<BinaryNode>() as u64;
+        let pairs = count.max(2) - 1;
+        // A node with a child that is a node has eight children, others have four triangles at least (but for the root):
+        // with i of the first and l of the second, 8 i <= i + l - 1 + t where t triangles are leaves of the first.
+        let wide_nodes = 2 * count / 7 + 2;
+        let wide = || copied("CWBVH nodes (build)", wide_nodes * WIDE_NODE_BYTES, there.and_then(|r| r.wide.as_ref()));
+        Ok(Self {
+            triangles: copied(
+                "triangles in leaf order (build)",
+                count * size_of::<DeviceTriangle>() as u64,
+                there.map(|r| &r.triangles),
+            )?,
+            binary: copied("binary nodes (build)", pairs * 2 * node_bytes, there.map(|r| &r.binary))?,
+            wide: (kind == NodeKind::Wide).then(wide).transpose()?,
+            progress: room("progress of the build", PROGRESS_WORDS * 4, there.map(|r| &r.progress))?,
+            codes: room("Morton codes, nearest neighbours (build)", count * 4, there.map(|r| &r.codes))?,
+            order: room("triangles along the curve (build)", count * 4, there.map(|r| &r.order))?,
+            clusters: [
+                room("clusters (build)", count * node_bytes, there.map(|r| &r.clusters[0]))?,
+                room("other clusters (build)", count * node_bytes, there.map(|r| &r.clusters[1]))?,
+            ],
+            tallies: room("tallies (build)", count.div_ceil(u64::from(RUN)) * 8, there.map(|r| &r.tallies))?,
+        })
+    }
+
+    /// Enters every buffer; of the compressed nodes so many are in use.
+    pub(super) fn enter(&self, wide_nodes: u64, sort: &RadixSortPlan, ledger: &mut Ledger) {
+        if let Some(wide) = &self.wide {
+            ledger.keep(wide.name, wide.buffer.size(), wide_nodes * WIDE_NODE_BYTES);
+        }
+        let [first, second] = &self.clusters;
+        let others =
+            [&self.triangles, &self.binary, &self.progress, &self.codes, &self.order, first, second, &self.tallies];
+        others.into_iter().for_each(|room| room.enter(ledger));
+        sort.enter(ledger);
+    }
+}

@@ -1,0 +1,64 @@
+//! That the checks of hierarchies notice what is wrong with one that the device built, and constants of both sides.
+
+use std::sync::Arc;
+
+use tracebench_api::{AdapterChoice, Geometry, Gpu, Parameters, PhaseClock, Preset};
+use tracebench_shaders::{BVH_BUILD_CLUSTER, BVH_BUILD_CONVERT, BVH_BUILD_LEAVES, Shader};
+
+use super::iterations::LAST_CLUSTERS;
+use super::kernels::{CROWDED, FINISHED, LEVELS, RUN, TAKEN_SLOTS};
+use super::{LbvhGpu, LbvhStructure, description};
+use crate::gpu::BINARY_STACK;
+use crate::gpu::tests::{assert_unsound_ones_are_noticed, field};
+
+/// Hierarchies read back from the device pass as they are, by both nodes; those that were spoilt do not.
+#[test]
+fn unsound_hierarchies_are_noticed() {
+    let gpu = Arc::new(Gpu::open(&AdapterChoice::default()).unwrap());
+    let corners = field().into_iter().flat_map(|triangle| [triangle.v0, triangle.v1, triangle.v2]);
+    let positions: Vec<[f32; 3]> = corners.map(|corner| corner.to_array()).collect();
+    let triangles = (0..positions.len() as u32 / 3).map(|first| [3 * first, 3 * first + 1, 3 * first + 2]).collect();
+    let geometry = Geometry::new(positions, triangles, Some(&gpu)).unwrap();
+    let tracer = LbvhGpu::new(Arc::clone(&gpu)).unwrap();
+    let described = description().parameters;
+    for node in ["cwbvh", "bvh2"] {
+        let mut parameters = Parameters::preset(&described, Preset::Published);
+        parameters.set(&described, "node", node).unwrap();
+        let mut clock = PhaseClock::new(Some(&gpu));
+        let structure =
+            LbvhStructure::build(&tracer.kernels, &tracer.searches, &geometry, &parameters, None, &mut clock).unwrap();
+        clock.finish().unwrap();
+        assert_unsound_ones_are_noticed(node, &|| structure.read().unwrap());
+    }
+}
+
+/// The value of a u32 constant in a composed shader, to whose name naga_oil appends its module's.
+fn constant(shader: Shader, name: &str) -> Option<usize> {
+    let of = |line: &str| {
+        let (found, value) = line.strip_prefix("const ")?.split_once(": u32 = ")?;
+        let plain = found.split("X_naga_oil").next()?;
+        (plain == name).then(|| value.trim_end_matches("u;").parse().ok())?
+    };
+    shader.source.lines().find_map(of)
+}
+
+/// Places and sizes that the host knows are those of the shaders.
+#[test]
+fn constants_are_those_of_the_shaders() {
+    for (shader, name, expected) in [
+        (BVH_BUILD_CLUSTER, "FINISHED", FINISHED),
+        (BVH_BUILD_CONVERT, "TAKEN_SLOTS", TAKEN_SLOTS),
+        (BVH_BUILD_LEAVES, "CROWDED", CROWDED),
+        (BVH_BUILD_CONVERT, "LEVELS", LEVELS),
+        (BVH_BUILD_CLUSTER, "RUN", RUN as usize),
+        (BVH_BUILD_CLUSTER, "LAST_CLUSTERS", LAST_CLUSTERS as usize),
+        (BVH_BUILD_CLUSTER, "MOST_LEVELS", BINARY_STACK),
+    ] {
+        assert_eq!(constant(shader, name), Some(expected), "{name}");
+    }
+    // The words of all iterations end before those that follow: searches, then pairings of what they may leave.
+    let searches = constant(BVH_BUILD_CLUSTER, "MOST_SEARCHES").unwrap();
+    assert!(FINISHED + searches + (LAST_CLUSTERS.ilog2() as usize) < TAKEN_SLOTS);
+    // Negative control: a name that is only the beginning of one is not found.
+    assert_eq!(constant(BVH_BUILD_CLUSTER, "FINISH"), None);
+}
