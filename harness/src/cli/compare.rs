@@ -8,6 +8,8 @@ use super::CliError;
 use super::output::print;
 use crate::compare::{self, Comparison, DEFAULT_THRESHOLD};
 use crate::report;
+use crate::results::Run;
+use crate::statistics::median;
 
 #[derive(Args)]
 pub(super) struct CompareArguments {
@@ -36,6 +38,9 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {
     let (a, b) = (report::read_run(&arguments.a)?, report::read_run(&arguments.b)?);
     let name = |path: &PathBuf| path.display().to_string();
     let (a, b) = ((name(&arguments.a), a), (name(&arguments.b), b));
+    for (path, run) in [&a, &b] {
+        sound_times(run).map_err(|what| CliError::Other(format!("{path}: {what}")))?;
+    }
     let found = compare::compare((&a.0, &a.1), (&b.0, &b.1), arguments.threshold / 100.0);
     print(&if arguments.json {
         let json = serde_json::to_string_pretty(&found).map_err(|error| CliError::Other(error.to_string()))?;
@@ -44,6 +49,29 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {
         report::comparison_text(&found)
     })?;
     if arguments.fail_on_regression { outcome(&found) } else { Ok(()) }
+}
+
+/// That every row has times, that they can be true, and that its median is theirs: a row without would pass unseen.
+fn sound_times(run: &Run) -> Result<(), String> {
+    for one in &run.runs {
+        let of_build = ("its build".to_owned(), &one.build.times);
+        let of_traces = one.traces.iter().map(|trace| (trace.rays.clone(), &trace.times));
+        for (what, times) in std::iter::once(of_build).chain(of_traces) {
+            let possible = |time: &f64| time.is_finite() && *time > 0.0;
+            let median_ms = median(&times.samples_ms);
+            let sound = !times.samples_ms.is_empty()
+                && times.samples_ms.iter().all(possible)
+                && (times.median_ms - median_ms).abs() <= 1e-9 * median_ms;
+            if !sound {
+                return Err(format!(
+                    "{} on {}, {what}: there are no times, some that cannot be, or the median is not theirs; run it again",
+                    one.tracer.label(),
+                    one.scene.name
+                ));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Whether nothing got worse, which nothing in common cannot show.

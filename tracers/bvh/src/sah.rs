@@ -27,13 +27,13 @@ fn half_area(aabb: &Aabb) -> f64 {
 /// A cost that is being summed up.
 struct Cost {
     root: f64,
-    sum: f64,
+    terms: Vec<f64>,
 }
 
 impl Cost {
     /// That of visiting the root.
     fn of_root(aabb: &Aabb) -> Self {
-        Self { root: half_area(aabb), sum: 1.0 }
+        Self { root: half_area(aabb), terms: vec![1.0] }
     }
 
     /// The chance of a box to be met. No random line meets a root without area (a point, a line), so that such a one costs
@@ -44,12 +44,18 @@ impl Cost {
 
     /// Adds an inner node below the root.
     fn node(&mut self, aabb: &Aabb) {
-        self.sum += self.chance(aabb);
+        self.terms.push(self.chance(aabb));
     }
 
     /// Adds a leaf with so many triangles.
     fn leaf(&mut self, aabb: &Aabb, triangles: u32) {
-        self.sum += self.chance(aabb) * f64::from(triangles);
+        self.terms.push(self.chance(aabb) * f64::from(triangles));
+    }
+
+    /// The sum, least terms first: nodes that stand in another order cost the same to the last bit.
+    fn sum(mut self) -> f64 {
+        self.terms.sort_by(f64::total_cmp);
+        self.terms.iter().sum()
     }
 }
 
@@ -74,7 +80,7 @@ pub(crate) fn of_wide(bvh: &CwBvh) -> f64 {
             }
         }
     }
-    cost.sum
+    cost.sum()
 }
 
 /// The cost of a binary hierarchy stored as pairs of siblings, without its root; 0 for one without nodes.
@@ -89,7 +95,7 @@ pub(crate) fn of_binary(nodes: &[BinaryNode]) -> f64 {
             triangles => cost.leaf(&node.aabb(), triangles),
         }
     }
-    cost.sum
+    cost.sum()
 }
 
 #[cfg(test)]

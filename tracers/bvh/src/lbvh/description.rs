@@ -4,6 +4,10 @@ use tracebench_api::{Description, Domain, Invalidation, ParameterDescription, Pa
 
 use crate::gpu::description::{node_description, rays_per_lane_description};
 
+/// Most neighbours on each side. One workgroup merges the last clusters, 8 a lane, and Mesa's software driver ends a lane's
+/// loops after 65,535 rounds in all: with these it gets through 256 iterations, twice as many as the deepest scene takes.
+const MOST_NEIGHBOURS: i64 = 16;
+
 /// What `lbvh-gpu` is and takes.
 pub fn description() -> Description {
     Description {
@@ -20,18 +24,18 @@ pub fn description() -> Description {
                 name: "search_radius",
                 unit: "clusters",
                 scope: ParameterScope::Build,
-                domain: Domain::Integer { least: 1, greatest: 128 },
+                domain: Domain::Integer { least: 1, greatest: MOST_NEIGHBOURS },
                 published: Value::Integer(8),
                 improved: Value::Integer(8),
                 effect: "neighbours along the Morton curve on each side among which a cluster seeks its nearest: more build \
                          slower and trace faster",
-                sweep: [1, 2, 4, 8, 16, 32].map(Value::Integer).to_vec(),
+                sweep: [1, 2, 4, 8, 16].map(Value::Integer).to_vec(),
             },
             ParameterDescription {
                 name: "early_search_radius",
                 unit: "clusters",
                 scope: ParameterScope::Build,
-                domain: Domain::Integer { least: 1, greatest: 128 },
+                domain: Domain::Integer { least: 1, greatest: MOST_NEIGHBOURS },
                 published: Value::Integer(8),
                 improved: Value::Integer(2),
                 effect: "the same in the first two iterations, which have the most clusters, of scenes of more than 2,048 \

@@ -169,17 +169,16 @@ impl Plan {
             NodeKind::Wide => &kernels.cluster_wide,
             NodeKind::Binary => &kernels.cluster_binary,
         };
-        let settings = |index: usize, allowed| {
-            let search_radius = if index < EARLY_ITERATIONS { self.early_radius } else { self.search_radius };
-            let settings = ClusterIteration { index: index as u32, allowed, search_radius };
-            uniform(gpu, "iteration", &settings)
+        let settings = |index: usize, allowed, search_radius| {
+            uniform(gpu, "iteration", &ClusterIteration { index: index as u32, allowed, search_radius })
         };
         let [even, odd] = [&clusters[0].buffer, &clusters[1].buffer];
         let (progress, nearest, tallies) = ((1, &progress.buffer), (3, &nearest.buffer), (4, &tallies.buffer));
         let nodes = (6, &binary.buffer);
         let mut steps = Vec::new();
         for (index, bound) in self.bounds.iter().enumerate() {
-            let settings = settings(index, bound.allowed)?;
+            let radius = if index < EARLY_ITERATIONS { self.early_radius } else { self.search_radius };
+            let settings = settings(index, bound.allowed, radius)?;
             let settings = (0, &settings);
             let (from, to) = if index % 2 == 0 { (even, odd) } else { (odd, even) };
             let runs = bound.most.div_ceil(RUN);
@@ -189,7 +188,7 @@ impl Plan {
             steps.push(step(gpu, &cluster.add_up, &[settings, progress, tallies], 1));
             steps.push(step(gpu, &cluster.merge, &merge, runs));
         }
-        let settings = settings(self.bounds.len(), 0)?;
+        let settings = settings(self.bounds.len(), 0, self.search_radius)?;
         let finish = [(0, &settings), progress, (2, even), nearest, (5, odd), nodes];
         steps.push(step(gpu, &cluster.finish, &finish, 1));
         Ok(steps)

@@ -107,10 +107,12 @@ impl RayQueryStructure {
         Ok(())
     }
 
-    /// How many triangles are fat enough to be looked for, and that each of them is found.
+    /// How many triangles were fat enough to be looked for, and that each of them is found. Of large scenes every n-th is
+    /// looked at: where triangles overlap, a ray meets many.
     fn find_all(&self, mesh: &Mesh) -> Result<usize, TracerError> {
         let gpu = &self.queries.gpu;
-        let (rays, fat): (Vec<Ray>, Vec<bool>) = probes::probes(&mesh.positions, &mesh.triangles).into_iter().unzip();
+        let (rays, fat): (Vec<Ray>, Vec<bool>) =
+            probes::probes(&mesh.positions, &mesh.triangles, MOST_PROBES).into_iter().unzip();
         let rays = RayBuffer::new(Arc::new(rays), Query::Closest, Some(gpu));
         let mut hits = HitBuffer::new(fat.len(), Residency::Device, Some(gpu))?;
         hits.poison(Some(gpu))?;
@@ -126,6 +128,9 @@ impl RayQueryStructure {
         }
     }
 }
+
+/// Triangles of a structure that are looked for, about.
+const MOST_PROBES: usize = 4096;
 
 /// Whether a job wants the lower primitive of equal hits.
 ///
