@@ -4,8 +4,8 @@
 // triangles tested, hits.
 //
 // Nodes and triangles are words in storage textures, four a texel, row by row. Searches read them at unrelated places in
-// every lane, and Mesa's software driver searches up to twice as fast with storage textures as with buffers, whose loads
-// it makes of a branch a lane and word, or with sampled textures, of which it asks the level of detail a lane.
+// every lane, and Mesa's software driver searches faster with storage textures than with buffers, whose loads it makes of a
+// branch a lane and word, or with sampled textures, of which it asks the level of detail a lane.
 
 #import tracebench::types::{Ray, Hit, miss, STATUS_HIT, STATUS_MISS}
 #import tracebench::triangle::{RayFrame, ray_frame, cross_triangle}

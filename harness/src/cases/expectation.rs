@@ -1,6 +1,6 @@
 //! What is expected of a tracer on a case, and whether it came.
 
-use super::{bvh_cpu, bvh_gpu, lbvh_gpu, ray_query, screen_dda};
+use super::{bvh_cpu, exact, screen_dda};
 pub use crate::judge::Rule;
 
 /// What is expected of a tracer with its published preset on a case. Shares are of the rays that are no tie.
@@ -40,9 +40,9 @@ pub type Column = &'static [(&'static str, Expectation)];
 /// Every tracer of which something is expected.
 pub const COLUMNS: &[(&str, Column)] = &[
     ("bvh-cpu", bvh_cpu::EXPECTATIONS),
-    ("bvh-gpu", bvh_gpu::EXPECTATIONS),
-    ("lbvh-gpu", lbvh_gpu::EXPECTATIONS),
-    ("ray-query", ray_query::EXPECTATIONS),
+    ("bvh-gpu", exact::EXPECTATIONS),
+    ("lbvh-gpu", exact::EXPECTATIONS),
+    ("ray-query", exact::EXPECTATIONS),
     ("screen-dda", screen_dda::EXPECTATIONS),
 ];
 

@@ -5,14 +5,12 @@
 //! [`expectation::COLUMNS`].
 
 mod bvh_cpu;
-mod bvh_gpu;
+mod exact;
 pub mod expectation;
 mod eye;
 mod frames;
-mod lbvh_gpu;
 mod many;
 mod probe;
-mod ray_query;
 mod screen_dda;
 mod sketch;
 mod small;

@@ -15,7 +15,7 @@ use tracebench_api::{
 };
 
 use crate::hierarchy;
-use crate::input::{build_description, build_parameters, gather, scale_for};
+use crate::input::{build_description, build_parameters, check_fits, gather, scale_for};
 use crate::refit::refit;
 use crate::sah;
 use crate::wide::{check_references, depth};
@@ -134,13 +134,7 @@ impl BvhCpuStructure {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        if geometry.triangles.len() != self.triangle_count {
-            return Err(TracerError::Failed(format!(
-                "a hierarchy over {} triangles cannot be fitted to {}: rebuild it",
-                self.triangle_count,
-                geometry.triangles.len()
-            )));
-        }
+        check_fits(self.triangle_count, geometry)?;
         let rebuild_every = parameters.integer("rebuild_every").unsigned_abs();
         if rebuild_every > 0 && self.refits + 1 >= rebuild_every {
             *self = Self::build(geometry, parameters, clock)?;

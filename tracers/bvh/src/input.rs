@@ -6,7 +6,7 @@ use glam::Vec3A;
 use obvhs::BvhBuildParams;
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
-use tracebench_api::{Domain, Geometry, ParameterDescription, ParameterScope, PhaseClock, Value};
+use tracebench_api::{Domain, Geometry, ParameterDescription, ParameterScope, PhaseClock, TracerError, Value};
 
 /// Values of `build`.
 pub(crate) const BUILDS: &[&str] = &["fastest", "very_fast", "fast", "medium", "slow", "very_slow"];
@@ -58,4 +58,18 @@ pub(crate) fn gather(geometry: &Geometry, scale: f32, clock: &mut PhaseClock<'_>
         let gather = |&[a, b, c]: &[u32; 3]| Triangle { v0: corner(a), v1: corner(b), v2: corner(c) };
         geometry.triangles.par_iter().map(gather).collect()
     })
+}
+
+/// That a hierarchy over so many triangles can be fitted to a scene.
+///
+/// # Errors
+/// [`TracerError::Failed`] if the scene has another number of them.
+pub(crate) fn check_fits(triangle_count: usize, geometry: &Geometry) -> Result<(), TracerError> {
+    if geometry.triangles.len() == triangle_count {
+        return Ok(());
+    }
+    Err(TracerError::Failed(format!(
+        "a hierarchy over {triangle_count} triangles cannot be fitted to {}: rebuild it",
+        geometry.triangles.len()
+    )))
 }

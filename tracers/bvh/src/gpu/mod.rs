@@ -25,7 +25,7 @@ pub use layout::DeviceTriangle;
 pub use search::{BINARY_STACK, SearchSettings, WIDE_STACK};
 pub use texels::ROW_BITS;
 
-use crate::input::{gather, scale_for};
+use crate::input::{check_fits, gather, scale_for};
 use layout::Tree;
 use resident::Resident;
 use search::Searches;
@@ -100,13 +100,7 @@ impl BvhGpuStructure {
     /// Boxes and triangles follow the vertices. Triangles that the build split keep several boxes, each now of the whole
     /// triangle.
     fn refit(&mut self, geometry: &Geometry, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        if geometry.triangles.len() != self.triangle_count {
-            return Err(TracerError::Failed(format!(
-                "a hierarchy over {} triangles cannot be fitted to {}: rebuild it",
-                self.triangle_count,
-                geometry.triangles.len()
-            )));
-        }
+        check_fits(self.triangle_count, geometry)?;
         let gpu = Arc::clone(&self.searches.gpu);
         let mut tree = match self.fitted.take() {
             Some(tree) => tree,

@@ -44,7 +44,7 @@ pub use kernels::{BuildSettings, ClusterIteration, ConversionLevel, RefitStage};
 use crate::gpu::layout::{DeviceTriangle, NodeKind, Tree};
 use crate::gpu::resident::Resident;
 use crate::gpu::search::{Searches, private_stack, scratch_bytes};
-use crate::input::scale_for;
+use crate::input::{check_fits, scale_for};
 use kernels::{CROWDED, FINISHED, Kernels, LEVELS, TAKEN_SLOTS};
 use plan::Plan;
 use rooms::WIDE_NODE_BYTES;
@@ -169,13 +169,7 @@ impl Structure for LbvhStructure {
                 *self = Self::build(&self.kernels, &self.searches, geometry, parameters, Some(&self.plan), clock)?;
             }
             Update::Refit => {
-                if geometry.triangles.len() != self.plan.triangle_count as usize {
-                    return Err(TracerError::Failed(format!(
-                        "a hierarchy over {} triangles cannot be fitted to {}: rebuild it",
-                        self.plan.triangle_count,
-                        geometry.triangles.len()
-                    )));
-                }
+                check_fits(self.plan.triangle_count as usize, geometry)?;
                 let scale = scale_for(geometry.diagonal());
                 self.plan.refit(&self.kernels, geometry, scale, clock)?;
                 self.scale = scale;

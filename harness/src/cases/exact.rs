@@ -1,6 +1,8 @@
-//! What is expected of `ray-query`: an analytic method that sees every triangle and no view. Its triangle test is the
-//! driver's own; Vulkan asks drivers for a watertight one (VK_KHR_ray_query, "Watertightness"), and Mesa's software driver
-//! (25.0) has one. Another driver that does worse comes out as unexpected, which is what this column is for.
+//! What is expected of analytic methods with a watertight triangle test that see every triangle and no view: no wrong ray.
+//!
+//! `bvh-gpu`; `lbvh-gpu`, which has its searches over hierarchies built on the device; and `ray-query`, whose triangle test is the
+//! driver's own: Vulkan asks drivers for a watertight one (VK_KHR_ray_query, "Watertightness"), and Mesa's software driver
+//! (25.0) has one. Another driver that does worse comes out as unexpected, which is what its column is for.
 
 use super::expectation::{Column, Expectation};
 
