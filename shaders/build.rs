@@ -16,6 +16,9 @@ const MODULES: &[&str] = &[
     "shared/triangle.wgsl",
     "bvh/search.wgsl",
     "bvh/build.wgsl",
+    "shared/tile_clip.wgsl",
+    "bvh/search.wgsl",
+    "dirt/grid.wgsl",
 ];
 
 /// Every variant: constant's name, file, definitions that are switched on.
@@ -39,6 +42,17 @@ const VARIANTS: &[(&str, &str, &[&str])] = &[
     ("BVH_BUILD_CONVERT", "bvh/convert.wgsl", &[]),
     ("BVH_REFIT_BINARY", "bvh/refit.wgsl", &[]),
     ("BVH_REFIT_WIDE", "bvh/refit.wgsl", &["WIDE"]),
+    ("DIRT_FILL_DEPTH", "dirt/fill.wgsl", &[]),
+    ("DIRT_FILL_DEPTH_CONSERVATIVE", "dirt/fill.wgsl", &["CONSERVATIVE"]),
+    ("DIRT_FILL_PRIMITIVES", "dirt/fill.wgsl", &["PRIMITIVES"]),
+    ("DIRT_FILL_PRIMITIVES_CONSERVATIVE", "dirt/fill.wgsl", &["PRIMITIVES", "CONSERVATIVE"]),
+    ("DIRT_FILL_PRIMITIVES_SPLIT", "dirt/fill.wgsl", &["PRIMITIVES", "SPLIT"]),
+    ("DIRT_FILL_PRIMITIVES_CONSERVATIVE_SPLIT", "dirt/fill.wgsl", &["PRIMITIVES", "CONSERVATIVE", "SPLIT"]),
+    ("DIRT_MIPMAP", "dirt/mipmap.wgsl", &[]),
+    ("DIRT_TRACE", "dirt/trace.wgsl", &[]),
+    ("DIRT_TRACE_COUNTED", "dirt/trace.wgsl", &["COUNTERS"]),
+    ("DIRT_TRACE_SPLIT", "dirt/trace.wgsl", &["SPLIT"]),
+    ("DIRT_TRACE_SPLIT_COUNTED", "dirt/trace.wgsl", &["SPLIT", "COUNTERS"]),
     ("TEST_TRIANGLE_FUNCTIONS", "test/triangle_functions.wgsl", &[]),
     ("TEST_VIEW_FUNCTIONS", "test/view_functions.wgsl", &[]),
 ];

@@ -87,6 +87,7 @@ fn times(timings: &[Timing]) -> Times {
         phases: PhaseRecord::collect(&phases),
         submit_to_done_median_ms: (!submissions.is_empty()).then(|| median(&submissions)),
         timestamps_refused: !believed,
+        grown_samples: timings.iter().filter(|timing| timing.grown).count() as u64,
     }
 }
 
@@ -179,6 +180,7 @@ mod tests {
             total_ms: device,
             phases: Vec::new(),
             submit_to_done_ms: Some(20.0),
+            grown: false,
         };
         let refused = times(&[sample(0.03), sample(0.04)]);
         assert_eq!((refused.clock, refused.median_ms), (ClockKind::SubmitToDone, 20.0));

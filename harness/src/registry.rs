@@ -52,6 +52,11 @@ pub const TRACERS: &[Registration] = &[
         create: |gpu| Ok(Box::new(tracebench_bvh::RayQuery::new(gpu?)?)),
     },
     Registration {
+        describe: tracebench_dirt::description,
+        family: Family::Image,
+        create: |gpu| Ok(Box::new(tracebench_dirt::Dirt::new(gpu?)?)),
+    },
+    Registration {
         describe: tracebench_screen_dda::description,
         family: Family::Image,
         create: |gpu| Ok(Box::new(tracebench_screen_dda::ScreenDda::new(gpu?)?)),

@@ -109,10 +109,11 @@ impl Contender {
     ) -> Result<Timing, TracerError> {
         self.structure = None;
         let mut clock = PhaseClock::new(gpu);
-        let structure = self.tracer.build(geometry, viewpoint, &self.parameters, &mut clock)?;
+        let mut structure = self.tracer.build(geometry, viewpoint, &self.parameters, &mut clock)?;
         let timing = clock.finish()?;
+        let grown = grown(&mut *structure, geometry, viewpoint, &self.parameters, gpu)?;
         self.structure = Some(structure);
-        Ok(timing)
+        Ok(grown.unwrap_or(timing))
     }
 
     /// Lets the last structure follow triangles that moved and gives the time.
@@ -131,7 +132,9 @@ impl Contender {
         };
         let mut clock = PhaseClock::new(gpu);
         structure.update(update, geometry, viewpoint, &self.parameters, &mut clock)?;
-        clock.finish()
+        let timing = clock.finish()?;
+        let grown = grown(&mut **structure, geometry, viewpoint, &self.parameters, gpu)?;
+        Ok(grown.unwrap_or(timing))
     }
 
     /// What it built last.
@@ -141,6 +144,22 @@ impl Contender {
     pub fn structure(&self) -> Result<&dyn Structure, TracerError> {
         self.structure.as_deref().ok_or_else(|| TracerError::Failed("traced before it was built".to_owned()))
     }
+}
+
+/// If a structure ran out of room, the time of a rebuild in the room that it has made.
+fn grown(
+    structure: &mut dyn Structure,
+    geometry: &Geometry,
+    viewpoint: &Viewpoint,
+    parameters: &Parameters,
+    gpu: Option<&Gpu>,
+) -> Result<Option<Timing>, TracerError> {
+    if !structure.make_room()? {
+        return Ok(None);
+    }
+    let mut clock = PhaseClock::new(gpu);
+    structure.update(Update::Rebuild, geometry, viewpoint, parameters, &mut clock)?;
+    Ok(Some(Timing { grown: true, ..clock.finish()? }))
 }
 
 /// One scene from one viewpoint.

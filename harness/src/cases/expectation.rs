@@ -1,6 +1,6 @@
 //! What is expected of a tracer on a case, and whether it came.
 
-use super::{bvh_cpu, exact, screen_dda};
+use super::{bvh_cpu, dirt, exact, screen_dda};
 pub use crate::judge::Rule;
 
 /// What is expected of a tracer with its published preset on a case. Shares are of the rays that are no tie.
@@ -43,6 +43,7 @@ pub const COLUMNS: &[(&str, Column)] = &[
     ("bvh-gpu", exact::EXPECTATIONS),
     ("lbvh-gpu", exact::EXPECTATIONS),
     ("ray-query", exact::EXPECTATIONS),
+    ("dirt", dirt::EXPECTATIONS),
     ("screen-dda", screen_dda::EXPECTATIONS),
 ];
 

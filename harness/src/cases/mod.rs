@@ -5,6 +5,7 @@
 //! [`expectation::COLUMNS`].
 
 mod bvh_cpu;
+mod dirt;
 mod exact;
 pub mod expectation;
 mod eye;

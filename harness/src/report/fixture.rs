@@ -218,6 +218,7 @@ fn times(quality: Quality, samples: &[f64], phases: Vec<PhaseRecord>) -> Times {
         phases,
         submit_to_done_median_ms: (quality.clock != ClockKind::Host).then(|| median(samples) + 0.3),
         timestamps_refused: false,
+        grown_samples: 0,
     }
 }
 
@@ -225,7 +226,7 @@ fn trace(rays: &str, query: Query, index: usize, quality: Quality) -> TraceRecor
     let speed = quality.speed / (1.0 + 0.6 * index as f64);
     let jitter = |sample: i32| 1.0 + 0.02 * f64::from(sample * 3 % 10 - 5);
     let samples: Vec<f64> = (0..10).map(|sample| COUNT as f64 / (speed * 1e3) * jitter(sample)).collect();
-    let counter = CounterRecord { total: COUNT * 37, per_ray: 37.0, greatest_per_ray: 412 };
+    let counter = CounterRecord { total: COUNT * 37, per_ray: 37.0, greatest_per_ray: Some(412) };
     TraceRecord {
         rays: rays.to_owned(),
         rays_sha256: format!("{index:064x}"),

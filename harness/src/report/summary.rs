@@ -292,7 +292,7 @@ fn counters(rows: &[Row<'_>]) -> String {
     let mut any = false;
     for (role, run, trace) in rows.iter().filter(|(role, ..)| *role == Role::Contender) {
         for (name, counter) in &trace.counters {
-            let greatest = thousands(counter.greatest_per_ray);
+            let greatest = counter.greatest_per_ray.map_or(NONE.to_owned(), thousands);
             table.row(&[label(*role, run), name.clone(), significant(counter.per_ray, 4), greatest]);
             any = true;
         }

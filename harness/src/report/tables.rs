@@ -186,7 +186,11 @@ impl MapColumns {
             trace.counters.get(name).map_or_else(
                 || [String::new(), String::new(), String::new()],
                 |counter| {
-                    [number(Some(counter.per_ray)), counter.greatest_per_ray.to_string(), counter.total.to_string()]
+                    [
+                        number(Some(counter.per_ray)),
+                        counter.greatest_per_ray.map_or(String::new(), |greatest| greatest.to_string()),
+                        counter.total.to_string(),
+                    ]
                 },
             )
         };

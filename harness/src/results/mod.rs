@@ -223,6 +223,8 @@ pub struct Times {
     pub submit_to_done_median_ms: Option<f64>,
     /// Whether the device's timestamps cannot be true, so that `clock` is `submit_to_done` instead.
     pub timestamps_refused: bool,
+    /// Samples that were taken again because memory sized from counts had been too small; theirs is the second time.
+    pub grown_samples: u64,
 }
 
 /// Times of the builds.
@@ -344,7 +346,7 @@ pub struct CounterRecord {
     /// Mean per ray.
     pub per_ray: f64,
     /// The largest of any one ray.
-    pub greatest_per_ray: u64,
+    pub greatest_per_ray: Option<u64>,
 }
 
 #[cfg(test)]

@@ -15,13 +15,13 @@ fn a_matrix_and_its_files() {
     let expected = ["error_vs_strength.png", "error_vs_strength.svg", "stability.json", "stability.md"];
     assert_eq!(names(&bench.path("out")), expected.map(str::to_owned).into());
     assert!(
-        outcome.stdout.starts_with("| case | bvh-cpu | bvh-gpu | lbvh-gpu | ray-query | screen-dda |\n"),
+        outcome.stdout.starts_with("| case | bvh-cpu | bvh-gpu | lbvh-gpu | ray-query | dirt | screen-dda |\n"),
         "{}",
         outcome.stdout
     );
     let with_ray_queries = adapter_has_ray_queries(&gpu());
     let ray_query = if with_ray_queries { "exact" } else { "unavailable" };
-    let row = format!("| edge-on | exact | exact | exact | {ray_query} | known failure ");
+    let row = format!("| edge-on | exact | exact | exact | {ray_query} | exact | known failure ");
     assert!(outcome.stdout.contains(&row), "{}", outcome.stdout);
     assert_eq!(outcome.stdout.contains("Skipped ray-query: "), !with_ray_queries, "{}", outcome.stdout);
     let page = std::fs::read_to_string(bench.path("out/stability.md")).unwrap();
@@ -34,7 +34,7 @@ fn a_matrix_and_its_files() {
     assert!(case["strengths"][0]["rays"].as_u64().unwrap() >= 500);
     let cell = &case["tracers"][3];
     assert_eq!((cell["tracer"].as_str(), cell["verdict"].as_str()), (Some("ray-query"), Some(ray_query)));
-    let cell = &case["tracers"][4];
+    let cell = &case["tracers"][5];
     assert_eq!((cell["tracer"].as_str(), cell["verdict"].as_str()), (Some("screen-dda"), Some("known_failure")));
     for field in ["kind", "rule", "most_wrong", "from", "least_wrong", "reason", "source"] {
         assert!(!cell["expectation"][field].is_null(), "{field}: {cell}");

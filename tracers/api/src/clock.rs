@@ -38,6 +38,8 @@ pub struct Timing {
     pub phases: Vec<PhaseSample>,
     /// The same work by the host's clock, from before submission until the device is done; none for work on the host.
     pub submit_to_done_ms: Option<f64>,
+    /// Whether the work was done a second time, into memory that had been too small at first: the time is the second's.
+    pub grown: bool,
 }
 
 impl Timing {
@@ -59,9 +61,13 @@ impl Timing {
     #[must_use]
     pub fn by_submission(&self) -> Self {
         match self.submit_to_done_ms {
-            Some(total_ms) => {
-                Self { clock: ClockKind::SubmitToDone, total_ms, phases: Vec::new(), submit_to_done_ms: Some(total_ms) }
-            }
+            Some(total_ms) => Self {
+                clock: ClockKind::SubmitToDone,
+                total_ms,
+                phases: Vec::new(),
+                submit_to_done_ms: Some(total_ms),
+                grown: self.grown,
+            },
             None => self.clone(),
         }
     }
@@ -131,6 +137,7 @@ impl<'gpu> PhaseClock<'gpu> {
                 total_ms: (end - begin).as_secs_f64() * 1e3,
                 phases: self.host_phases,
                 submit_to_done_ms: None,
+                grown: false,
             }),
             (Some(encoder), None) => {
                 let gpu = self.gpu.ok_or_else(|| TracerError::Failed("a device phase without a device".to_owned()))?;
@@ -155,6 +162,7 @@ fn finish_on_device(gpu: &Gpu, mut encoder: wgpu::CommandEncoder, phases: &[Stri
         total_ms: submit_to_done_ms,
         phases: Vec::new(),
         submit_to_done_ms: Some(submit_to_done_ms),
+        grown: false,
     };
     let Some(stamps) = &gpu.stamps else { return Ok(by_host) };
     let read = gpu.read_mapped(&stamps.readback, bytes)?;
@@ -250,6 +258,7 @@ mod tests {
             total_ms: device,
             phases: Vec::new(),
             submit_to_done_ms: Some(host),
+            grown: false,
         };
         assert!(!Timing::believable(&[sample(0.04, 13.4), sample(0.05, 22.0)]));
         assert!(!Timing::believable(&[sample(20.0, 20.3), sample(40.0, 20.3)]));

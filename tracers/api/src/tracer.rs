@@ -66,16 +66,21 @@ pub struct Counter {
     pub name: &'static str,
     /// Over all rays.
     pub total: u64,
-    /// The largest of any one ray.
-    pub greatest_per_ray: u64,
+    /// The largest of any one ray; none for what is counted of the set as a whole.
+    pub greatest_per_ray: Option<u64>,
 }
 
 impl Counter {
     /// Sums up counts of single rays.
     pub fn of(name: &'static str, per_ray: impl IntoIterator<Item = u64>) -> Self {
-        let (total, greatest_per_ray) =
+        let (total, greatest) =
             per_ray.into_iter().fold((0, 0), |(total, most), count| (total + count, u64::max(most, count)));
-        Self { name, total, greatest_per_ray }
+        Self { name, total, greatest_per_ray: Some(greatest) }
+    }
+
+    /// A count of the set as a whole, such as what of the structure any ray touched.
+    pub fn of_set(name: &'static str, total: u64) -> Self {
+        Self { name, total, greatest_per_ray: None }
     }
 }
 
@@ -140,6 +145,15 @@ pub trait Structure {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError>;
+
+    /// Whether the last build or update ran out of room. There is room for it now, and a rebuild fits: until then rays
+    /// may be answered wrongly. For structures that are sized from counts.
+    ///
+    /// # Errors
+    /// [`TracerError::TooLarge`] if the device cannot hold what is needed.
+    fn make_room(&mut self) -> Result<bool, TracerError> {
+        Ok(false)
+    }
 
     /// Answers every ray of the job into `hits`; complete only when the clock has been finished.
     ///

@@ -54,6 +54,28 @@ impl Viewpoint {
             size: self.frame,
         }
     }
+
+    /// Six views of 90 degrees along the world's axes (+x, -x, +y, -y, +z, -z) round the eye, `face` pixels along an
+    /// edge. `pulled_back` (scene units) shifts each centre against its direction: by the near distance, the near planes
+    /// meet in the eye and nothing is lost before them (VVP16, section 3.2).
+    pub fn face_views(&self, pulled_back: f64) -> [View; 6] {
+        let axes = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
+        axes.map(|forward| {
+            let up = if forward.y == 0.0 { DVec3::Y } else { DVec3::NEG_Z * forward.y };
+            View {
+                eye: self.eye.as_dvec3() - forward * pulled_back,
+                right: forward.cross(up),
+                up,
+                forward,
+                tan_half_width: 1.0,
+                tan_half_height: 1.0,
+                near: f64::from(self.near),
+                // The farthest point may lie straight ahead of a centre that was pulled back.
+                far: f64::from(self.far) + pulled_back,
+                size: [self.face; 2],
+            }
+        })
+    }
 }
 
 /// One perspective view, in f64: the reference for the shaders' projection, and what the judge projects true hits into.
@@ -159,6 +181,36 @@ mod tests {
         let view = view();
         let at = view.project(view.eye + DVec3::new(0.5, 0.5, -5.0)).unwrap();
         assert!(at.x > 100.0 && at.y < 50.0);
+    }
+
+    /// Every direction lies in a face, in one alone where it is not on a border, and pulling the centres back leaves none of
+    /// the points before near out.
+    #[test]
+    fn faces_cover_every_direction_once() {
+        let viewpoint = Viewpoint {
+            eye: Vec3::new(1.0, 2.0, 3.0),
+            forward: Vec3::NEG_Z,
+            up: Vec3::Y,
+            vertical_fov: 1.0,
+            near: 0.1,
+            far: 100.0,
+            frame: [200, 100],
+            face: 64,
+            view_set: ViewSet::Faces,
+        };
+        let eye = viewpoint.eye.as_dvec3();
+        for step in 0..200 {
+            let (turn, rise) = (f64::from(step) * 2.399, f64::from(step) / 100.0 - 0.995);
+            let level = (1.0 - rise * rise).sqrt();
+            let direction = DVec3::new(level * turn.cos(), rise, level * turn.sin());
+            let inside = |distance: f64, pulled_back: f64| {
+                let point = eye + direction * distance;
+                viewpoint.face_views(pulled_back).iter().filter(|view| view.project_inside(point).is_some()).count()
+            };
+            assert_eq!(inside(5.0, 0.0), 1, "{direction}");
+            assert!(inside(5.0, 0.1) >= 1 && inside(0.01, 0.1) >= 1, "{direction}");
+            assert_eq!(inside(0.01, 0.0), 0, "{direction}");
+        }
     }
 
     /// Points behind the eye, before near and off the frame are not inside.

@@ -1,6 +1,7 @@
 //! Device parts that several tracers share: views as uniforms, pipelines and dispatches, buffers that are kept, prefix sums
-//! and sorts, rasterized eye depth.
+//! and sorts, rasterized eye depth; and clipping in f64, which what they rasterize is held against.
 
+mod clip;
 mod compute;
 mod eye_depth;
 mod prefix_sum;
@@ -8,6 +9,7 @@ mod radix_sort;
 mod room;
 mod view_uniform;
 
+pub use clip::{TileBounds, clipped_depths, clipped_polygon, eye_space, touched_tiles};
 pub use compute::{bind_group, bind_group_at, compute_pipeline, dispatch_linear, shader_module};
 pub use eye_depth::{EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
 pub use prefix_sum::{PrefixSum, PrefixSumPlan};

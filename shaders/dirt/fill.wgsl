@@ -1,0 +1,154 @@
+// The two geometry passes of DIRT (sections 4.1.1 and 4.1.2): every triangle's part in every tile that it covers, first
+// into the tile's depth bounds, then into the lists of the buckets that the part's depths overlap.
+
+#import tracebench::view::{View, to_eye_space, clip_position}
+#import tracebench::tile_clip::{DepthRange, TileFrustum, tile_margin, tile_frustum, polygon_range, plane_range, tile_rectangle}
+#import tracebench::dirt_grid::{TileGrid, Node, bounds_index, head_index, near_code, far_code, depths_of, bucket_of}
+
+struct FillPass {
+    view: View,
+    view_index: u32,
+    // 1: depths by the triangle's plane.
+    by_plane: u32,
+    padding: vec2<u32>,
+}
+
+@group(0) @binding(0) var<uniform> grid: TileGrid;
+@group(0) @binding(1) var<uniform> drawn: FillPass;
+@group(0) @binding(2) var<storage, read> positions: array<f32>;
+@group(0) @binding(3) var<storage, read> indices: array<u32>;
+#ifdef PRIMITIVES
+@group(0) @binding(4) var<storage, read> bounds: array<vec2<u32>>;
+@group(0) @binding(5) var<storage, read_write> heads: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> nodes: array<Node>;
+// Nodes taken, and (of all primitives in all tiles) parts stored once each.
+@group(0) @binding(7) var<storage, read_write> taken: array<atomic<u32>>;
+#ifdef SPLIT
+// Further nodes, where one binding does not hold all.
+@group(0) @binding(8) var<storage, read_write> nodes_1: array<Node>;
+@group(0) @binding(9) var<storage, read_write> nodes_2: array<Node>;
+@group(0) @binding(10) var<storage, read_write> nodes_3: array<Node>;
+@group(0) @binding(11) var<storage, read_write> nodes_4: array<Node>;
+@group(0) @binding(12) var<storage, read_write> nodes_5: array<Node>;
+@group(0) @binding(13) var<storage, read_write> nodes_6: array<Node>;
+@group(0) @binding(14) var<storage, read_write> nodes_7: array<Node>;
+#endif
+#else
+@group(0) @binding(4) var<storage, read_write> bounds: array<atomic<u32>>;
+#endif
+
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat) triangle: u32,
+}
+
+// A relative slack of depths: what clipping in f32 may be off by.
+const DEPTH_SLACK: f32 = 9.5367431640625e-7;
+
+fn eye_point(triangle: u32, corner: u32) -> vec3<f32> {
+    let vertex = indices[triangle * 3u + corner] * 3u;
+    return to_eye_space(drawn.view, vec3<f32>(positions[vertex], positions[vertex + 1u], positions[vertex + 2u]));
+}
+
+#ifdef CONSERVATIVE
+// Two triangles a triangle: the rectangle of tiles that it may touch. The fragment stage decides exactly.
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> Corner {
+    let triangle = index / 6u;
+    let a = eye_point(triangle, 0u);
+    let b = eye_point(triangle, 1u);
+    let c = eye_point(triangle, 2u);
+    let rectangle = tile_rectangle(drawn.view, grid.tiles, a, b, c);
+    if (any(rectangle.last <= rectangle.first)) {
+        return Corner(vec4<f32>(2.0, 2.0, 0.5, 1.0), triangle);
+    }
+    // Corners 0 1 2, 2 1 3.
+    let corner = (0x312210u >> (4u * (index % 6u))) & 3u;
+    let tile = vec2<f32>(
+        select(rectangle.first.x, rectangle.last.x, ((corner & 1u) == 1u)),
+        select(rectangle.first.y, rectangle.last.y, ((corner & 2u) == 2u)),
+    );
+    let tiles = vec2<f32>(grid.tiles);
+    return Corner(vec4<f32>(tile.x / tiles.x * 2.0 - 1.0, 1.0 - tile.y / tiles.y * 2.0, 0.5, 1.0), triangle);
+}
+#else
+// Tiles whose centres a triangle covers, by the rasterizer's own rule.
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> Corner {
+    let triangle = index / 3u;
+    return Corner(clip_position(drawn.view, eye_point(triangle, index % 3u)), triangle);
+}
+#endif
+
+#ifdef PRIMITIVES
+fn store_node(index: u32, node: Node) {
+#ifdef SPLIT
+    let within = index % grid.nodes_per_part;
+    switch (index / grid.nodes_per_part) {
+        case 0u: {
+            nodes[within] = node;
+        }
+        case 1u: {
+            nodes_1[within] = node;
+        }
+        case 2u: {
+            nodes_2[within] = node;
+        }
+        case 3u: {
+            nodes_3[within] = node;
+        }
+        case 4u: {
+            nodes_4[within] = node;
+        }
+        case 5u: {
+            nodes_5[within] = node;
+        }
+        case 6u: {
+            nodes_6[within] = node;
+        }
+        default: {
+            nodes_7[within] = node;
+        }
+    }
+#else
+    nodes[index] = node;
+#endif
+}
+#endif
+
+@fragment
+fn fragment(in: Corner) -> @location(0) vec4<f32> {
+    let tile = vec2<u32>(in.position.xy);
+    let a = eye_point(in.triangle, 0u);
+    let b = eye_point(in.triangle, 1u);
+    let c = eye_point(in.triangle, 2u);
+    let frustum = tile_frustum(drawn.view, tile, tile_margin(drawn.view.size));
+    var range = polygon_range(frustum, a, b, c);
+    if (range.least > range.greatest || any(tile >= grid.tiles)) {
+        return vec4<f32>(0.0);
+    }
+    if (drawn.by_plane == 1u) {
+        range = plane_range(frustum, a, b, c);
+    }
+    let least = range.least * (1.0 - DEPTH_SLACK);
+    let greatest = range.greatest * (1.0 + DEPTH_SLACK);
+    let index = bounds_index(grid, drawn.view_index, 0u, tile);
+#ifdef PRIMITIVES
+    let depths = depths_of(bounds[index]);
+    let first = bucket_of(least, depths, grid.buckets);
+    let last = bucket_of(greatest, depths, grid.buckets);
+    atomicAdd(&taken[1], 1u);
+    for (var bucket = first; bucket <= last; bucket++) {
+        let node = atomicAdd(&taken[0], 1u);
+        // Beyond the capacity nothing is stored and the count goes on: the host sees what is missing.
+        if (node < grid.node_capacity) {
+            let head = head_index(grid, drawn.view_index, tile, bucket);
+            store_node(node, Node(atomicExchange(&heads[head], node + 1u), in.triangle));
+        }
+    }
+#else
+    atomicMax(&bounds[2u * index], near_code(least));
+    atomicMax(&bounds[2u * index + 1u], far_code(greatest));
+#endif
+    return vec4<f32>(0.0);
+}

@@ -1,0 +1,40 @@
+// Mipmaps of the depth bounds (section 4.1.1): a tile of a level bounds the four below it.
+
+#import tracebench::dispatch::linear_invocation
+#import tracebench::dirt_grid::{TileGrid, level_tiles, bounds_index}
+
+struct MipmapLevel {
+    // The level to make, from 1.
+    level: u32,
+    views: u32,
+    padding: vec2<u32>,
+}
+
+@group(0) @binding(0) var<uniform> grid: TileGrid;
+@group(0) @binding(1) var<uniform> made: MipmapLevel;
+@group(0) @binding(2) var<storage, read_write> bounds: array<vec2<u32>>;
+
+const WORKGROUP_SIZE: u32 = 64u;
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn mipmap(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let tiles = level_tiles(grid, made.level);
+    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    let view = index / (tiles.x * tiles.y);
+    if (view >= made.views) {
+        return;
+    }
+    let within = index % (tiles.x * tiles.y);
+    let tile = vec2<u32>(within % tiles.x, within / tiles.x);
+    let last = level_tiles(grid, made.level - 1u) - 1u;
+    var codes = vec2<u32>(0u);
+    for (var child = 0u; child < 4u; child++) {
+        let below = min(2u * tile + vec2<u32>(child & 1u, child >> 1u), last);
+        codes = max(codes, bounds[bounds_index(grid, view, made.level - 1u, below)]);
+    }
+    bounds[bounds_index(grid, view, made.level, tile)] = codes;
+}

@@ -1,0 +1,335 @@
+//! The build's stages on the device: fill depth, mipmap depth, fill primitives.
+
+use std::sync::Arc;
+
+use tracebench_api::wgpu::{self, BindGroup, Buffer, BufferUsages, ComputePipeline, RenderPipeline, TextureFormat};
+use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
+use tracebench_kit::{ViewUniform, bind_group, compute_pipeline, dispatch_linear, shader_module};
+use tracebench_shaders::{
+    DIRT_FILL_DEPTH, DIRT_FILL_DEPTH_CONSERVATIVE, DIRT_FILL_PRIMITIVES, DIRT_FILL_PRIMITIVES_CONSERVATIVE,
+    DIRT_FILL_PRIMITIVES_CONSERVATIVE_SPLIT, DIRT_FILL_PRIMITIVES_SPLIT, DIRT_MIPMAP, DIRT_TRACE, DIRT_TRACE_COUNTED,
+    DIRT_TRACE_SPLIT, DIRT_TRACE_SPLIT_COUNTED, Shader,
+};
+
+use crate::layout::{FillPass, Layout, MipmapLevel, TileGrid};
+
+/// As `WORKGROUP_SIZE` in shaders/dirt/mipmap.wgsl.
+const WORKGROUP_SIZE: u32 = 64;
+
+/// A colour attachment that nothing is written to: a pass must have one.
+const DUMMY_FORMAT: TextureFormat = TextureFormat::R8Unorm;
+
+/// How a structure is filled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Filling {
+    /// Every tile that a triangle touches keeps it, not only tiles whose centres it covers.
+    pub conservative: bool,
+    /// Depths by the triangle's plane, not by the clipped polygon.
+    pub by_plane: bool,
+}
+
+/// Every pipeline.
+pub(crate) struct Pipelines {
+    pub gpu: Arc<Gpu>,
+    depth: [RenderPipeline; 2],
+    primitives: [RenderPipeline; 2],
+    primitives_split: [RenderPipeline; 2],
+    mipmap: ComputePipeline,
+    trace: [ComputePipeline; 2],
+    trace_split: [ComputePipeline; 2],
+}
+
+fn raster_pipeline(gpu: &Gpu, shader: Shader) -> Result<RenderPipeline, TracerError> {
+    let module = shader_module(gpu, shader)?;
+    let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(shader.name),
+        layout: None,
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("vertex"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        // Two-sided: nothing is culled.
+        primitive: Default::default(),
+        depth_stencil: None,
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("fragment"),
+            compilation_options: Default::default(),
+            targets: &[Some(wgpu::ColorTargetState {
+                format: DUMMY_FORMAT,
+                blend: None,
+                write_mask: wgpu::ColorWrites::empty(),
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    });
+    gpu.check()?;
+    Ok(pipeline)
+}
+
+impl Pipelines {
+    pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        let raster = |shader| raster_pipeline(&gpu, shader);
+        let trace = |shader| compute_pipeline(&gpu, shader, "trace");
+        Ok(Self {
+            depth: [raster(DIRT_FILL_DEPTH)?, raster(DIRT_FILL_DEPTH_CONSERVATIVE)?],
+            primitives: [raster(DIRT_FILL_PRIMITIVES)?, raster(DIRT_FILL_PRIMITIVES_CONSERVATIVE)?],
+            primitives_split: [raster(DIRT_FILL_PRIMITIVES_SPLIT)?, raster(DIRT_FILL_PRIMITIVES_CONSERVATIVE_SPLIT)?],
+            mipmap: compute_pipeline(&gpu, DIRT_MIPMAP, "mipmap")?,
+            trace: [trace(DIRT_TRACE)?, trace(DIRT_TRACE_COUNTED)?],
+            trace_split: [trace(DIRT_TRACE_SPLIT)?, trace(DIRT_TRACE_SPLIT_COUNTED)?],
+            gpu,
+        })
+    }
+
+    /// The trace over nodes in one buffer or several, counting or not.
+    pub(crate) fn trace(&self, split: bool, counting: bool) -> &ComputePipeline {
+        let variants = if split { &self.trace_split } else { &self.trace };
+        &variants[usize::from(counting)]
+    }
+}
+
+/// The structure's buffers.
+pub(crate) struct Buffers {
+    /// Pairs of codes of the least and greatest depth, every view, every level.
+    pub bounds: Buffer,
+    /// Heads of the lists: one more than the first node, 0 for an empty list.
+    pub heads: Buffer,
+    /// Nodes, next and primitive: one buffer, or [`NODE_PARTS`] where one binding does not hold all.
+    pub nodes: Vec<Buffer>,
+    /// Nodes taken, parts of triangles stored.
+    pub taken: Buffer,
+    /// The colour attachment that nothing is written to, and what it takes.
+    pub attachment: wgpu::Texture,
+    pub attachment_bytes: u64,
+    /// Nodes that there is room for.
+    pub node_capacity: u32,
+    /// Nodes of each buffer but the last.
+    pub nodes_per_part: u32,
+}
+
+/// What ledgers call the parts, after Table 3.
+pub(crate) const DEPTH_BOUNDS: &str = "depth bounds texture";
+pub(crate) const HEADS: &str = "id buffer: heads";
+pub(crate) const NODE_COUNT: &str = "node count";
+pub(crate) const ATTACHMENT: &str = "attachment that nothing is written to";
+
+/// What they call a part of the nodes.
+pub(crate) fn nodes_name(part: usize) -> String {
+    if part == 0 { "id buffer: nodes".to_owned() } else { format!("id buffer: nodes, part {}", part + 1) }
+}
+
+/// Bytes of a node.
+pub(crate) const NODE_BYTES: u64 = 8;
+
+fn storage(gpu: &Gpu, name: &str, bytes: u64, turn_down: &str) -> Result<Buffer, TracerError> {
+    gpu.check_storage_binding(name, bytes, turn_down)?;
+    let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+    gpu.buffer(name, bytes, usage, turn_down)
+}
+
+/// Buffers that nodes are split into where one binding does not hold all, as in shaders/dirt.
+const NODE_PARTS: u64 = 8;
+
+/// Nodes that one binding holds at most.
+fn nodes_per_binding(gpu: &Gpu) -> u64 {
+    (gpu.limits.max_storage_buffer_binding_size / NODE_BYTES).min(u64::from(u32::MAX))
+}
+
+/// Buffers for nodes, one or several.
+pub(crate) fn node_buffers(gpu: &Gpu, capacity: u32) -> Result<Vec<Buffer>, TracerError> {
+    let turn_down = "dirt.buckets or --face, or turn dirt.tile_size up";
+    let (name, nodes, per_binding) = (nodes_name(0), u64::from(capacity.max(1)), nodes_per_binding(gpu));
+    if nodes <= per_binding {
+        return Ok(vec![storage(gpu, &name, nodes * NODE_BYTES, turn_down)?]);
+    }
+    if nodes > per_binding * NODE_PARTS {
+        return Err(TracerError::TooLarge {
+            name: format!("{name}, in {NODE_PARTS} parts,"),
+            bytes: nodes * NODE_BYTES,
+            limit: per_binding * NODE_PARTS * NODE_BYTES,
+            turn_down: turn_down.to_owned(),
+        });
+    }
+    let part = |index: u64| {
+        let of_part = (nodes - (per_binding * index).min(nodes)).min(per_binding).max(1);
+        storage(gpu, &nodes_name(index as usize), of_part * NODE_BYTES, turn_down)
+    };
+    (0..NODE_PARTS).map(part).collect()
+}
+
+impl Buffers {
+    pub(crate) fn new(gpu: &Gpu, layout: &Layout, node_capacity: u32) -> Result<Self, TracerError> {
+        let turn_down = "--face or dirt.buckets, or turn dirt.tile_size up";
+        let [width, height] = layout.tiles;
+        let before = gpu.allocations();
+        let mut buffers = Self {
+            bounds: storage(gpu, DEPTH_BOUNDS, layout.bounds_bytes(), turn_down)?,
+            heads: storage(gpu, HEADS, layout.heads_bytes(), turn_down)?,
+            nodes: node_buffers(gpu, node_capacity)?,
+            taken: storage(gpu, NODE_COUNT, 8, "nothing")?,
+            attachment_bytes: 0,
+            attachment: gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(ATTACHMENT),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: DUMMY_FORMAT,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+                view_formats: &[],
+            }),
+            node_capacity,
+            nodes_per_part: nodes_per_binding(gpu) as u32,
+        };
+        gpu.check()?;
+        // Drivers pad textures as they like.
+        let pixels = u64::from(width) * u64::from(height);
+        buffers.attachment_bytes = gpu.allocations().added_since(&before, ATTACHMENT).unwrap_or(pixels);
+        Ok(buffers)
+    }
+
+    /// Makes room for so many nodes.
+    pub(crate) fn set_capacity(&mut self, gpu: &Gpu, nodes: u32) -> Result<(), TracerError> {
+        self.nodes = node_buffers(gpu, nodes)?;
+        self.node_capacity = (self.node_bytes() / NODE_BYTES) as u32;
+        Ok(())
+    }
+
+    /// Whether nodes lie in several buffers.
+    pub(crate) fn is_split(&self) -> bool {
+        self.nodes.len() > 1
+    }
+
+    /// The uniform of the shaders.
+    pub(crate) fn grid(&self, layout: &Layout, triangle_count: u32) -> TileGrid {
+        layout.grid(self.node_capacity, self.nodes_per_part, triangle_count)
+    }
+
+    /// Allocated bytes of the nodes.
+    pub(crate) fn node_bytes(&self) -> u64 {
+        self.nodes.iter().map(Buffer::size).sum()
+    }
+}
+
+/// What a fill binds: made before the phases, which only record.
+struct Prepared {
+    depth: Vec<BindGroup>,
+    mipmaps: Vec<(BindGroup, u32)>,
+    primitives: Vec<BindGroup>,
+}
+
+impl Pipelines {
+    fn prepare(
+        &self,
+        layout: &Layout,
+        buffers: &Buffers,
+        geometry: &DeviceGeometry,
+        triangle_count: u32,
+        filling: Filling,
+    ) -> Result<Prepared, TracerError> {
+        let gpu = &*self.gpu;
+        let uniform = |name, contents: &[u8]| gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing");
+        let grid = buffers.grid(layout, triangle_count);
+        let grid = uniform("grid", bytemuck::bytes_of(&grid))?;
+        let variant = usize::from(filling.conservative);
+        let mut prepared = Prepared { depth: Vec::new(), mipmaps: Vec::new(), primitives: Vec::new() };
+        for (index, view) in layout.uniforms().into_iter().enumerate() {
+            let drawn =
+                FillPass { view, view_index: index as u32, by_plane: u32::from(filling.by_plane), padding: [0; 2] };
+            let drawn = uniform("drawn view", bytemuck::bytes_of(&drawn))?;
+            let bind = |pipeline: &RenderPipeline, more: &[&Buffer]| {
+                let shared = [&grid, &drawn, &geometry.positions, &geometry.indices];
+                let resources: Vec<_> = shared.iter().chain(more).map(|buffer| buffer.as_entire_binding()).collect();
+                bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources)
+            };
+            prepared.depth.push(bind(&self.depth[variant], &[&buffers.bounds]));
+            let lists = [&buffers.bounds, &buffers.heads, &buffers.nodes[0], &buffers.taken];
+            let lists: Vec<_> = lists.into_iter().chain(&buffers.nodes[1..]).collect();
+            prepared.primitives.push(bind(self.primitives(variant, buffers), &lists));
+        }
+        for level in 1..layout.levels() {
+            let made = MipmapLevel { level: level as u32, views: layout.views.len() as u32, padding: [0; 2] };
+            let made = uniform("level", bytemuck::bytes_of(&made))?;
+            let resources = [&grid, &made, &buffers.bounds].map(|buffer| buffer.as_entire_binding());
+            let bindings = bind_group(gpu, &self.mipmap.get_bind_group_layout(0), &resources);
+            let [across, down] = layout.level_tiles(level);
+            prepared.mipmaps.push((bindings, across * down * layout.views.len() as u32));
+        }
+        Ok(prepared)
+    }
+
+    fn primitives(&self, variant: usize, buffers: &Buffers) -> &RenderPipeline {
+        if buffers.is_split() { &self.primitives_split[variant] } else { &self.primitives[variant] }
+    }
+
+    /// Records the whole build.
+    pub(crate) fn fill(
+        &self,
+        layout: &Layout,
+        buffers: &Buffers,
+        geometry: &Geometry,
+        filling: Filling,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        let triangle_count = geometry.triangles.len() as u32;
+        let prepared = self.prepare(layout, buffers, geometry.on_device()?, triangle_count, filling)?;
+        let target = buffers.attachment.create_view(&Default::default());
+        let variant = usize::from(filling.conservative);
+        let vertices = triangle_count * if filling.conservative { 6 } else { 3 };
+        clock.device_phase("fill depth", |encoder| {
+            encoder.clear_buffer(&buffers.bounds, 0, None);
+            for bindings in &prepared.depth {
+                draw(encoder, &target, &self.depth[variant], bindings, vertices);
+            }
+        })?;
+        clock.device_phase("mipmap depth", |encoder| {
+            for (bindings, tiles) in &prepared.mipmaps {
+                dispatch_linear(encoder, &self.mipmap, bindings, *tiles, WORKGROUP_SIZE);
+            }
+        })?;
+        clock.device_phase("fill primitives", |encoder| {
+            encoder.clear_buffer(&buffers.heads, 0, None);
+            encoder.clear_buffer(&buffers.taken, 0, None);
+            for bindings in &prepared.primitives {
+                draw(encoder, &target, self.primitives(variant, buffers), bindings, vertices);
+            }
+        })
+    }
+}
+
+fn draw(
+    encoder: &mut wgpu::CommandEncoder,
+    target: &wgpu::TextureView,
+    pipeline: &RenderPipeline,
+    bindings: &BindGroup,
+    vertices: u32,
+) {
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("fill"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: target,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Discard },
+        })],
+        ..Default::default()
+    });
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, bindings, &[]);
+    pass.draw(0..vertices, 0..1);
+}
+
+/// The views in the layout of the trace's uniform, unused ones zero.
+pub(crate) fn view_uniforms(layout: &Layout) -> [ViewUniform; crate::layout::MOST_VIEWS] {
+    let mut all = bytemuck::Zeroable::zeroed();
+    let filled: &mut [ViewUniform; crate::layout::MOST_VIEWS] = &mut all;
+    for (slot, view) in filled.iter_mut().zip(layout.uniforms()) {
+        *slot = view;
+    }
+    all
+}

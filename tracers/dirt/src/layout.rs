@@ -1,0 +1,185 @@
+//! Views, tiles and buffers' sizes, and the uniforms that tell shaders of them.
+
+use bytemuck::{Pod, Zeroable};
+use tracebench_api::{Parameters, View, Viewpoint};
+use tracebench_kit::ViewUniform;
+
+use crate::description::tile_size;
+
+/// Levels that a pyramid has at most: tiles up to 32,768 along an edge.
+const MOST_LEVELS: usize = 16;
+
+/// Views at most.
+pub(crate) const MOST_VIEWS: usize = 6;
+
+/// Near without a near plane, in far distances.
+const NO_NEAR: f64 = 1e-7;
+
+/// `TileGrid` of shaders/dirt/grid.wgsl.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct TileGrid {
+    /// Tiles of a view along x and y.
+    pub tiles: [u32; 2],
+    /// Levels of the pyramid.
+    pub levels: u32,
+    /// Depth buckets of a tile.
+    pub buckets: u32,
+    /// Pairs of depth bounds of one view, all levels.
+    pub bounds_stride: u32,
+    /// Heads of one view.
+    pub heads_stride: u32,
+    /// Nodes that there is room for.
+    pub node_capacity: u32,
+    /// Triangles of the scene.
+    pub triangle_count: u32,
+    /// First pair of depth bounds of each level in a view.
+    pub level_offsets: [u32; MOST_LEVELS],
+    /// Nodes of one buffer, where one binding does not hold all.
+    pub nodes_per_part: u32,
+    /// Nothing.
+    pub padding_a: u32,
+    /// Nothing.
+    pub padding_b: u32,
+    /// Nothing.
+    pub padding_c: u32,
+}
+
+/// `FillPass` of shaders/dirt/fill.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct FillPass {
+    /// The view that is drawn, its size in tiles.
+    pub view: ViewUniform,
+    /// Its number.
+    pub view_index: u32,
+    /// 1: depths by the triangle's plane.
+    pub by_plane: u32,
+    /// Nothing.
+    pub padding: [u32; 2],
+}
+
+/// `MipmapLevel` of shaders/dirt/mipmap.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct MipmapLevel {
+    /// The level to make, from 1.
+    pub level: u32,
+    /// Number of views.
+    pub views: u32,
+    /// Nothing.
+    pub padding: [u32; 2],
+}
+
+/// `TraceSettings` of shaders/dirt/trace.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct TraceSettings {
+    /// Rays.
+    pub ray_count: u32,
+    /// Views.
+    pub view_count: u32,
+    /// 1: any hit ends a search.
+    pub any_hit: u32,
+    /// 1: hits count by their distance alone.
+    pub by_distance: u32,
+    /// 1: every bucket of a tile is searched.
+    pub all_buckets: u32,
+    /// Steps after which a ray is given up.
+    pub max_steps: u32,
+    /// Nothing.
+    pub padding: [u32; 2],
+}
+
+/// What is drawn and how it is stored.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Layout {
+    /// The views, sizes in pixels.
+    pub views: Vec<View>,
+    /// Pixels along a tile's edge.
+    pub tile_size: u32,
+    pub tiles: [u32; 2],
+    pub buckets: u32,
+}
+
+impl Layout {
+    pub(crate) fn new(viewpoint: &Viewpoint, parameters: &Parameters) -> Self {
+        let tile_size = tile_size(parameters);
+        let mut views = match parameters.choice("views") {
+            "frame" => vec![viewpoint.frame_view()],
+            _ => {
+                let pulled_back = if parameters.choice("centre") == "eye" { 0.0 } else { f64::from(viewpoint.near) };
+                viewpoint.face_views(pulled_back).to_vec()
+            }
+        };
+        if parameters.choice("near") == "none" {
+            for view in &mut views {
+                view.near = view.far * NO_NEAR;
+            }
+        }
+        let tiles = views[0].size.map(|edge| edge.div_ceil(tile_size));
+        Self { views, tile_size, tiles, buckets: parameters.integer("buckets") as u32 }
+    }
+
+    /// Tiles of a level along x and y.
+    pub(crate) fn level_tiles(&self, level: usize) -> [u32; 2] {
+        self.tiles.map(|edge| edge.div_ceil(1 << level))
+    }
+
+    /// Levels of the pyramid, down from one tile a view.
+    pub(crate) fn levels(&self) -> usize {
+        let edge = self.tiles[0].max(self.tiles[1]).max(1);
+        (edge.next_power_of_two().trailing_zeros() as usize + 1).min(MOST_LEVELS)
+    }
+
+    /// The uniform for a capacity of nodes.
+    pub(crate) fn grid(&self, node_capacity: u32, nodes_per_part: u32, triangle_count: u32) -> TileGrid {
+        let mut level_offsets = [0; MOST_LEVELS];
+        let mut offset = 0;
+        for (level, start) in level_offsets.iter_mut().enumerate().take(self.levels()) {
+            *start = offset;
+            let [across, down] = self.level_tiles(level);
+            offset += across * down;
+        }
+        TileGrid {
+            tiles: self.tiles,
+            levels: self.levels() as u32,
+            buckets: self.buckets,
+            bounds_stride: offset,
+            heads_stride: (self.heads_bytes() / 4 / self.views.len().max(1) as u64) as u32,
+            node_capacity,
+            triangle_count,
+            level_offsets,
+            nodes_per_part,
+            padding_a: 0,
+            padding_b: 0,
+            padding_c: 0,
+        }
+    }
+
+    /// The views as shaders take them: their size counts tiles.
+    pub(crate) fn uniforms(&self) -> Vec<ViewUniform> {
+        let uniform = |view: &View| {
+            let size = view.size.map(|edge| edge as f32 / self.tile_size as f32);
+            ViewUniform { size, ..ViewUniform::from(view) }
+        };
+        self.views.iter().map(uniform).collect()
+    }
+
+    /// Bytes of the depth bounds with their mipmaps.
+    pub(crate) fn bounds_bytes(&self) -> u64 {
+        u64::from(self.grid(0, 1, 0).bounds_stride) * self.views.len() as u64 * 8
+    }
+
+    /// Bytes of the uniforms of a build, which are kept until it is done.
+    pub(crate) fn build_uniform_bytes(&self) -> u64 {
+        let levels = (self.levels() - 1) * size_of::<MipmapLevel>();
+        (size_of::<TileGrid>() + self.views.len() * size_of::<FillPass>() + levels) as u64
+    }
+
+    /// Bytes of the lists' heads.
+    pub(crate) fn heads_bytes(&self) -> u64 {
+        let [across, down] = self.tiles.map(u64::from);
+        across * down * u64::from(self.buckets) * self.views.len() as u64 * 4
+    }
+}

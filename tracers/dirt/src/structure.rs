@@ -1,0 +1,238 @@
+//! The structure of one scene from one viewpoint.
+
+use std::sync::{Arc, Mutex, Weak};
+
+use tracebench_api::glam::{DVec3, Vec3};
+use tracebench_api::{
+    Counter, DeviceGeometry, Geometry, Gpu, HitBuffer, Ledger, MemoryReport, Parameters, PhaseClock, Structure,
+    TraceJob, Tracer, TracerError, Update, View, Viewpoint,
+};
+use tracebench_kit::ViewUniform;
+
+use crate::build::{ATTACHMENT, Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, Pipelines, nodes_name};
+use crate::layout::{Layout, MOST_VIEWS, TileGrid, TraceSettings};
+
+/// The tracer.
+pub struct Dirt {
+    pipelines: Arc<Pipelines>,
+    /// How many nodes the last scene needed that was counted: the same question is not asked the device twice.
+    counted: Mutex<Option<Counted>>,
+}
+
+/// A count of nodes, and what it is of.
+struct Counted {
+    positions: Weak<Vec<[f32; 3]>>,
+    triangles: Weak<Vec<[u32; 3]>>,
+    layout: Layout,
+    filling: Filling,
+    nodes: u32,
+}
+
+/// What of the scene a structure needs to trace.
+pub(crate) struct Resident {
+    pub device: DeviceGeometry,
+    pub triangle_count: u32,
+    pub bytes: u64,
+    /// What was drawn, for validation.
+    pub positions: Arc<Vec<[f32; 3]>>,
+    pub triangles: Arc<Vec<[u32; 3]>>,
+}
+
+impl Resident {
+    fn of(geometry: &Geometry) -> Result<Self, TracerError> {
+        let device = geometry.on_device()?.clone();
+        Ok(Self {
+            device,
+            triangle_count: geometry.triangles.len() as u32,
+            bytes: geometry.bytes(),
+            positions: Arc::clone(&geometry.positions),
+            triangles: Arc::clone(&geometry.triangles),
+        })
+    }
+
+    /// The corners of a triangle, scene units.
+    pub(crate) fn corners(&self, primitive: u32) -> [DVec3; 3] {
+        let corner = |vertex: u32| Vec3::from(self.positions[vertex as usize]).as_dvec3();
+        self.triangles[primitive as usize].map(corner)
+    }
+}
+
+/// Depth bounds and lists.
+pub(crate) struct DirtStructure {
+    pub pipelines: Arc<Pipelines>,
+    pub layout: Layout,
+    pub filling: Filling,
+    pub buffers: Buffers,
+    pub geometry: Resident,
+}
+
+impl Dirt {
+    /// Creates the pipelines.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the device refuses one.
+    pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        Ok(Self { pipelines: Arc::new(Pipelines::new(gpu)?), counted: Mutex::new(None) })
+    }
+
+    /// Makes room for the nodes that a build will take: counted by one without room, outside of any time.
+    fn make_room_for(
+        &self,
+        buffers: &mut Buffers,
+        geometry: &Geometry,
+        layout: &Layout,
+        filling: Filling,
+    ) -> Result<(), TracerError> {
+        let mut counted = self.counted.lock().map_err(|_| TracerError::Failed("a count was left open".to_owned()))?;
+        let same = |counted: &&Counted| {
+            let scene = counted.positions.upgrade().zip(counted.triangles.upgrade());
+            scene.is_some_and(|(positions, triangles)| {
+                Arc::ptr_eq(&positions, &geometry.positions) && Arc::ptr_eq(&triangles, &geometry.triangles)
+            }) && counted.layout == *layout
+                && counted.filling == filling
+        };
+        let gpu = &*self.pipelines.gpu;
+        let nodes = match counted.as_ref().filter(same) {
+            Some(counted) => counted.nodes,
+            None => {
+                let mut clock = PhaseClock::new(Some(gpu));
+                self.pipelines.fill(layout, buffers, geometry, filling, &mut clock)?;
+                clock.finish()?;
+                let [nodes, _] = taken(gpu, buffers)?;
+                let (positions, triangles) = (Arc::downgrade(&geometry.positions), Arc::downgrade(&geometry.triangles));
+                *counted = Some(Counted { positions, triangles, layout: layout.clone(), filling, nodes });
+                nodes
+            }
+        };
+        buffers.set_capacity(gpu, nodes)
+    }
+}
+
+/// Nodes asked for and parts of triangles, of the last build.
+pub(crate) fn taken(gpu: &Gpu, buffers: &Buffers) -> Result<[u32; 2], TracerError> {
+    let read = gpu.read(&buffers.taken, 8)?;
+    Ok(bytemuck::pod_collect_to_vec::<u8, [u32; 2]>(&read)[0])
+}
+
+fn filling(parameters: &Parameters) -> Filling {
+    Filling {
+        conservative: parameters.choice("coverage") == "conservative",
+        by_plane: parameters.choice("clip") == "plane",
+    }
+}
+
+impl Dirt {
+    pub(crate) fn build_structure(
+        &self,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<DirtStructure, TracerError> {
+        let gpu = &*self.pipelines.gpu;
+        let (layout, filling) = (Layout::new(viewpoint, parameters), filling(parameters));
+        let resident = Resident::of(geometry)?;
+        let mut buffers = Buffers::new(gpu, &layout, 0)?;
+        self.make_room_for(&mut buffers, geometry, &layout, filling)?;
+        self.pipelines.fill(&layout, &buffers, geometry, filling, clock)?;
+        let pipelines = Arc::clone(&self.pipelines);
+        Ok(DirtStructure { pipelines, layout, filling, buffers, geometry: resident })
+    }
+}
+
+impl Tracer for Dirt {
+    fn build(
+        &self,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Box<dyn Structure>, TracerError> {
+        Ok(Box::new(self.build_structure(geometry, viewpoint, parameters, clock)?))
+    }
+}
+
+impl Structure for DirtStructure {
+    fn update(
+        &mut self,
+        update: Update,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        match update {
+            Update::Rebuild => {
+                let layout = Layout::new(viewpoint, parameters);
+                let resident = Resident::of(geometry)?;
+                let same_size = layout.tiles == self.layout.tiles
+                    && layout.buckets == self.layout.buckets
+                    && layout.views.len() == self.layout.views.len();
+                if same_size {
+                    self.pipelines.fill(&layout, &self.buffers, geometry, self.filling, clock)?;
+                } else {
+                    let buffers = Buffers::new(&self.pipelines.gpu, &layout, self.buffers.node_capacity)?;
+                    self.pipelines.fill(&layout, &buffers, geometry, self.filling, clock)?;
+                    self.buffers = buffers;
+                }
+                (self.layout, self.geometry) = (layout, resident);
+                Ok(())
+            }
+            Update::Refit => {
+                Err(TracerError::Unsupported("dirt has no shape to keep: its lists are rebuilt or reused".to_owned()))
+            }
+            Update::Reuse => Ok(()),
+        }
+    }
+
+    fn make_room(&mut self) -> Result<bool, TracerError> {
+        let gpu = &*self.pipelines.gpu;
+        let [nodes, _] = taken(gpu, &self.buffers)?;
+        if nodes <= self.buffers.node_capacity {
+            return Ok(false);
+        }
+        // A quarter more, so that a scene that keeps growing does not stop every frame.
+        let capacity = nodes.saturating_add(nodes / 4);
+        self.buffers.set_capacity(gpu, capacity).or_else(|_| self.buffers.set_capacity(gpu, nodes))?;
+        Ok(true)
+    }
+
+    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        self.trace_hits(&job, hits, clock)
+    }
+
+    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        self.count(&job, hits)
+    }
+
+    fn memory(&self) -> MemoryReport {
+        let mut ledger = Ledger::new();
+        let buffers = &self.buffers;
+        let used = taken(&self.pipelines.gpu, buffers).map_or(0, |[nodes, _]| nodes).min(buffers.node_capacity);
+        let mut used_bytes = u64::from(used) * NODE_BYTES;
+        for (name, buffer) in [(DEPTH_BOUNDS, &buffers.bounds), (HEADS, &buffers.heads), (NODE_COUNT, &buffers.taken)] {
+            ledger.keep(name, buffer.size(), buffer.size());
+        }
+        for (part, buffer) in buffers.nodes.iter().enumerate() {
+            let of_part = used_bytes.min(buffer.size());
+            ledger.keep(&nodes_name(part), buffer.size(), of_part);
+            used_bytes -= of_part;
+        }
+        let [width, height] = self.layout.tiles.map(u64::from);
+        ledger.keep(ATTACHMENT, buffers.attachment_bytes, width * height);
+        ledger.borrow_transient(self.layout.build_uniform_bytes());
+        ledger.report(self.geometry.bytes)
+    }
+
+    fn scratch_bytes(&self, _ray_count: usize) -> u64 {
+        (size_of::<TileGrid>() + size_of::<TraceSettings>() + MOST_VIEWS * size_of::<ViewUniform>()) as u64
+    }
+
+    fn views(&self) -> Vec<View> {
+        self.layout.views.clone()
+    }
+
+    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        self.check()
+    }
+}

@@ -1,0 +1,300 @@
+//! What is stored of hostile triangles against brute force, and that the check notices what is wrong.
+
+use std::sync::Arc;
+
+use tracebench_api::glam::{DVec3, Vec3};
+use tracebench_api::{
+    AdapterChoice, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer,
+    Residency, Structure, TraceJob, Update, ViewSet, Viewpoint,
+};
+use tracebench_tests::{Numbers, gpu, ray, rectangle, soup};
+
+use super::description;
+use super::structure::{Dirt, DirtStructure};
+
+/// Round the origin, near a tenth, 48 pixels along a face's edge.
+fn viewpoint() -> Viewpoint {
+    Viewpoint {
+        eye: Vec3::new(0.3, -0.2, 0.1),
+        forward: Vec3::NEG_Z,
+        up: Vec3::Y,
+        vertical_fov: 1.2,
+        near: 0.1,
+        far: 5e3,
+        frame: [64, 40],
+        face: 48,
+        view_set: ViewSet::Faces,
+    }
+}
+
+fn parameters(settings: &[(&str, &str)]) -> Parameters {
+    let descriptions = description().parameters;
+    let mut parameters = Parameters::preset(&descriptions, Preset::Published);
+    for (name, value) in settings {
+        parameters.set(&descriptions, name, value).unwrap();
+    }
+    parameters
+}
+
+fn built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> DirtStructure {
+    let tracer = Dirt::new(Arc::clone(gpu)).unwrap();
+    let mut clock = PhaseClock::new(Some(gpu));
+    let structure = tracer.build_structure(geometry, &viewpoint(), &parameters(settings), &mut clock).unwrap();
+    clock.finish().unwrap();
+    structure
+}
+
+/// Triangles that are hard to store: random ones of every size, huge ones, needles, some through and behind the eye,
+/// across the borders and edges of faces, edge-on, without area, with corners and edges on tile borders, in the planes
+/// between faces, and before near.
+fn hostile() -> Vec<[[f32; 3]; 3]> {
+    let mut numbers = Numbers::new(20);
+    let eye = viewpoint().eye.as_dvec3();
+    let mut triangles: Vec<[DVec3; 3]> = Vec::new();
+    for size in [1e-3, 0.05, 0.5, 5.0, 300.0] {
+        for _ in 0..60 {
+            let centre = eye + numbers.point() * 6.0;
+            triangles.push([0; 3].map(|_| centre + numbers.point() * size));
+        }
+    }
+    for _ in 0..60 {
+        let (from, along) = (eye + numbers.point() * 3.0, numbers.direction());
+        // Needles, some of them through the eye.
+        let aside = numbers.direction() * 1e-4;
+        triangles.push([from, from + along * 4.0, from + along * 2.0 + aside]);
+        triangles.push([eye - along, eye + along * 3.0, eye + along + numbers.point() * 0.3]);
+        // Edge-on: the eye in the triangle's plane.
+        let other = numbers.direction();
+        triangles.push([eye + along, eye + along * 2.0 + other * 0.3, eye + along * 1.5 + other]);
+        // Nothing: a line, a point.
+        triangles.push([from, from + along, from + along * 2.0]);
+        triangles.push([from; 3]);
+        // Before near.
+        triangles.push([0; 3].map(|_| eye + numbers.point() * 0.08));
+    }
+    // Corners on tile borders, edges along them, planes between faces: steps of a tile at depth 2.4 from the centre.
+    for face in 0..6 {
+        let axis = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z][face];
+        let (u, v) = (axis.any_orthonormal_vector(), axis.cross(axis.any_orthonormal_vector()));
+        for step in -3..3 {
+            let at = |x: i32, y: i32| eye + axis * 2.3 + (u * f64::from(x) + v * f64::from(y)) * 0.2;
+            triangles.push([at(step, -2), at(step + 2, -2), at(step, 4)]);
+            triangles.push([at(12, step), at(-12, step), eye + axis * 30.0]);
+        }
+        triangles.push([eye + axis + u, eye + axis * 7.0 + u * 7.0 + v, eye + axis * 5.0 + u * 5.0 - v]);
+        triangles.push([eye + axis * 1e3 - u * 2e3, eye + axis * 1e3 + u * 2e3, eye - axis * 2e3 + v * 1e3]);
+    }
+    triangles.into_iter().map(|corners| corners.map(|corner| corner.as_vec3().into())).collect()
+}
+
+/// What is stored of hostile triangles lies between brute force over tiles shrunk and grown by the stated rounding, for
+/// tile sizes, buckets, coverages, clips and views.
+#[test]
+fn what_is_stored_is_what_brute_force_finds() {
+    let gpu = gpu();
+    let geometry = soup(&hostile(), Some(&gpu));
+    for settings in [
+        &[][..],
+        &[("tile_size", "1"), ("buckets", "4")],
+        &[("tile_size", "4"), ("buckets", "1")],
+        &[("tile_size", "8"), ("buckets", "40")],
+        &[("centre", "eye")],
+        &[("views", "frame"), ("tile_size", "1")],
+        &[("coverage", "standard"), ("tile_size", "1")],
+        &[("coverage", "standard"), ("views", "frame"), ("buckets", "7")],
+        &[("clip", "plane")],
+    ] {
+        let statistics = built(&gpu, &geometry, settings).check();
+        let statistics = statistics.unwrap_or_else(|error| panic!("{settings:?}: {error}"));
+        assert!(statistics.iter().any(|(name, value)| *name == "references" && *value > 1000.0), "{settings:?}");
+    }
+}
+
+/// Nodes in several buffers are stored and searched like nodes in one, and too many even for these are an error that says
+/// what to turn down.
+#[test]
+fn nodes_are_split_where_a_binding_does_not_hold_them() {
+    let whole = gpu();
+    let geometry = soup(&hostile(), Some(&whole));
+    let settings = [("tile_size", "2")];
+    let together = built(&whole, &geometry, &settings);
+    assert!(!together.buffers.is_split());
+    let of_device = |bytes: u64| {
+        let mut gpu = Gpu::open(&AdapterChoice::default()).unwrap();
+        gpu.limits.max_storage_buffer_binding_size = bytes;
+        Arc::new(gpu)
+    };
+    let bytes = together.buffers.node_bytes();
+    let small = of_device((bytes / 3).max(together.layout.heads_bytes()) / 8 * 8);
+    let geometry = soup(&hostile(), Some(&small));
+    let split = built(&small, &geometry, &settings);
+    assert!(split.buffers.is_split());
+    split.check().unwrap();
+    let mut numbers = Numbers::new(4);
+    let rays: Vec<Ray> = (0..600).map(|_| ray(numbers.point() * 5.0, numbers.direction())).collect();
+    let hits = answer(&whole, &together, &rays);
+    assert_eq!(hits, answer(&small, &split, &rays));
+    assert!(hits.iter().filter(|hit| hit.is_hit()).count() > 100);
+    let tiny = of_device(together.layout.heads_bytes());
+    let tracer = Dirt::new(Arc::clone(&tiny)).unwrap();
+    let geometry = soup(&hostile().repeat(40), Some(&tiny));
+    let refused =
+        tracer.build_structure(&geometry, &viewpoint(), &parameters(&settings), &mut PhaseClock::new(Some(&tiny)));
+    let message = refused.err().map(|error| error.to_string()).unwrap_or_default();
+    assert!(message.contains("id buffer") && message.contains("dirt.buckets"), "{message}");
+}
+
+/// A rebuild over more than there is room for stores what fits, says so, makes room, and then stores what a fresh build
+/// does.
+#[test]
+fn a_structure_that_overflows_grows() {
+    let gpu = gpu();
+    let few = soup(&hostile()[..40], Some(&gpu));
+    let all = soup(&hostile(), Some(&gpu));
+    let mut structure = built(&gpu, &few, &[]);
+    assert!(!structure.make_room().unwrap());
+    let rebuild = |structure: &mut DirtStructure| {
+        let mut clock = PhaseClock::new(Some(&gpu));
+        structure.update(Update::Rebuild, &all, &viewpoint(), &parameters(&[]), &mut clock).unwrap();
+        clock.finish().unwrap();
+    };
+    rebuild(&mut structure);
+    assert!(structure.check().is_err(), "an overflow passes as sound");
+    assert!(structure.make_room().unwrap());
+    rebuild(&mut structure);
+    assert!(!structure.make_room().unwrap());
+    structure.check().unwrap();
+    let mut numbers = Numbers::new(5);
+    let rays: Vec<Ray> = (0..600).map(|_| ray(numbers.point() * 5.0, numbers.direction())).collect();
+    assert_eq!(answer(&gpu, &structure, &rays), answer(&gpu, &built(&gpu, &all, &[]), &rays));
+}
+
+/// Used bytes are those of the paper's Table 3 with the device's own counts: 8 bytes of depth bounds a tile and mipmap, 4 B
+/// a tile for heads, 8 a reference; and mipmaps add a third.
+#[test]
+fn memory_is_that_of_table_3() {
+    let gpu = gpu();
+    let geometry = soup(&hostile(), Some(&gpu));
+    for (tile_size, buckets, tiles) in [("1", 24, 48), ("2", 4, 24), ("4", 40, 12), ("8", 1, 6)] {
+        let structure = built(&gpu, &geometry, &[("tile_size", tile_size), ("buckets", &buckets.to_string())]);
+        let statistics = structure.check().unwrap();
+        let count = |wanted: &str| statistics.iter().find(|(name, _)| *name == wanted).unwrap().1 as u64;
+        let report = structure.memory();
+        let used = |wanted: &str| {
+            let entry = report.structure.iter().find(|entry| entry.name == wanted);
+            entry.map(|entry| entry.used_bytes).unwrap()
+        };
+        let (mut mipmapped, mut edge) = (0, tiles);
+        loop {
+            mipmapped += edge * edge;
+            if edge == 1 {
+                break;
+            }
+            edge = u64::div_ceil(edge, 2);
+        }
+        assert_eq!(used("depth bounds texture"), 6 * 8 * mipmapped);
+        assert_eq!(used("id buffer: heads"), 6 * tiles * tiles * 4 * buckets);
+        assert_eq!(used("id buffer: nodes"), count("references") * 8);
+        // c, the buckets that a part overlaps, lies between 1 and B.
+        let overlapped = count("references") as f64 / count("parts") as f64;
+        assert!((1.0..=buckets as f64).contains(&overlapped), "{overlapped}");
+        let growth = mipmapped as f64 / (tiles * tiles) as f64;
+        assert!((1.33..1.45).contains(&growth), "{growth}");
+    }
+}
+
+/// Minimal case: rays whose image runs along a border between tiles. Accepted by their tile, some hits on a wall that
+/// cannot be missed fall between two tiles and are lost: pin-holes. Accepted by distance none is, and a little off the
+/// border none is either way.
+#[test]
+fn hits_on_tile_borders_are_lost_by_the_published_rule() {
+    let gpu = gpu();
+    let eye = viewpoint().eye.as_dvec3();
+    let wall = rectangle([-9.0, -9.0, eye.z as f32 - 3.0], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0]);
+    let geometry = soup(&wall, Some(&gpu));
+    let structure = built(&gpu, &geometry, &[]);
+    let centre = eye + DVec3::Z * f64::from(viewpoint().near);
+    let mut numbers = Numbers::new(8);
+    let mut rays_off = |off: f64| -> Vec<Ray> {
+        let mut ray_off = || {
+            // 24 tiles across 90 degrees.
+            let tangent = ((numbers.signed() * 9.0).round() + off) / 12.0;
+            let at = |depth: f64, along: f64| centre + DVec3::new(tangent, along, -1.0) * depth;
+            let (from, to) = (at(0.6, numbers.signed() * 0.6), at(3.1, numbers.signed() * 0.6));
+            ray(from, to - from)
+        };
+        (0..4000).map(|_| ray_off()).collect()
+    };
+    let lost = |rays: &[Ray], settings: &[(&str, &str)]| {
+        answer_by(&gpu, &structure, rays, settings).iter().filter(|hit| !hit.is_hit()).count()
+    };
+    let (on, off) = (rays_off(0.0), rays_off(0.01));
+    let by_distance = [("accept", "distance")];
+    assert!(lost(&on, &[]) > 20, "{}", lost(&on, &[]));
+    assert_eq!([lost(&on, &by_distance), lost(&off, &[]), lost(&off, &by_distance)], [0, 0, 0]);
+}
+
+/// Minimal case: an oblique triangle stands in every bucket of a tile, and is found in the first one at a hit that lies
+/// behind a plate in a later one. The published rule stops there and answers the hit behind; searching every bucket finds
+/// the plate.
+#[test]
+fn the_first_bucket_with_a_hit_hides_later_ones() {
+    let gpu = gpu();
+    let eye = viewpoint().eye;
+    let at = |x: f32, y: f32, depth: f32| (eye + Vec3::new(x, y, -depth)).to_array();
+    // Seen along its length between tangents 0.1 and 0.25, which lie in one tile of 8 pixels.
+    let oblique = [at(0.4, -0.1, 4.0), at(2.0, -0.1, 8.0), at(1.2, 1.6, 6.0)];
+    let plate = rectangle(at(0.9, 0.1, 5.0), [0.2, 0.0, 0.0], [0.0, 0.3, 0.0]);
+    let geometry = soup(&[oblique, plate[0], plate[1]], Some(&gpu));
+    let structure = built(&gpu, &geometry, &[("tile_size", "8")]);
+    let rays = [ray(eye.as_dvec3(), DVec3::new(0.2, 0.04, -1.0))];
+    let hit = |settings| answer_by(&gpu, &structure, &rays, settings)[0];
+    let (published, all) = (hit(&[]), hit(&[("searched", "all")]));
+    assert!(published.primitive == 0 && all.primitive > 0 && all.t < published.t - 0.5, "{published:?} {all:?}");
+}
+
+fn answer(gpu: &Arc<Gpu>, structure: &DirtStructure, rays: &[Ray]) -> Vec<Hit> {
+    answer_by(gpu, structure, rays, &[])
+}
+
+fn answer_by(gpu: &Arc<Gpu>, structure: &DirtStructure, rays: &[Ray], settings: &[(&str, &str)]) -> Vec<Hit> {
+    let rays = RayBuffer::new(Arc::new(rays.to_vec()), Query::Closest, Some(gpu));
+    let mut hits = HitBuffer::new(rays.host.len(), Residency::Device, Some(gpu)).unwrap();
+    hits.poison(Some(gpu)).unwrap();
+    let mut clock = PhaseClock::new(Some(gpu));
+    let parameters = parameters(settings);
+    let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters: &parameters };
+    structure.trace(job, &mut hits, &mut clock).unwrap();
+    clock.finish().unwrap();
+    hits.read(Some(gpu)).unwrap()
+}
+
+/// Nodes of another triangle, lists that end early, lead nowhere or in circles, and depth bounds or mipmaps that are off
+/// are noticed.
+#[test]
+fn a_spoilt_structure_is_noticed() {
+    let gpu = gpu();
+    let geometry = soup(&hostile(), Some(&gpu));
+    let structure = built(&gpu, &geometry, &[("tile_size", "4"), ("buckets", "6")]);
+    structure.check().unwrap();
+    let heads: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&structure.buffers.heads, 16_000).unwrap());
+    let list = heads.iter().position(|head| *head > 2).unwrap() as u64;
+    let node = u64::from(heads[list as usize] - 1);
+    let bounds_bytes = structure.layout.bounds_bytes();
+    let buffers = &structure.buffers;
+    for (name, buffer, offset, value) in [
+        ("another triangle", &buffers.nodes[0], node * 8 + 4, 7_u32),
+        ("an early end", &buffers.heads, list * 4, 0),
+        ("nowhere", &buffers.nodes[0], node * 8, 1 << 30),
+        ("a circle", &buffers.nodes[0], node * 8, node as u32 + 1),
+        ("a far bound", &buffers.bounds, 4, 0.2_f32.to_bits()),
+        ("the top", &buffers.bounds, bounds_bytes - 4, 9e9_f32.to_bits()),
+    ] {
+        let before = gpu.read(buffer, offset + 4).unwrap()[offset as usize..].to_vec();
+        assert_ne!(before, value.to_le_bytes(), "{name} spoils nothing");
+        gpu.queue.write_buffer(buffer, offset, &value.to_le_bytes());
+        assert!(structure.check().is_err(), "{name} is not noticed");
+        gpu.queue.write_buffer(buffer, offset, &before);
+    }
+    structure.check().unwrap();
+}

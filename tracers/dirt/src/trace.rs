@@ -1,0 +1,108 @@
+//! Tracing on the device.
+
+use tracebench_api::wgpu::{Buffer, BufferUsages};
+use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, Query, TraceJob, TracerError};
+use tracebench_kit::{bind_group, dispatch_linear};
+
+use crate::build::view_uniforms;
+use crate::layout::TraceSettings;
+use crate::structure::DirtStructure;
+
+/// As `WORKGROUP_SIZE` in shaders/dirt/trace.wgsl.
+const WORKGROUP_SIZE: u32 = 64;
+
+/// The buffers of a trace that counts.
+struct Counting {
+    /// Four counts a ray.
+    counts: Buffer,
+    /// A bit a node.
+    touched: Buffer,
+}
+
+impl DirtStructure {
+    fn search(&self, job: &TraceJob<'_>) -> TraceSettings {
+        let is = |name: &str, value: &str| u32::from(job.parameters.choice(name) == value);
+        TraceSettings {
+            ray_count: job.rays.host.len() as u32,
+            view_count: self.layout.views.len() as u32,
+            any_hit: u32::from(job.rays.query == Query::Any),
+            by_distance: is("accept", "distance"),
+            all_buckets: is("searched", "all"),
+            max_steps: job.parameters.integer("max_steps") as u32,
+            padding: [0; 2],
+        }
+    }
+
+    /// Records a trace, by the counting variant where there is something to count into.
+    fn record(
+        &self,
+        job: &TraceJob<'_>,
+        hits: &HitBuffer,
+        counting: Option<&Counting>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        if job.end != EndPoint::Hit {
+            return Err(TracerError::Unsupported("dirt fetches no surfaces yet".to_owned()));
+        }
+        let gpu = &*self.pipelines.gpu;
+        let uniform = |name, contents: &[u8]| gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing");
+        let search = self.search(job);
+        let grid = self.buffers.grid(&self.layout, self.geometry.triangle_count);
+        let pipeline = self.pipelines.trace(self.buffers.is_split(), counting.is_some());
+        let buffers = [
+            &uniform("grid", bytemuck::bytes_of(&grid))?,
+            &uniform("search", bytemuck::bytes_of(&search))?,
+            &uniform("views", bytemuck::bytes_of(&view_uniforms(&self.layout)))?,
+            &self.geometry.device.positions,
+            &self.geometry.device.indices,
+            &self.buffers.bounds,
+            &self.buffers.heads,
+            &self.buffers.nodes[0],
+            job.rays.on_device()?,
+            hits.on_device(job.rays.host.len())?,
+        ];
+        let more = counting.map(|counting| [&counting.counts, &counting.touched]);
+        let all = buffers.into_iter().chain(more.into_iter().flatten()).chain(&self.buffers.nodes[1..]);
+        let resources: Vec<_> = all.map(|buffer| buffer.as_entire_binding()).collect();
+        let bindings = bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources);
+        clock.device_phase("trace", |encoder| {
+            dispatch_linear(encoder, pipeline, &bindings, search.ray_count, WORKGROUP_SIZE);
+        })
+    }
+
+    pub(crate) fn trace_hits(
+        &self,
+        job: &TraceJob<'_>,
+        hits: &HitBuffer,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        self.record(job, hits, None, clock)
+    }
+
+    pub(crate) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        let gpu = &*self.pipelines.gpu;
+        let rays = job.rays.host.len();
+        let storage = |name, bytes: u64| {
+            gpu.check_storage_binding(name, bytes, "--size")?;
+            gpu.buffer(name, bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")
+        };
+        let count_bytes = rays.max(1) as u64 * 16;
+        let touched_bytes = u64::from(self.buffers.node_capacity).div_ceil(32).max(1) * 4;
+        let counting =
+            Counting { counts: storage("counts", count_bytes)?, touched: storage("nodes touched", touched_bytes)? };
+        let mut clock = PhaseClock::new(Some(gpu));
+        self.record(job, hits, Some(&counting), &mut clock)?;
+        clock.finish()?;
+        let counts: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&gpu.read(&counting.counts, count_bytes)?);
+        let touched: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&counting.touched, touched_bytes)?);
+        let of = |name, index: usize| Counter::of(name, counts[..rays].iter().map(|count| u64::from(count[index])));
+        let touched = touched.iter().map(|word| u64::from(word.count_ones())).sum();
+        Ok(vec![
+            of("pyramid_steps", 0),
+            of("buckets_opened", 1),
+            of("triangle_tests", 2),
+            of("views_entered", 3),
+            Counter::of_set("references_touched", touched),
+        ])
+    }
+}
