@@ -169,13 +169,26 @@ pub fn prepare(
 /// # Errors
 /// [`RunError`] as its variants say; nothing has been written then.
 pub fn execute(plan: &Plan, device: &Device, cache: &Cache, progress: &Progress) -> Result<Run, RunError> {
+    execute_all(std::slice::from_ref(plan), device, cache, progress)
+}
+
+/// Runs plans one after the other into one run, for what no single plan has: several resolutions. The first tells what is
+/// said of the run as a whole. Contenders are interleaved within a plan.
+///
+/// # Errors
+/// [`RunError`] as its variants say; nothing has been written then.
+pub fn execute_all(plans: &[Plan], device: &Device, cache: &Cache, progress: &Progress) -> Result<Run, RunError> {
+    let Some(first) = plans.first() else { return Err(RunError::Nothing("nothing was asked for".to_owned())) };
     let gpu = device.as_ref().ok();
     // Known before the truth is told, which takes long for many rays.
-    if let Some(gpu) = gpu.filter(|_| plan.tracers.iter().any(TracerRequest::must_have_device)) {
-        let [width, height] = plan.preset.ray_image.map(u64::from);
-        RayBuffer::check_fits(gpu, width * height)?;
+    for plan in plans {
+        if let Some(gpu) = gpu.filter(|_| plan.tracers.iter().any(TracerRequest::must_have_device)) {
+            let [width, height] = plan.preset.ray_image.map(u64::from);
+            RayBuffer::check_fits(gpu, width * height)?;
+        }
     }
-    let needs_adapter = plan.tracers.iter().any(|request| request.registration.needs_device());
+    let mut requests = plans.iter().flat_map(|plan| &plan.tracers);
+    let needs_adapter = requests.any(|request| request.registration.needs_device());
     let adapter = gpu.filter(|_| needs_adapter).map(|gpu| gpu.listing.clone());
     let mut run = Run {
         schema: SCHEMA,
@@ -183,17 +196,19 @@ pub fn execute(plan: &Plan, device: &Device, cache: &Cache, progress: &Progress)
         commit: machine::COMMIT.to_owned(),
         dirty: machine::dirty(),
         started: machine::utc_now(),
-        seed: plan.seed,
-        preset: plan.preset.name.to_owned(),
-        table: plan.table.map(|table| table.name.to_owned()),
-        ray_parameters: records::json_values(&plan.ray_parameters),
+        seed: first.seed,
+        preset: first.preset.name.to_owned(),
+        table: first.table.map(|table| table.name.to_owned()),
+        ray_parameters: records::json_values(&first.ray_parameters),
         controls: Vec::new(),
         runs: Vec::new(),
         skipped: Vec::new(),
     };
-    for scene in load(plan, progress)? {
-        let loaded = prepare(plan, scene, device, cache, progress)?;
-        measure_scene(plan, &loaded, device, progress, &mut run)?;
+    for plan in plans {
+        for scene in load(plan, progress)? {
+            let loaded = prepare(plan, scene, device, cache, progress)?;
+            measure_scene(plan, &loaded, device, progress, &mut run)?;
+        }
     }
     if run.runs.is_empty() {
         let reasons: Vec<_> = run.skipped.iter().map(|skipped| skipped.reason.as_str()).collect();
