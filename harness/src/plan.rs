@@ -9,6 +9,12 @@ use crate::rays::RaySet;
 use crate::registry::Registration;
 use crate::viewpoint::Pose;
 
+/// Largest edge of a frame or image, pixels.
+pub const LARGEST_EDGE: u32 = 16_384;
+
+/// Largest edge of a cube face, pixels.
+pub const LARGEST_FACE: u32 = 8_192;
+
 /// A run preset sets rays, resolutions, samples and the scale of procedural scenes, nothing else.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunPreset {
