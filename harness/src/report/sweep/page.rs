@@ -1,5 +1,6 @@
 //! `sweep.md`.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::{Cell, View};
@@ -7,7 +8,7 @@ use crate::report::format::{self, NONE, clock_of, mib, thousands, with_interval}
 use crate::report::group::Role;
 use crate::report::markdown::{Table, inline};
 use crate::report::{cells, metrics, summary};
-use crate::results::{Judgement, Run};
+use crate::results::{Judgement, Run, TraceRecord, TracerRun};
 use crate::sweep::{RESOLUTION, SweepRecord};
 
 /// The whole page.
@@ -66,6 +67,8 @@ fn section(view: &View<'_>) -> String {
     headings.extend([metrics::STRUCTURE.heading(), "used (MiB) ↓".to_owned(), "build clock".to_owned()]);
     headings.extend([metrics::BUILD_TIME.heading(), "clock".to_owned(), metrics::SPEED.heading()]);
     headings.extend(accuracies.iter().map(|&name| name.to_owned()));
+    let touched = touched_counters(&rows);
+    headings.extend(touched.iter().map(|name| format!("{name} ↓")));
     let mut table = Table::new(&headings);
     for curve in &view.curves {
         for cell in &curve.cells {
@@ -77,11 +80,23 @@ fn section(view: &View<'_>) -> String {
                 row.push(format!("{width}×{height}, {}", cell.point.face));
             }
             row.extend(measured(cell, &view.group.scene.name, accuracies.len()));
+            let of = |(run, trace): (&TracerRun, &TraceRecord), name: &str| {
+                cells::touched(run, name, trace.counters.get(name)?)
+            };
+            let of_cell =
+                |name: &&String| cell.measured.and_then(|one| of(one, name)).unwrap_or_else(|| NONE.to_owned());
+            row.extend(touched.iter().map(of_cell));
             table.row(&row);
         }
     }
     let _ = write!(text, "\n{}", table.text);
     text
+}
+
+/// The names of what is counted over a whole set: how much of what is stored it touched.
+fn touched_counters<'a>(rows: &[cells::Row<'a>]) -> BTreeSet<&'a String> {
+    let counters = rows.iter().flat_map(|(_, _, trace)| &trace.counters);
+    counters.filter(|(_, counter)| counter.greatest_per_ray.is_none()).map(|(name, _)| name).collect()
 }
 
 fn measured(cell: &Cell<'_>, scene: &str, accuracy_count: usize) -> Vec<String> {
