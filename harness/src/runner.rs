@@ -6,7 +6,7 @@ use tracebench_api::{Geometry, RayBuffer, TracerError};
 use tracebench_scenes::{Camera, Material, Scene, SceneError};
 
 use crate::machine;
-use crate::plan::{Plan, SceneSource, TracerRequest, ViewRequest};
+use crate::plan::{Plan, Resolution, SceneSource, TracerRequest, ViewRequest};
 use crate::progress::Progress;
 use crate::records;
 use crate::registry::Device;
@@ -185,8 +185,6 @@ pub fn execute_all(plans: &[Plan], device: &Device, cache: &Cache, progress: &Pr
 
 /// A contender that could not be measured in a scene.
 pub(crate) struct Refused {
-    /// Its plan's place in the list.
-    pub(crate) plan: usize,
     /// Its place among the plan's tracers.
     pub(crate) contender: usize,
     /// The scene's place among the plan's scenes.
@@ -240,12 +238,12 @@ pub(crate) fn execute_into(
         }
     }
     let mut refused = Vec::new();
-    for (index, plan) in plans.iter().enumerate() {
+    for plan in plans {
         for (scene_index, scene) in load(plan, progress)?.into_iter().enumerate() {
             let loaded = prepare(plan, scene, device, cache, progress)?;
             for (contender, error) in measure_scene(plan, &loaded, device, progress, run)? {
                 let scene = loaded.record.name.clone();
-                refused.push(Refused { plan: index, contender, scene_index, scene, error });
+                refused.push(Refused { contender, scene_index, scene, error });
             }
         }
     }
@@ -343,9 +341,13 @@ pub(crate) fn tracer_run(
     scene: &SceneRecord,
     viewpoint: &ViewpointRecord,
 ) -> Result<TracerRun, RunError> {
+    let mut viewpoint = viewpoint.clone();
+    if let Some(Resolution { frame, face }) = entry.request.as_ref().and_then(|request| request.resolution) {
+        (viewpoint.frame, viewpoint.face) = (frame, face);
+    }
     Ok(TracerRun {
         scene: scene.clone(),
-        viewpoint: viewpoint.clone(),
+        viewpoint,
         tracer: entry.record(),
         memory: records::memory_record(entry.contender.structure()?.memory()),
         structure_statistics: entry.statistics,

@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use subject::{Subject, room, total};
 use tracebench_api::glam::Vec3;
-use tracebench_api::{Counter, Gpu, PhaseClock, Query, Ray, Residency, Structure, Viewpoint};
+use tracebench_api::{Counter, Geometry, Gpu, PhaseClock, Query, Ray, Residency, Structure, Update, Viewpoint};
 use tracebench_harness::rays::primary_rays;
-use tracebench_harness::registry::TRACERS;
+use tracebench_harness::registry::{Family, TRACERS};
 use tracebench_tests::{available, gpu, viewpoint};
 
 /// A camera in the room that looks along it.
@@ -17,7 +17,7 @@ fn camera(frame: [u32; 2]) -> Viewpoint {
 }
 
 /// Every tracer that counts what is touched, and of hierarchies both kinds of node.
-fn subjects(gpu: &Arc<Gpu>) -> Vec<(String, Subject)> {
+fn subjects(gpu: &Arc<Gpu>) -> Vec<(String, Family, Subject)> {
     let mut subjects = Vec::new();
     for registration in TRACERS {
         let description = (registration.describe)();
@@ -25,23 +25,26 @@ fn subjects(gpu: &Arc<Gpu>) -> Vec<(String, Subject)> {
         let by_node = description.parameters.iter().any(|each| each.name == "node");
         for node in if by_node { &["cwbvh", "bvh2"][..] } else { &[""] } {
             let set: Vec<(&str, &str)> = by_node.then_some(("node", *node)).into_iter().collect();
-            subjects.push((format!("{} {node}", description.name), Subject::new(description.name, &set, gpu)));
+            let name = format!("{} {node}", description.name);
+            subjects.push((name, registration.family, Subject::new(description.name, &set, gpu)));
         }
     }
     assert!(subjects.len() >= 7);
     subjects
 }
 
-fn build(subject: &Subject, geometry: &tracebench_api::Geometry, view: &Viewpoint) -> Box<dyn Structure> {
+/// Built from a camera in the room, which hierarchies do not depend on.
+fn build(subject: &Subject, family: Family, geometry: &Geometry, view: &Viewpoint) -> Box<dyn Structure> {
+    if family == Family::Bvh {
+        return subject.try_build(geometry).unwrap();
+    }
     let mut clock = PhaseClock::new(Some(&subject.gpu));
-    let structure = subject.tracer.build(geometry, view, &subject.parameters, &mut clock).unwrap();
+    let mut structure = subject.tracer.build(geometry, view, &subject.parameters, &mut clock).unwrap();
     clock.finish().unwrap();
     // Structures that are sized from counts may have to be built again.
-    let mut structure = structure;
     if structure.make_room().unwrap() {
         let mut clock = PhaseClock::new(Some(&subject.gpu));
-        let update = tracebench_api::Update::Rebuild;
-        structure.update(update, geometry, view, &subject.parameters, &mut clock).unwrap();
+        structure.update(Update::Rebuild, geometry, view, &subject.parameters, &mut clock).unwrap();
         clock.finish().unwrap();
     }
     structure
@@ -61,8 +64,8 @@ fn touched_is_a_part_of_what_is_stored() {
     let gpu = gpu();
     let (geometry, rays) = room(&gpu);
     let rays = &rays[..600];
-    for (name, subject) in subjects(&gpu) {
-        let structure = build(&subject, &geometry, &camera([96, 64]));
+    for (name, family, subject) in subjects(&gpu) {
+        let structure = build(&subject, family, &geometry, &camera([96, 64]));
         let statistics = structure.validate().unwrap();
         for query in [Query::Closest, Query::Any] {
             let count = |rays: &[Ray]| subject.answer(&*structure, rays, query).1;
@@ -93,8 +96,8 @@ fn touched_is_a_part_of_what_is_stored() {
 fn one_ray_touches_what_it_visits() {
     let gpu = gpu();
     let (geometry, rays) = room(&gpu);
-    for (name, subject) in subjects(&gpu).into_iter().filter(|(name, _)| !name.starts_with("ray-query")) {
-        let structure = build(&subject, &geometry, &camera([96, 64]));
+    for (name, family, subject) in subjects(&gpu).into_iter().filter(|(name, ..)| !name.starts_with("ray-query")) {
+        let structure = build(&subject, family, &geometry, &camera([96, 64]));
         let mut at_work = 0;
         for ray in &rays[..40] {
             let (found, counters) = subject.answer(&*structure, std::slice::from_ref(ray), Query::Closest);
@@ -127,7 +130,7 @@ fn primary_rays_touch_their_pixels() {
     let subject = Subject::new("screen-dda", &[], &gpu);
     assert_eq!(subject.residency, Residency::Device);
     let view = camera([45, 31]);
-    let structure = build(&subject, &geometry, &view);
+    let structure = build(&subject, Family::Image, &geometry, &view);
     let rays = primary_rays(&view, view.frame);
     assert_eq!(rays.len(), 45 * 31);
     for chosen in

@@ -2,6 +2,8 @@
 
 mod axis;
 mod record;
+#[cfg(test)]
+mod tests;
 
 use std::collections::BTreeMap;
 
@@ -10,7 +12,7 @@ use tracebench_api::{ParameterError, RayBuffer};
 pub use axis::{MOST_VALUES, Multiple, RESOLUTION, parameter_axis, resolution_axis};
 pub use record::{AxisRecord, PointRecord, SweepRecord};
 
-use crate::plan::{Plan, RunPreset, TracerRequest};
+use crate::plan::{Plan, Resolution, RunPreset, TracerRequest};
 use crate::progress::Progress;
 use crate::records;
 use crate::registry::Device;
@@ -18,7 +20,7 @@ use crate::results::{Run, Skipped};
 use crate::runner::{self, Refused, RunError};
 use crate::truth::Cache;
 
-/// The most points of a sweep: every structure of a resolution is held at once.
+/// The most points of a sweep: every structure is held at once.
 pub const MOST_POINTS: usize = 128;
 
 /// Why a sweep cannot be planned. All are faults of what was asked for.
@@ -62,10 +64,8 @@ pub enum SweepError {
 
 /// A sweep that is ready to run.
 pub struct Sweep {
-    /// A plan for every resolution; contenders of one plan are measured in turn.
-    plans: Vec<Plan>,
-    /// For every plan the point that each of its contenders is.
-    places: Vec<Vec<usize>>,
+    /// A contender for every point, in their order.
+    plan: Plan,
     record: SweepRecord,
 }
 
@@ -95,53 +95,38 @@ impl Sweep {
             }
         }
         let mut sweep = Self {
-            plans: Vec::new(),
-            places: Vec::new(),
+            plan: Plan { tracers: Vec::new(), ..plan.clone() },
             record: SweepRecord { tracer: String::new(), grid, axes, points: Vec::new() },
         };
         let Some(request) = plan.tracers.first() else { return Ok(sweep) };
         sweep.record.tracer = request.name().to_owned();
         for values in wanted {
             if sweep.record.points.iter().all(|point| point.values != values) {
-                sweep.add(plan, request, values)?;
+                sweep.add(request, values)?;
             }
         }
         check_count(sweep.record.points.len())?;
         Ok(sweep)
     }
 
-    fn add(
-        &mut self,
-        plan: &Plan,
-        request: &TracerRequest,
-        values: BTreeMap<String, String>,
-    ) -> Result<(), SweepError> {
+    fn add(&mut self, request: &TracerRequest, values: BTreeMap<String, String>) -> Result<(), SweepError> {
         // Not being able to measure a point is no error.
         let mut request = TracerRequest { required: false, ..request.clone() };
-        let mut preset = plan.preset;
+        let mut preset = self.plan.preset;
         for axis in &self.record.axes {
             let value = values.get(&axis.name).unwrap_or(&axis.own);
             if axis.name == RESOLUTION {
                 let multiple = Multiple::parse(value).ok_or_else(|| SweepError::Multiple(value.clone()))?;
-                preset = multiple.scale(plan.preset)?;
+                preset = multiple.scale(self.plan.preset)?;
             } else if *value != axis.own {
                 request.set(&axis.name, value).map_err(SweepError::Parameter)?;
             }
         }
         let RunPreset { frame, face, .. } = preset;
-        let index = self.record.points.len();
+        request.resolution = Some(Resolution { frame, face });
         let parameters = records::json_values(&request.parameters);
         self.record.points.push(PointRecord { values, parameters, frame, face, skipped: BTreeMap::new() });
-        match self.plans.iter().position(|plan| plan.preset == preset) {
-            Some(place) => {
-                self.plans[place].tracers.push(request);
-                self.places[place].push(index);
-            }
-            None => {
-                self.plans.push(Plan { tracers: vec![request], preset, ..plan.clone() });
-                self.places.push(vec![index]);
-            }
-        }
+        self.plan.tracers.push(request);
         Ok(())
     }
 
@@ -155,8 +140,8 @@ impl Sweep {
         self.record.points.is_empty()
     }
 
-    /// Measures every point in every scene. What fails beside others is tried once more alone, since the structures of a
-    /// resolution are held at once; what fails then is skipped with the reason.
+    /// Measures every point in every scene. What fails beside others is tried once more alone, since all structures are
+    /// held at once; what fails then is skipped with the reason.
     ///
     /// # Errors
     /// As [`runner::execute`].
@@ -167,26 +152,25 @@ impl Sweep {
         cache: &Cache,
         progress: &Progress,
     ) -> Result<Run, RunError> {
-        let Some(first) = self.plans.first() else { return Err(RunError::Nothing("nothing was asked for".to_owned())) };
         if let Some(gpu) = device.as_ref().ok().filter(|_| required) {
-            let [width, height] = first.preset.ray_image.map(u64::from);
+            let [width, height] = self.plan.preset.ray_image.map(u64::from);
             RayBuffer::check_fits(gpu, width * height)?;
         }
-        let mut run = runner::begin(&self.plans, device);
-        let refused = runner::execute_into(&mut run, &self.plans, device, cache, progress)?;
-        let (again, last): (Vec<Refused>, Vec<Refused>) =
-            refused.into_iter().partition(|one| self.plans[one.plan].tracers.len() > 1);
-        for one in last {
-            self.skip(one.plan, &one);
-        }
-        for one in again {
-            let plan = &self.plans[one.plan];
-            let request = plan.tracers[one.contender].clone();
-            let scene = plan.scenes[one.scene_index].clone();
-            let alone = Plan { tracers: vec![request], scenes: vec![scene], ..plan.clone() };
-            for still in runner::execute_into(&mut run, &[alone], device, cache, progress)? {
-                self.skip(one.plan, &Refused { contender: one.contender, ..still });
+        let plan = &self.plan;
+        let mut run = runner::begin(std::slice::from_ref(plan), device);
+        let mut refused = runner::execute_into(&mut run, std::slice::from_ref(plan), device, cache, progress)?;
+        if plan.tracers.len() > 1 {
+            let mut still = Vec::new();
+            for one in refused {
+                let tracers = vec![plan.tracers[one.contender].clone()];
+                let alone = Plan { tracers, scenes: vec![plan.scenes[one.scene_index].clone()], ..plan.clone() };
+                let again = runner::execute_into(&mut run, &[alone], device, cache, progress)?;
+                still.extend(again.into_iter().map(|again| Refused { contender: one.contender, ..again }));
             }
+            refused = still;
+        }
+        for one in refused {
+            self.record.points[one.contender].skipped.insert(one.scene, one.error.to_string());
         }
         self.say_skipped(&mut run);
         if run.runs.is_empty() {
@@ -194,11 +178,6 @@ impl Sweep {
         }
         run.sweep = Some(self.record);
         Ok(run)
-    }
-
-    fn skip(&mut self, plan: usize, refused: &Refused) {
-        let point = &mut self.record.points[self.places[plan][refused.contender]];
-        point.skipped.insert(refused.scene.clone(), refused.error.to_string());
     }
 
     /// In place of what was said while points were tried: each that is left out once, by its values.

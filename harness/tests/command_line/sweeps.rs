@@ -22,6 +22,7 @@ fn points_are_those_of_runs() {
         "{}",
         outcome.stdout
     );
+    assert!(outcome.stdout.contains("all score what they must"), "{}", outcome.stdout);
     let found = bench.result("out");
     let runs = found["runs"].as_array().unwrap();
     assert_eq!((runs.len(), found["sweep"]["points"].as_array().unwrap().len()), (4, 4));

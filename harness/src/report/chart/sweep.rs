@@ -7,7 +7,7 @@ use tracebench_api::{ClockKind, Query};
 
 use super::axis::{LogAxis, labels, log_range, percent_label};
 use super::canvas::{Align, Canvas, Drawn, Figure, register, shorten, text_width};
-use super::frame::{Entry, Frame, Rect, Sample, TICK_SIZE};
+use super::frame::{AXIS_SIZE, Entry, Frame, Rect, Sample, TICK_SIZE};
 use super::palette::{CONTROL, GREY, INK, SHADE, Shape, Style, Styles};
 use super::{caption, cut, panel_title, titles};
 use crate::report::format::{self, significant};
@@ -26,6 +26,8 @@ const DEEPEST: f64 = -9.0;
 const LINEAR_RATIO: f64 = 10.0;
 const FILLED: f64 = 4.0;
 const HOLLOW: f64 = 6.0;
+/// Between neighbouring values below a panel.
+const VALUE_GAP: f64 = 4.0;
 /// Half the length of the caps at the ends of bars.
 const CAP: f64 = 2.5;
 /// The most characters of a value in the caption and in the legend.
@@ -323,7 +325,7 @@ fn error_panel(view: &View<'_>, title: &str, shown: &[Rule], series: Vec<Series>
         // The last rule is the one by which charts of speed show controls.
         let Some(share) = shown.last().and_then(|rule| rule.1(trace)).map(|right| wrong(right).value) else { continue };
         let name = run.tracer.label();
-        // Every resolution has its own controls; they score the same.
+        // Points that were tried alone have controls of their own; they score the same.
         if !controls.contains(&(name.clone(), share)) {
             controls.push((name, share));
         }
@@ -421,7 +423,12 @@ impl SweepFigure {
         draw_ticks(canvas, places)?;
         self.draw_values(canvas, places)?;
         rect.title(canvas, &panel.title)?;
-        rect.axis_names(canvas, &self.x_name, &panel.y_name)?;
+        // Below a second line of values.
+        let (drop, middle) = (if self.two_lines(places) { 42.0 } else { 35.0 }, (rect.left + rect.right) / 2.0);
+        let room = rect.right - rect.left;
+        let name = shorten(&self.x_name, AXIS_SIZE, room);
+        canvas.text(&name, (middle, rect.bottom + drop), Align::Middle, AXIS_SIZE, INK)?;
+        canvas.text_upwards(&panel.y_name, (rect.left - 57.0, (rect.top + rect.bottom) / 2.0), AXIS_SIZE, INK)?;
         let controls: Vec<_> = panel.controls.iter().map(|(name, share)| (name.clone(), places.y(*share))).collect();
         for (_, y) in &controls {
             canvas.dashed((rect.left, *y), (rect.right, *y), CONTROL, 1.0)?;
@@ -431,16 +438,18 @@ impl SweepFigure {
         draw_series(canvas, panel, places, self.connected)
     }
 
+    fn two_lines(&self, places: &Places) -> bool {
+        self.values.iter().any(|value| text_width(value, TICK_SIZE) > places.column() - VALUE_GAP)
+    }
+
     /// The values below, on two lines where one is too narrow, and what was skipped.
     fn draw_values<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, places: &Places) -> Drawn {
         let rect = places.rect;
-        let room = places.column() - 4.0;
-        let two_lines = self.values.iter().any(|value| text_width(value, TICK_SIZE) > room);
+        let two_lines = self.two_lines(places);
         for (index, value) in self.values.iter().enumerate() {
             let x = places.x(index);
             rect.tick_below(canvas, x, None)?;
-            let room = if two_lines { 2.0 * places.column() - 4.0 } else { room };
-            // The outermost have half a column more, and no neighbour, only on one side.
+            let room = if two_lines { 2.0 } else { 1.0 } * places.column() - VALUE_GAP;
             let drop = if two_lines && index % 2 == 1 { 24.5 } else { 14.0 };
             canvas.text(&shorten(value, TICK_SIZE, room), (x, rect.bottom + drop), Align::Middle, TICK_SIZE, GREY)?;
             if self.skipped[index] {

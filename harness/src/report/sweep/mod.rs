@@ -113,7 +113,7 @@ pub(super) fn files(run: &Run, sweep: &SweepRecord, views: &[View<'_>]) -> Resul
 }
 
 /// The run as other tables and charts can show it: with the resolution in the labels of what was measured at another one
-/// than the first point, and with controls once that every resolution has and that scored the same.
+/// than the first point, and with controls once that ran again beside points tried alone and scored the same.
 pub(super) fn labelled(run: &Run) -> Cow<'_, Run> {
     let Some(first) = run.sweep.as_ref().and_then(|sweep| sweep.points.first()) else { return Cow::Borrowed(run) };
     let mut run = run.clone();

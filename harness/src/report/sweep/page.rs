@@ -16,8 +16,8 @@ pub(super) fn page(run: &Run, sweep: &SweepRecord, views: &[View<'_>]) -> String
     let mut text = summary::head(run, &format!("Sweep of {}", inline(&sweep.tracer)));
     let _ = writeln!(
         text,
-        "\n{} points; {}. The tracer's own values, with an asterisk below: {}. Points of the same resolution were measured \
-         in turn; times of different resolutions lie apart in time.",
+        "\n{} points; {}. The tracer's own values, with an asterisk below: {}. All points were measured in turn, \
+         sample by sample.",
         sweep.points.len(),
         if sweep.grid { "all combinations of two parameters" } else { "one parameter changed at a time" },
         sweep
