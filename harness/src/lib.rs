@@ -21,6 +21,7 @@ pub mod runner;
 pub mod session;
 pub mod stability;
 pub mod statistics;
+pub mod sweep;
 pub mod truth;
 pub mod updates;
 pub mod viewpoint;

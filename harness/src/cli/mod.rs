@@ -1,4 +1,4 @@
-//! The command line: `tracebench adapters | list | run | table | compare | report | picture | stability |
+//! The command line: `tracebench adapters | list | run | sweep | table | compare | report | picture | stability |
 //! explain`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
@@ -11,6 +11,7 @@ mod names;
 mod output;
 mod run;
 mod stability;
+mod sweep;
 mod table;
 
 use std::process::ExitCode;
@@ -44,6 +45,8 @@ enum Verb {
     List(list::ListArguments),
     /// Trace rays, judge them against the truth, and write run.json, tables and charts.
     Run(arguments::RunArguments),
+    /// Measure one tracer over values of its parameters and over resolutions: memory, build, trace and error.
+    Sweep(sweep::SweepArguments),
     /// Measure tracers of one family side by side, over every scene, and write a table of them.
     Table(arguments::TableArguments),
     /// Hold two runs against each other: what got slower or less accurate, what changed, what only one has.
@@ -108,6 +111,7 @@ pub fn main() -> ExitCode {
         Verb::Adapters(arguments) => list::adapters(arguments, &progress),
         Verb::List(arguments) => list::list(arguments),
         Verb::Run(arguments) => run::run(arguments, &progress),
+        Verb::Sweep(arguments) => sweep::sweep(arguments, &progress),
         Verb::Table(arguments) => table::table(arguments, &progress),
         Verb::Compare(arguments) => compare::compare(arguments),
         Verb::Report(arguments) => run::report(arguments, &progress),

@@ -4,6 +4,7 @@ mod compare;
 mod refusals;
 mod runs;
 mod stability;
+mod sweeps;
 mod tables;
 
 use std::collections::BTreeSet;
