@@ -198,7 +198,7 @@ pub fn execute_all(plans: &[Plan], device: &Device, cache: &Cache, progress: &Pr
         started: machine::utc_now(),
         seed: first.seed,
         preset: first.preset.name.to_owned(),
-        table: first.table.map(|table| table.name.to_owned()),
+        table: first.table.map(str::to_owned),
         ray_parameters: records::json_values(&first.ray_parameters),
         controls: Vec::new(),
         runs: Vec::new(),

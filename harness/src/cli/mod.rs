@@ -1,8 +1,9 @@
-//! The command line: `tracebench adapters | list | run | table | compare | report | picture | stability`.
+//! The command line: `tracebench adapters | list | run | table | claims | compare | report | picture | stability`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
 
 mod arguments;
+mod claims;
 mod compare;
 mod list;
 mod names;
@@ -42,8 +43,10 @@ enum Verb {
     List(list::ListArguments),
     /// Trace rays, judge them against the truth, and write run.json, tables and charts.
     Run(arguments::RunArguments),
-    /// Measure tracers of one family side by side, over every scene, and write a table of them.
+    /// Measure tracers of one family side by side, or what a paper's table or figure shows, and write a table of it.
     Table(arguments::TableArguments),
+    /// Set what a paper claims beside what was measured of it, with a verdict on every claim.
+    Claims(claims::ClaimsArguments),
     /// Hold two runs against each other: what got slower or less accurate, what changed, what only one has.
     Compare(compare::CompareArguments),
     /// Make every file that derives from a run.json or an updates.json again.
@@ -105,6 +108,7 @@ pub fn main() -> ExitCode {
         Verb::List(arguments) => list::list(arguments),
         Verb::Run(arguments) => run::run(arguments, &progress),
         Verb::Table(arguments) => table::table(arguments, &progress),
+        Verb::Claims(arguments) => claims::claims(arguments),
         Verb::Compare(arguments) => compare::compare(arguments),
         Verb::Report(arguments) => run::report(arguments, &progress),
         Verb::Picture(arguments) => run::picture(arguments, &progress),
