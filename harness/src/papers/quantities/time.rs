@@ -2,7 +2,7 @@
 
 use super::memory::{over_buckets, pairs};
 use super::{greatest, least, mean};
-use crate::papers::rows::{SceneRows, has, host_ms, statistic, stored_bytes, time_ratio, trace};
+use crate::papers::rows::{SceneRows, agreement, has, host_ms, statistic, stored_bytes, time_ratio, trace};
 use crate::results::TracerRun;
 
 /// The hierarchy built on the device, in place of HLBVH and TRBVH.
@@ -175,9 +175,10 @@ pub(crate) const MIXES: [(&str, Mix); 3] = [
     ("primary, secondary, 2 shadow", FULL_MIX),
 ];
 
-/// Build and traces of a mix, ms by the host's clock.
+/// Build and traces of a mix, ms by the host's clock; none where one of them could not be judged.
 pub(crate) fn total_ms(run: &TracerRun, mix: &[(&str, f64)]) -> Option<f64> {
-    let times = mix.iter().map(|(rays, often)| Some(often * host_ms(&trace(run, rays)?.times)?));
+    let judged = |rays: &str| trace(run, rays).filter(|trace| agreement(trace).is_some());
+    let times = mix.iter().map(|(rays, often)| Some(often * host_ms(&judged(rays)?.times)?));
     Some(host_ms(&run.build.times)? + times.sum::<Option<f64>>()?)
 }
 
