@@ -5,12 +5,12 @@ use std::time::Instant;
 
 use tracebench_api::{
     Description, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Query, Ray, RayBuffer, Structure,
-    Timing, TraceJob, Tracer, TracerError, Update, Viewpoint,
+    Timing, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_scenes::CameraPath;
 
 use crate::controls::{Control, KnownAnswers};
-use crate::judge::{Judge, JudgeError};
+use crate::judge::{Class, Judge, JudgeError, Rule};
 use crate::progress::Progress;
 use crate::rays::{self, RayError, RayScene, RaySet, Starts};
 use crate::results::{Judgement, Skipped};
@@ -359,21 +359,38 @@ impl Session {
     /// [`SessionError::Judge`] if they are no answers.
     pub fn judge(&self, contender: &Contender, rays: &PreparedRays, hits: &[Hit]) -> Result<Judgement, SessionError> {
         let views = contender.structure()?.views();
-        let judge = Judge {
+        self.judge_of(contender, rays, &views).judge(hits).map_err(|error| no_answers(contender, rays, error))
+    }
+
+    /// The class of every answer of a contender under a rule, `None` for ties, as [`Judge::classes`].
+    ///
+    /// # Errors
+    /// [`SessionError::Judge`] if they are no answers.
+    pub fn classes(
+        &self,
+        contender: &Contender,
+        rays: &PreparedRays,
+        rule: Rule,
+        hits: &[Hit],
+    ) -> Result<Vec<Option<Class>>, SessionError> {
+        self.judge_of(contender, rays, &[]).classes(rule, hits).map_err(|error| no_answers(contender, rays, error))
+    }
+
+    fn judge_of<'a>(&'a self, contender: &Contender, rays: &'a PreparedRays, views: &'a [View]) -> Judge<'a> {
+        Judge {
             truth: &self.truth,
             eye: self.viewpoint.eye.as_dvec3(),
             rays: &rays.buffer.host,
             answers: &rays.answers,
             query: rays.set.query,
-            views: &views,
+            views,
             names_primitives: contender.description.names_primitives,
-        };
-        judge.judge(hits).map_err(|error| SessionError::Judge {
-            tracer: contender.description.name.to_owned(),
-            rays: rays.set.name.to_owned(),
-            error,
-        })
+        }
     }
+}
+
+fn no_answers(contender: &Contender, rays: &PreparedRays, error: JudgeError) -> SessionError {
+    SessionError::Judge { tracer: contender.description.name.to_owned(), rays: rays.set.name.to_owned(), error }
 }
 
 fn job<'a>(contender: &'a Contender, rays: &'a PreparedRays) -> TraceJob<'a> {

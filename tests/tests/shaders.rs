@@ -159,9 +159,10 @@ fn shared() -> BTreeMap<&'static str, Layout> {
     ];
     let fill_pass = [
         ("view", offset_of!(FillPass, view)),
-        ("view_index", offset_of!(FillPass, view_index)),
         ("by_plane", offset_of!(FillPass, by_plane)),
-        ("padding", offset_of!(FillPass, padding)),
+        ("padding_a", offset_of!(FillPass, padding_a)),
+        ("padding_b", offset_of!(FillPass, padding_b)),
+        ("padding_c", offset_of!(FillPass, padding_c)),
     ];
     let mipmap_level = [
         ("level", offset_of!(MipmapLevel, level)),
@@ -304,6 +305,8 @@ fn entry_points_exist() {
         ("DIRT_TRACE_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
         ("DIRT_TRACE_SPLIT", vec![("trace", ShaderStage::Compute, 64)]),
         ("DIRT_TRACE_SPLIT_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
+        ("DIRT_TRACE_CENTRES", vec![("trace", ShaderStage::Compute, 64)]),
+        ("DIRT_TRACE_CENTRES_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
         ("TEST_TRIANGLE_FUNCTIONS", vec![("cross_pairs", ShaderStage::Compute, 64)]),
         ("TEST_VIEW_FUNCTIONS", vec![("project", ShaderStage::Compute, 64)]),
     ]);

@@ -40,9 +40,29 @@ pub(super) const EXPECTATIONS: Column = &[
     ("wide-frame", Expectation::Exact),
     ("surface-starts", Expectation::Exact),
     ("cell-borders", Expectation::Exact),
+    (
+        "face-cell-borders",
+        Expectation::KnownFailure {
+            rule: Rule::HitMiss,
+            from: 0.0,
+            below: 0.0,
+            least_wrong: 0.02,
+            reason: "a hit counts only where its own tile is the one that is searched: on a border rounding may place it in the \
+                     neighbour when either is searched, and it is lost (pin-holes)",
+            source: "DIRT, section 4.2.1, Algorithm 1, line 14",
+        },
+    ),
     ("through-view-centre", Expectation::Exact),
     ("flat-tile", Expectation::Exact),
-    ("equal-triangles", Expectation::Exact),
+    (
+        "equal-triangles",
+        Expectation::Bounded {
+            rule: Rule::HitMiss,
+            most_wrong: 0.02,
+            reason: "thousands of triangles in every list that a ray passes: Mesa's software driver ends a lane's loops after \
+                     65,535 rounds in all, and rays that it cuts off are given up with status step_cap",
+        },
+    ),
     ("stacked-layers", Expectation::Exact),
     ("crowded-pixel", Expectation::Exact),
 ];
