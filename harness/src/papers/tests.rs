@@ -370,6 +370,26 @@ fn resolutions_are_told_apart() {
     assert!(values("total_gain_last_over_first", &lowest).is_empty());
 }
 
+/// What a larger tile gains is compared over resolutions, of finely tessellated scenes alone.
+#[test]
+fn gains_of_tiles_are_compared_over_resolutions() {
+    let row = |tile_size: &str, image: u32, parts: f64, ms: f64| {
+        let parameters = json!({ "tile_size": tile_size, "coverage": "conservative", "searched": "until_hit" });
+        let mut run = dirt("a", parameters, &[("parts", parts), ("occupied_tiles", 10.0)]);
+        run.viewpoint.ray_image = [image, image];
+        set_time(&mut run, "diffuse", ms);
+        run
+    };
+    let rows = |parts: f64| {
+        let high = [row("1", 20, parts, 30.0), row("4", 20, parts, 10.0)];
+        [high, [row("1", 10, parts, 6.0), row("4", 10, parts, 4.0)]].concat()
+    };
+    let name = "coarse_tile_gain_over_resolution_where_fine";
+    assert!((value(name, &run_of(rows(50.0))) - 2.0).abs() < 1e-9);
+    assert!(values(name, &run_of(rows(30.0))).is_empty());
+    assert!(values(name, &run_of(rows(50.0)[..2].to_vec())).is_empty());
+}
+
 fn claim_of(id: &str) -> Claim {
     claims().unwrap().into_iter().find(|claim| claim.id == id).unwrap()
 }

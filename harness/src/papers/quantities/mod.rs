@@ -62,6 +62,7 @@ pub const QUANTITIES: &[Quantity] = &[
     of_scene("build_growth_per_8_buckets", PERCENT, time::build_growth_per_8_buckets),
     of_scene("greatest_trace_ratio_of_8_buckets", "", time::greatest_trace_ratio_of_8_buckets),
     of_scene("coarse_tile_trace_ratio_where_low", "", time::coarse_tile_trace_ratio_where_low),
+    of_scene("coarse_tile_gain_over_resolution_where_fine", "", time::coarse_tile_gain_over_resolution_where_fine),
     of_scene("trace_at_8_over_24_to_40", "", time::trace_at_8_over_24_to_40),
     of_scene("good_setting_over_best", "", time::good_setting_over_best),
     of_scene("second_event_over_first_closed", "", time::second_event_over_first_closed),

@@ -85,8 +85,29 @@ pub(super) fn greatest_trace_ratio_of_8_buckets(scene: &SceneRows<'_>) -> Option
 pub(super) fn coarse_tile_trace_ratio_where_low(scene: &SceneRows<'_>) -> Option<f64> {
     let all = pairs(scene, ["1", "4"]);
     let [fine, coarse] = all.into_iter().find(|(buckets, _)| *buckets == 24)?.1;
-    let triangles_a_tile = statistic(fine, "parts")? / statistic(fine, "occupied_tiles")?;
-    (triangles_a_tile <= MEDIUM_TESSELLATION).then(|| trace_ratio(coarse, fine, "diffuse"))?
+    (triangles_a_tile(fine)? <= MEDIUM_TESSELLATION).then(|| trace_ratio(coarse, fine, "diffuse"))?
+}
+
+/// Triangles in an occupied tile, on the mean.
+fn triangles_a_tile(run: &TracerRun) -> Option<f64> {
+    Some(statistic(run, "parts")? / statistic(run, "occupied_tiles")?)
+}
+
+/// By how many times tiles of 4x4 are as fast as tiles of one pixel, at the highest resolution over the lowest; of scenes alone
+/// whose tiles of one pixel hold many triangles at the highest.
+pub(super) fn coarse_tile_gain_over_resolution_where_fine(scene: &SceneRows<'_>) -> Option<f64> {
+    fn at<'a>(scene: &SceneRows<'a>) -> Option<(&'a TracerRun, f64)> {
+        let row = |tile_size| {
+            let published = [("tile_size", tile_size), ("coverage", "conservative"), ("searched", "until_hit")];
+            scene.find("dirt", &published)
+        };
+        let (fine, coarse) = (row("1")?, row("4")?);
+        Some((fine, trace_ratio(fine, coarse, "diffuse")?))
+    }
+    let all: Vec<_> = scene.by_resolution().iter().filter_map(at).collect();
+    let (lowest, highest) = (all.first()?, all.last()?);
+    let wanted = all.len() > 1 && triangles_a_tile(highest.0)? > MEDIUM_TESSELLATION;
+    wanted.then(|| highest.1 / lowest.1)
 }
 
 /// Time of diffuse rays at B = 8 over the mean of B = 24 to 40, tiles of 2x2.
