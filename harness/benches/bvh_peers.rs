@@ -24,7 +24,7 @@ fn plan(preset: RunPreset) -> Result<Plan, common::Failure> {
         view: ViewRequest::Default,
         time_s: 0.0,
         seed: 1,
-        table: Some(table),
+        table: Some(table.name),
     })
 }
 

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use tracebench_api::{ParameterError, Parameters, Preset};
 
-use crate::peers::Table;
 use crate::rays::RaySet;
 use crate::registry::Registration;
 use crate::viewpoint::Pose;
@@ -146,8 +145,8 @@ pub struct Plan {
     pub time_s: f64,
     /// Seed of the ray sets.
     pub seed: u64,
-    /// The table that the run is made for, if it is made for one.
-    pub table: Option<&'static Table>,
+    /// Name of the table that the run is made for, if it is made for one.
+    pub table: Option<&'static str>,
 }
 
 #[cfg(test)]

@@ -209,7 +209,7 @@ pub(crate) fn begin(plans: &[Plan], device: &Device) -> Run {
         started: machine::utc_now(),
         seed: first.map_or(0, |plan| plan.seed),
         preset: first.map_or("", |plan| plan.preset.name).to_owned(),
-        table: first.and_then(|plan| plan.table).map(|table| table.name.to_owned()),
+        table: first.and_then(|plan| plan.table).map(str::to_owned),
         sweep: None,
         ray_parameters: first.map(|plan| records::json_values(&plan.ray_parameters)).unwrap_or_default(),
         controls: Vec::new(),

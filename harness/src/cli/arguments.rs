@@ -7,10 +7,11 @@ use clap::Args;
 use tracebench_scenes::{SCALE_MAX, SCALE_MIN};
 
 use super::{CliError, names};
-use crate::peers::{Subject, Table};
+use crate::peers::Subject;
 use crate::picture::What;
 use crate::plan::{LARGEST_EDGE, LARGEST_FACE, Plan, RUN_PRESETS, RunPreset, SceneSource, TracerRequest, ViewRequest};
 use crate::rays::{MOST_RAYS, RaySet};
+use crate::tables::Table;
 use crate::viewpoint::Pose;
 
 /// Most frames of an animation: their vertices are all held at once.
@@ -36,8 +37,8 @@ pub(super) struct RunArguments {
 pub(super) struct TableArguments {
     /// The table: a name from `list tables`.
     pub name: String,
-    /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. All listed ones (all that
-    /// move, for a table over animations) if not given.
+    /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. If not given, all listed ones
+    /// (all that move, for a table over animations; for a paper's table those that stand for the paper's).
     #[arg(long)]
     pub scene: Option<String>,
     /// Ray sets: names from `list rays` with commas, or all; the table's own if not given.
@@ -89,7 +90,7 @@ pub(super) struct Matter {
     pub(super) scenes: Vec<SceneSource>,
     pub(super) tracers: Vec<TracerRequest>,
     pub(super) ray_sets: Vec<RaySet>,
-    pub(super) table: Option<&'static Table>,
+    pub(super) table: Option<&'static str>,
 }
 
 /// What `run`, `table` and `picture` share.
@@ -185,21 +186,28 @@ impl RunArguments {
 }
 
 impl TableArguments {
-    pub(super) fn matter(&self, table: &'static Table) -> Result<Matter, CliError> {
-        let scenes = match &self.scene {
-            Some(list) => names::scenes(list)?,
-            None => tracebench_scenes::catalogue()
+    /// What a table is about: its own scenes, tracers and ray sets where nothing else is said.
+    pub(super) fn matter(&self, table: Table) -> Result<Matter, CliError> {
+        let settings = &self.work.common.settings;
+        let listed = |name: &str| SceneSource::Catalogue(name.to_owned());
+        let scenes = match (&self.scene, table) {
+            (Some(list), _) => names::scenes(list)?,
+            (None, Table::Peers(peers)) => tracebench_scenes::catalogue()
                 .iter()
-                .filter(|entry| table.subject == Subject::Still || entry.animation_s.is_some())
-                .map(|entry| SceneSource::Catalogue(entry.name.to_owned()))
+                .filter(|entry| peers.subject == Subject::Still || entry.animation_s.is_some())
+                .map(|entry| listed(entry.name))
                 .collect(),
+            (None, Table::Paper(experiment)) => experiment.scenes.iter().map(|each| listed(each.scene)).collect(),
         };
-        Ok(Matter {
-            scenes,
-            tracers: names::peers(table, &self.work.common.settings)?,
-            ray_sets: names::ray_sets(self.rays.as_deref().unwrap_or(table.rays))?,
-            table: Some(table),
-        })
+        let tracers = match table {
+            Table::Peers(peers) => names::peers(peers, settings)?,
+            Table::Paper(experiment) => names::steps(experiment, settings)?.concat(),
+        };
+        let ray_sets = match self.rays.as_deref().unwrap_or(table.rays()) {
+            "" => Vec::new(),
+            list => names::ray_sets(list)?,
+        };
+        Ok(Matter { scenes, tracers, ray_sets, table: Some(table.name()) })
     }
 }
 

@@ -8,11 +8,11 @@ use tracebench_scenes::CatalogueEntry;
 use super::CliError;
 use super::output::print;
 use crate::cases::{CASES, Case};
-use crate::peers::{TABLES, Table};
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
 use crate::rays::{RAY_SETS, RaySet, ray_parameters};
 use crate::registry::TRACERS;
+use crate::tables::Table;
 
 #[derive(Args)]
 pub(super) struct AdapterArguments {
@@ -78,7 +78,7 @@ pub(super) fn list(arguments: &ListArguments) -> Result<(), CliError> {
         Kind::Scenes => scenes_text(),
         Kind::Rays => rays_text(),
         Kind::Cases => CASES.iter().map(case_text).collect(),
-        Kind::Tables => TABLES.iter().map(table_text).collect(),
+        Kind::Tables => Table::all().map(table_text).collect(),
     })
 }
 
@@ -190,26 +190,46 @@ fn case_text(case: &Case) -> String {
     format!("{:<20} {}\n{:20} {}: {}\n", case.name, case.summary, "", case.knob.label(), values.join(", "))
 }
 
-/// Labels of a table's rows, as `--tracer` takes them.
-fn rows(table: &Table) -> Vec<String> {
+/// Labels of a table's rows, as `--tracer` takes them; each once, however many steps have it.
+fn rows(table: Table) -> Vec<String> {
     let row = |request: &TracerRequest| {
         let own = request.parameters.iter().filter(|(name, _)| request.changed.iter().any(|changed| changed == name));
         let own: String = own.map(|(name, value)| format!("@{name}={value}")).collect();
         format!("{}{own}", request.name())
     };
-    table.contenders().iter().map(row).collect()
+    let requests = match table {
+        Table::Peers(peers) => peers.contenders(),
+        Table::Paper(experiment) => experiment.requests().concat(),
+    };
+    let mut rows: Vec<String> = Vec::new();
+    for row in requests.iter().map(row) {
+        if !rows.contains(&row) {
+            rows.push(row);
+        }
+    }
+    rows
 }
 
 fn tables() -> Vec<Value> {
-    let item = |table: &Table| {
-        let rays: Vec<&str> = table.rays.split(',').collect();
-        let Table { name, summary, reference, .. } = table;
-        json!({ "name": name, "summary": summary, "reference": reference, "rays": rays, "tracers": rows(table) })
+    let item = |table: Table| {
+        let rays: Vec<&str> = table.rays().split(',').filter(|name| !name.is_empty()).collect();
+        let mut item = json!({
+            "name": table.name(), "summary": table.summary(), "rays": rays, "tracers": rows(table),
+        });
+        match table {
+            Table::Peers(peers) => item["reference"] = json!(peers.reference),
+            Table::Paper(experiment) => {
+                item["paper"] = json!(experiment.paper);
+                item["scenes"] = experiment.scenes.iter().map(|each| json!(each.scene)).collect();
+                item["resolutions"] = experiment.steps.iter().map(|step| json!(step.resolution)).collect();
+            }
+        }
+        item
     };
-    TABLES.iter().map(item).collect()
+    Table::all().map(item).collect()
 }
 
-fn table_text(table: &Table) -> String {
-    let Table { name, summary, rays, .. } = table;
-    format!("{name:<12} {summary}\n{:12} rows: {}; rays: {rays}\n", "", rows(table).join(", "))
+fn table_text(table: Table) -> String {
+    let (name, rays) = (table.name(), if table.rays().is_empty() { "none" } else { table.rays() });
+    format!("{name:<14} {}\n{:14} rows: {}; rays: {rays}\n", table.summary(), "", rows(table).join(", "))
 }

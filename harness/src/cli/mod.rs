@@ -1,9 +1,10 @@
-//! The command line: `tracebench adapters | list | run | sweep | table | compare | report | picture | stability |
+//! The command line: `tracebench adapters | list | run | sweep | table | claims | compare | report | picture | stability |
 //! explain`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
 
 mod arguments;
+mod claims;
 mod compare;
 mod explain;
 mod list;
@@ -47,8 +48,10 @@ enum Verb {
     Run(arguments::RunArguments),
     /// Measure one tracer over values of its parameters and over resolutions: memory, build, trace and error.
     Sweep(sweep::SweepArguments),
-    /// Measure tracers of one family side by side, over every scene, and write a table of them.
+    /// Measure tracers of one family side by side, or what a paper's table or figure shows, and write a table of it.
     Table(arguments::TableArguments),
+    /// Set what a paper claims beside what was measured of it, with a verdict on every claim.
+    Claims(claims::ClaimsArguments),
     /// Hold two runs against each other: what got slower or less accurate, what changed, what only one has.
     Compare(compare::CompareArguments),
     /// Make every file that derives from a run.json or an updates.json again.
@@ -113,6 +116,7 @@ pub fn main() -> ExitCode {
         Verb::Run(arguments) => run::run(arguments, &progress),
         Verb::Sweep(arguments) => sweep::sweep(arguments, &progress),
         Verb::Table(arguments) => table::table(arguments, &progress),
+        Verb::Claims(arguments) => claims::claims(arguments),
         Verb::Compare(arguments) => compare::compare(arguments),
         Verb::Report(arguments) => run::report(arguments, &progress),
         Verb::Picture(arguments) => run::picture(arguments, &progress),

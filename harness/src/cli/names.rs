@@ -6,10 +6,12 @@ use tracebench_api::{ParameterDescription, ParameterError, Parameters, Preset};
 
 use super::CliError;
 use crate::cases::{self, CASES, Case};
-use crate::peers::{self, TABLES, Table};
+use crate::papers::{self, Experiment};
+use crate::peers;
 use crate::plan::{SceneSource, TracerRequest};
 use crate::rays::{self, RAY_SETS, RaySet};
 use crate::registry::{self, TRACERS};
+use crate::tables::Table;
 
 /// Says that a name is not known, with the nearest that is.
 pub(super) fn unknown(kind: &str, name: &str, known: &[&str]) -> CliError {
@@ -129,7 +131,7 @@ pub(super) fn tracers(list: &str, settings: &[String]) -> Result<Vec<TracerReque
 }
 
 /// The tracers of a table with `--set` values on top; none is required, since nobody has named it.
-pub(super) fn peers(table: &Table, settings: &[String]) -> Result<Vec<TracerRequest>, CliError> {
+pub(super) fn peers(table: &peers::Table, settings: &[String]) -> Result<Vec<TracerRequest>, CliError> {
     let mut requests = table.contenders();
     apply_all(settings, &mut requests)?;
     // A value that is set may be one that the table has a row of its own for.
@@ -143,10 +145,24 @@ pub(super) fn peers(table: &Table, settings: &[String]) -> Result<Vec<TracerRequ
     Ok(different)
 }
 
+/// The tracers of an experiment's steps with `--set` values on top; values that a row is about stay.
+pub(super) fn steps(experiment: &Experiment, settings: &[String]) -> Result<Vec<Vec<TracerRequest>>, CliError> {
+    let mut steps = experiment.requests();
+    steps.iter_mut().try_for_each(|step| apply_all(settings, step))?;
+    Ok(steps)
+}
+
 /// A table by name.
-pub(super) fn table(name: &str) -> Result<&'static Table, CliError> {
-    let known: Vec<&str> = TABLES.iter().map(|table| table.name).collect();
-    peers::find(name).ok_or_else(|| unknown("table", name, &known))
+pub(super) fn table(name: &str) -> Result<Table, CliError> {
+    let known: Vec<&str> = Table::all().map(Table::name).collect();
+    Table::find(name).ok_or_else(|| unknown("table", name, &known))
+}
+
+/// A paper by its short name.
+pub(super) fn paper(name: &str) -> Result<&str, CliError> {
+    let papers = papers::papers().map_err(|error| CliError::Other(error.to_string()))?;
+    let known: Vec<&str> = papers.keys().map(String::as_str).collect();
+    if known.contains(&name) { Ok(name) } else { Err(unknown("paper", name, &known)) }
 }
 
 /// What `--set` says about ray sets.
@@ -297,7 +313,7 @@ mod tests {
     /// A table has every peer, none of them required, and no row twice, whatever is set.
     #[test]
     fn tables_have_every_peer_once() {
-        let bvh = table("bvh").unwrap();
+        let Ok(Table::Peers(bvh)) = table("bvh") else { panic!("it is one of peers") };
         let plain = peers(bvh, &[]).unwrap();
         let set = peers(bvh, &[format!("{}.build=fast", bvh.reference)]).unwrap();
         assert_eq!(set.len() + 1, plain.len());

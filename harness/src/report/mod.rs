@@ -15,6 +15,7 @@ mod format;
 mod group;
 mod markdown;
 mod metrics;
+mod papers;
 mod peers;
 mod stability;
 mod summary;
@@ -32,12 +33,13 @@ use std::path::{Path, PathBuf};
 pub use compare::comparison_text;
 pub use error::ReportError;
 pub use explain::{explanation_page, write_explanation};
+pub use papers::{claims_text, write_claims};
 pub use stability::{STABILITY_TABLE, matrix as stability_matrix, write as write_stability};
 pub use sweep::SWEEP_PAGE;
 pub use updates::{write_updates, write_updates_table};
 
-use crate::peers::Table;
 use crate::results::{Run, SCHEMA};
+use crate::tables::Table;
 use crate::updates::Updates;
 
 /// The file that holds everything.
@@ -77,8 +79,8 @@ pub fn write_derived(run: &Run, directory: &Path) -> Result<Vec<PathBuf>, Report
     write("summary.md", summary::summary(&labelled, &shown).as_bytes())?;
     write("traces.csv", &tables::traces(run, &groups)?)?;
     write("wrong_rays.csv", &tables::wrong_rays(&groups)?)?;
-    if let Some(table) = run.table.as_deref().and_then(crate::peers::find) {
-        for (name, contents) in peers::files(table, run)? {
+    if let Some(table) = run.table.as_deref().and_then(Table::find) {
+        for (name, contents) in table_files(table, run)? {
             write(&name, &contents)?;
         }
     }
@@ -98,21 +100,28 @@ pub fn write_derived(run: &Run, directory: &Path) -> Result<Vec<PathBuf>, Report
     Ok(paths)
 }
 
-/// Writes a table of peers over a run, whatever the run was made for, and gives the paths.
+/// Writes a table over a run, whatever the run was made for, and gives the paths.
 ///
 /// # Errors
-/// If the folder or a file cannot be written, or the run has no tracer of the table's family.
-pub fn write_table(table: &Table, run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
+/// If the folder or a file cannot be written, or the run has no tracer of the table.
+pub fn write_table(table: Table, run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
     if !run.runs.iter().any(|one| table.holds(&one.tracer.name)) {
         let reason = "no tracer of this run belongs into it".to_owned();
-        return Err(ReportError::Made { what: format!("table {}", table.name), reason });
+        return Err(ReportError::Made { what: format!("table {}", table.name()), reason });
     }
     files::create_directory(directory)?;
     let write = |(name, contents): (String, Vec<u8>)| {
         let path = directory.join(name);
         files::write(&path, &contents).map(|()| path)
     };
-    peers::files(table, run)?.into_iter().map(write).collect()
+    table_files(table, run)?.into_iter().map(write).collect()
+}
+
+fn table_files(table: Table, run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+    match table {
+        Table::Peers(table) => peers::files(table, run),
+        Table::Paper(experiment) => papers::files(experiment, run),
+    }
 }
 
 /// Charts of scenes that only an older run in the same folder had would pass for this one's.
@@ -129,8 +138,8 @@ fn remove_stale_charts(directory: &Path, written: &[PathBuf]) {
 }
 
 /// Where the table of a folder stands.
-pub fn table_page(table: &Table, directory: &Path) -> PathBuf {
-    directory.join(format!("{}.md", peers::stem(table)))
+pub fn table_page(name: &str, directory: &Path) -> PathBuf {
+    directory.join(format!("{}.md", peers::stem(name)))
 }
 
 /// Reads a run back from its folder or from the file itself.

@@ -3,8 +3,6 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use tracebench_api::ClockKind;
-
 use super::ReportError;
 use super::format::{
     self, NONE, clock_code, clock_of, mib, optional, significant, statistic, thousands, with_interval,
@@ -14,6 +12,7 @@ use super::markdown::{Table as Markdown, inline};
 use super::metrics;
 use super::tables::{accuracy_columns, code, number, to_csv};
 use super::{cells, summary};
+use crate::papers::host_ms;
 use crate::peers::Table;
 use crate::results::{Run, Times, TraceRecord, TracerRun};
 
@@ -27,24 +26,15 @@ pub(super) fn files(table: &Table, run: &Run) -> Result<Vec<(String, Vec<u8>)>, 
     run.runs.retain(|one| table.holds(&one.tracer.name));
     run.skipped.retain(|one| one.tracer.as_deref().is_none_or(|name| table.holds(name)));
     let groups = groups(&run);
-    let stem = stem(table);
+    let stem = stem(table.name);
     let csv = format!("{stem}.csv");
     let rows = to_csv(&csv, rows(table, &run, &groups))?;
     Ok(vec![(format!("{stem}.md"), page(table, &run, &groups).into_bytes()), (csv, rows)])
 }
 
-/// What a table's files are called, without their ends.
-pub(super) fn stem(table: &Table) -> String {
-    format!("table_{}", table.name.replace('-', "_"))
-}
-
-/// A tracer's time by the host's clock: that of work on the host, or round a submission.
-pub(super) fn host_ms(times: &Times) -> Option<f64> {
-    let measured = match times.clock {
-        ClockKind::Host => (!times.samples_ms.is_empty()).then_some(times.median_ms),
-        ClockKind::DeviceTimestamps | ClockKind::SubmitToDone => times.submit_to_done_median_ms,
-    };
-    measured.filter(|ms| *ms > 0.0)
+/// What the files of a table are called, without their ends.
+pub(super) fn stem(name: &str) -> String {
+    format!("table_{}", name.replace('-', "_"))
 }
 
 /// How many times as fast as the reference, both by the host's clock.

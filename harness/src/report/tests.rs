@@ -301,7 +301,7 @@ fn tables_set_peers_side_by_side() {
     let plain = Run { table: None, ..run.clone() };
     assert!(write(&plain).1.keys().all(|name| !name.starts_with("table_")));
     let elsewhere = TempDir::new().unwrap();
-    let bvh = crate::peers::find("bvh").unwrap();
+    let bvh = Table::find("bvh").unwrap();
     for path in write_table(bvh, &plain, elsewhere.path()).unwrap() {
         let name = path.file_name().unwrap().to_str().unwrap();
         assert!(fs::read(&path).unwrap() == files[name], "{name} differs");

@@ -1,6 +1,7 @@
 //! The program as scripts use it: exit statuses, messages, files.
 
 mod compare;
+mod papers;
 mod refusals;
 mod runs;
 mod stability;

@@ -4,6 +4,7 @@ mod axis;
 mod canvas;
 mod frame;
 mod palette;
+pub(super) mod series;
 mod speed;
 mod strength;
 mod sweep;
@@ -30,7 +31,7 @@ const LONGEST_SET: usize = 16;
 const LONGEST_TRACER: usize = 64;
 
 /// What the names of the charts' files begin with.
-pub(super) const STEMS: [&str; 3] = ["error_vs_speed_", "agreement_over_tolerance_", super::sweep::STEM];
+pub(super) const STEMS: [&str; 4] = ["error_vs_speed_", "agreement_over_tolerance_", super::sweep::STEM, "figure_"];
 
 /// A chart's file.
 #[derive(Debug)]

@@ -1,0 +1,128 @@
+//! Values that the papers published, with hardware and scopes.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::DataError;
+
+const FILE: &str = "harness/data/published.json";
+const TEXT: &str = include_str!("../../data/published.json");
+
+/// A paper.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Paper {
+    /// Its title.
+    pub title: String,
+    /// Where it appeared.
+    pub venue: String,
+    /// When.
+    pub year: u32,
+    /// What it measured on.
+    pub hardware: String,
+    /// What holds of its measurements where nothing else is said.
+    pub setup: Vec<Setting>,
+}
+
+/// A setting of a paper's measurements.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Setting {
+    /// What is set.
+    pub name: String,
+    /// Its value; `None` where the paper does not state it.
+    pub value: Option<String>,
+    /// Where it is stated.
+    pub section: String,
+    /// What is to be known of it.
+    pub note: String,
+}
+
+/// A table, or what a figure's caption or the text states.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PublishedTable {
+    /// Stable name.
+    pub id: String,
+    /// The paper's short name.
+    pub paper: String,
+    /// Where it stands there.
+    pub place: String,
+    /// What it tells.
+    pub what: String,
+    /// Its columns.
+    pub columns: Vec<PublishedColumn>,
+    /// Its rows; `None` where the figures stood in a picture alone and are not available.
+    pub rows: Option<Vec<PublishedRow>>,
+    /// What is to be known of it.
+    pub notes: Vec<String>,
+}
+
+/// A column.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PublishedColumn {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// What is in it and what is not.
+    pub scope: String,
+}
+
+/// A row.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PublishedRow {
+    /// What it is of: scene, method and the like.
+    pub labels: BTreeMap<String, String>,
+    /// A value a column; `None` where there is none.
+    pub values: Vec<Option<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    papers: BTreeMap<String, Paper>,
+    tables: Vec<PublishedTable>,
+}
+
+fn file() -> Result<File, DataError> {
+    serde_json::from_str(TEXT).map_err(|source| DataError { file: FILE, source })
+}
+
+/// Every paper by its short name.
+///
+/// # Errors
+/// If the embedded file is not as it should be.
+pub fn papers() -> Result<BTreeMap<String, Paper>, DataError> {
+    Ok(file()?.papers)
+}
+
+/// A paper by its short name.
+///
+/// # Errors
+/// As [`papers`].
+pub fn paper(name: &str) -> Result<Option<Paper>, DataError> {
+    Ok(papers()?.remove(name))
+}
+
+/// Every published table.
+///
+/// # Errors
+/// As [`papers`].
+pub fn tables() -> Result<Vec<PublishedTable>, DataError> {
+    Ok(file()?.tables)
+}
+
+impl PublishedTable {
+    /// The value in the row with these labels, in the column of this name.
+    pub fn value(&self, labels: &[(&str, &str)], column: &str) -> Option<f64> {
+        let index = self.columns.iter().position(|each| each.name == column)?;
+        let is_row = |row: &&PublishedRow| {
+            labels.iter().all(|(name, value)| row.labels.get(*name).is_some_and(|label| label == value))
+        };
+        self.rows.as_ref()?.iter().find(is_row)?.values.get(index).copied()?
+    }
+}

@@ -1,0 +1,153 @@
+//! A run's rows as quantities look at them: by scene, by parameters, by resolution.
+
+use serde_json::Value;
+use tracebench_api::ClockKind;
+
+use crate::results::{Judgement, Run, Skipped, Times, TraceRecord, TracerRun};
+
+/// A run by scene.
+pub struct Rows<'a> {
+    /// The run.
+    pub run: &'a Run,
+    /// Its scenes, in order of first appearance.
+    pub scenes: Vec<SceneRows<'a>>,
+}
+
+/// What was measured of one scene from one viewpoint, at every resolution.
+pub struct SceneRows<'a> {
+    /// The scene's name, with the viewpoint's where the scene stands there twice.
+    pub label: String,
+    /// Its contenders.
+    pub runs: Vec<&'a TracerRun>,
+    /// What could not be run there.
+    pub skipped: Vec<&'a Skipped>,
+}
+
+impl<'a> Rows<'a> {
+    /// Sorts a run by scene and viewpoint.
+    pub fn of(run: &'a Run) -> Self {
+        let mut scenes: Vec<SceneRows<'a>> = Vec::new();
+        for one in &run.runs {
+            match scenes.iter_mut().find(|scene| same_place(scene.runs[0], one)) {
+                Some(scene) => scene.runs.push(one),
+                None => {
+                    let skipped = run.skipped.iter().filter(|skipped| skipped.scene == one.scene.name).collect();
+                    scenes.push(SceneRows { label: one.scene.name.clone(), runs: vec![one], skipped });
+                }
+            }
+        }
+        let names: Vec<String> = scenes.iter().map(|scene| scene.label.clone()).collect();
+        for scene in &mut scenes {
+            if names.iter().filter(|name| **name == scene.label).count() > 1 {
+                scene.label = format!("{} from {}", scene.label, scene.runs[0].viewpoint.name);
+            }
+        }
+        Self { run, scenes }
+    }
+}
+
+fn same_place(one: &TracerRun, other: &TracerRun) -> bool {
+    one.scene.name == other.scene.name
+        && one.scene.sha256 == other.scene.sha256
+        && (one.viewpoint.eye, one.viewpoint.forward) == (other.viewpoint.eye, other.viewpoint.forward)
+        && one.viewpoint.time_s == other.viewpoint.time_s
+}
+
+/// Whether a run has a value of a parameter, given as the command line takes it.
+pub(crate) fn has(run: &TracerRun, parameter: &str, value: &str) -> bool {
+    run.tracer.parameters.get(parameter).is_some_and(|found| match found {
+        Value::String(text) => text == value,
+        other => value.parse::<Value>().is_ok_and(|value| value == *other),
+    })
+}
+
+/// A parameter's whole number.
+pub(crate) fn integer(run: &TracerRun, parameter: &str) -> Option<u64> {
+    match run.tracer.parameters.get(parameter)? {
+        Value::String(text) => text.parse().ok(),
+        other => other.as_u64(),
+    }
+}
+
+impl<'a> SceneRows<'a> {
+    /// The runs of a tracer.
+    pub fn of_tracer(&self, tracer: &str) -> impl Iterator<Item = &'a TracerRun> {
+        self.runs.iter().filter(move |run| run.tracer.name == tracer).copied()
+    }
+
+    /// The first run of a tracer that has these values.
+    pub fn find(&self, tracer: &str, values: &[(&str, &str)]) -> Option<&'a TracerRun> {
+        self.of_tracer(tracer).find(|run| values.iter().all(|(name, value)| has(run, name, value)))
+    }
+
+    /// The runs by resolution of the ray image, from the lowest.
+    pub fn by_resolution(&self) -> Vec<SceneRows<'a>> {
+        let pixels = |run: &TracerRun| run.viewpoint.ray_image.map(u64::from).iter().product::<u64>();
+        let mut resolutions: Vec<u64> = self.runs.iter().map(|run| pixels(run)).collect();
+        resolutions.sort_unstable();
+        resolutions.dedup();
+        let at = |resolution: u64| SceneRows {
+            label: self.label.clone(),
+            runs: self.runs.iter().filter(|run| pixels(run) == resolution).copied().collect(),
+            skipped: self.skipped.clone(),
+        };
+        resolutions.into_iter().map(at).collect()
+    }
+}
+
+/// A tracer's trace of a ray set.
+pub(crate) fn trace<'a>(run: &'a TracerRun, rays: &str) -> Option<&'a TraceRecord> {
+    run.traces.iter().find(|trace| trace.rays == rays)
+}
+
+/// A tracer's time by the host's clock: that of work on the host, or round a submission.
+pub(crate) fn host_ms(times: &Times) -> Option<f64> {
+    let measured = match times.clock {
+        ClockKind::Host => (!times.samples_ms.is_empty()).then_some(times.median_ms),
+        ClockKind::DeviceTimestamps | ClockKind::SubmitToDone => times.submit_to_done_median_ms,
+    };
+    measured.filter(|ms| *ms > 0.0)
+}
+
+/// How many times as long one took as the other: by the clock that timed both, else by the host's.
+pub(crate) fn time_ratio(one: &Times, other: &Times) -> Option<f64> {
+    let own = |times: &Times| (!times.samples_ms.is_empty() && times.median_ms > 0.0).then_some(times.median_ms);
+    if one.clock == other.clock { Some(own(one)? / own(other)?) } else { Some(host_ms(one)? / host_ms(other)?) }
+}
+
+/// Bytes that a structure uses, by its own ledger.
+pub(crate) fn stored_bytes(run: &TracerRun) -> f64 {
+    run.memory.structure.iter().map(|part| part.used_bytes as f64).sum()
+}
+
+/// What a structure says of itself.
+pub(crate) fn statistic(run: &TracerRun, name: &str) -> Option<f64> {
+    run.structure_statistics.get(name).copied()
+}
+
+/// A counter's mean a ray.
+pub(crate) fn per_ray(trace: &TraceRecord, counter: &str) -> Option<f64> {
+    Some(trace.counters.get(counter)?.per_ray)
+}
+
+/// Agreement under `tight`, or balanced accuracy of any-hit rays.
+pub(crate) fn agreement(trace: &TraceRecord) -> Option<f64> {
+    match &trace.judgement {
+        Judgement::Closest(closest) => closest.agreement.tight,
+        Judgement::Any(any) => any.occlusion.balanced_accuracy,
+    }
+}
+
+/// Rays that count, and of them those missed under `tight`; of closest-hit sets alone.
+pub(crate) fn false_misses(trace: &TraceRecord) -> Option<[u64; 2]> {
+    let Judgement::Closest(closest) = &trace.judgement else { return None };
+    Some([trace.count.saturating_sub(closest.ties), closest.classes.tight.false_miss])
+}
+
+/// Rays that count, and of them those wrong under `tight`; of closest-hit sets alone.
+pub(crate) fn wrong(trace: &TraceRecord) -> Option<[u64; 2]> {
+    let Judgement::Closest(closest) = &trace.judgement else { return None };
+    let classes = &closest.classes.tight;
+    let wrong = classes.false_hit + classes.false_miss + classes.early + classes.late;
+    Some([trace.count.saturating_sub(closest.ties), wrong])
+}

@@ -1,0 +1,149 @@
+//! `table` over the papers' tables and figures, and `claims`.
+
+use super::*;
+
+/// A table that takes seconds: one triangle, few rays.
+const SMALL: [&str; 9] = ["--quiet", "--scene", "one.glb", "--preset", "smoke", "--size", "16x8", "--samples", "2"];
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    std::fs::write(bench.path("one.glb"), glb(&TRIANGLE)).unwrap();
+    bench
+}
+
+fn table(bench: &Bench, name: &str, out: &str, arguments: &[&str]) -> Outcome {
+    let outcome = bench.call(&[&["table", name][..], &SMALL, &["--out", out], arguments].concat());
+    assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
+    outcome
+}
+
+/// Proves that a sweep has a row for every combination, that page, chart and verdicts are written, tell published values and
+/// every claim of the table, and that `report` and `--from` make the same files from run.json alone.
+#[test]
+fn a_figure_over_parameters() {
+    let bench = bench();
+    let outcome = table(&bench, "dirt-figure10", "out", &[]);
+    for part in
+        ["## Published", "GTX 980 Ti", "| 1x1 to 2x2 | 56 | 50 |", "not available", "## Claims", "stands for none"]
+    {
+        assert!(outcome.stdout.contains(part), "no '{part}' in {}", outcome.stdout);
+    }
+    let run = bench.result("out");
+    assert_eq!(run["table"], "dirt-figure10");
+    let runs = run["runs"].as_array().unwrap();
+    let labels: BTreeSet<String> = runs.iter().map(|one| one["tracer"]["parameters"].to_string()).collect();
+    assert_eq!((runs.len(), labels.len()), (15, 15));
+    let verdicts = "out/verdicts_dirt_figure10.json";
+    let judged: Value = serde_json::from_slice(&std::fs::read(bench.path(verdicts)).unwrap()).unwrap();
+    for each in judged.as_array().unwrap() {
+        assert!(outcome.stdout.contains(each["claim"]["id"].as_str().unwrap()), "{each}");
+        assert_eq!(each["measured_by"]["table"], "dirt-figure10");
+    }
+    let references = |tile_size: &str, buckets: u64| {
+        let is_row = |one: &&Value| {
+            let parameters = &one["tracer"]["parameters"];
+            parameters["tile_size"] == tile_size && parameters["buckets"] == buckets
+        };
+        runs.iter().find(is_row).unwrap()["structure_statistics"]["references"].as_f64().unwrap()
+    };
+    let saved = [16, 24, 32, 40].map(|buckets| 100.0 * (1.0 - references("2", buckets) / references("1", buckets)));
+    let found = judged.as_array().unwrap().iter().find(|each| each["claim"]["id"] == "dirt-samples-2x2").unwrap();
+    let found = found["values"][0]["value"].as_f64().unwrap();
+    assert!((found - saved.iter().sum::<f64>() / 4.0).abs() < 1e-9, "{found} of {saved:?}");
+    let files = [
+        "out/table_dirt_figure10.md",
+        verdicts,
+        "out/figure_dirt_figure10_one.svg",
+        "out/figure_dirt_figure10_one.png",
+    ];
+    let files = files.map(|name| bench.path(name));
+    let before = files.clone().map(|file| std::fs::read(file).unwrap());
+    for again in [vec!["report", "out"], vec!["table", "dirt-figure10", "--from", "out"]] {
+        files.iter().for_each(|file| std::fs::remove_file(file).unwrap());
+        assert_eq!(bench.call(&[&["--quiet"][..], &again].concat()).status, 0);
+        assert!(files.clone().map(|file| std::fs::read(file).unwrap()) == before, "{again:?}");
+    }
+}
+
+/// Proves that steps over resolution stand in one run, frame and faces growing along, without any traces; and that a paper's
+/// claims are set together from several runs, with every claim in the text and in the files.
+#[test]
+fn a_figure_over_resolution_and_all_claims() {
+    let bench = bench();
+    let outcome = table(&bench, "dirt-figure11", "memory", &[]);
+    // Without traces there is no accuracy, so no time either.
+    assert!(!outcome.stdout.contains("build clock") && outcome.stdout.contains("references"), "{outcome:?}");
+    let run = bench.result("memory");
+    let runs = run["runs"].as_array().unwrap();
+    let sizes: Vec<Value> =
+        runs.iter().map(|one| json!([one["viewpoint"]["ray_image"], one["viewpoint"]["face"]])).collect();
+    assert_eq!(sizes, [json!([[4, 2], 16]), json!([[8, 4], 32]), json!([[16, 8], 64]), json!([[32, 16], 128])]);
+    assert!(runs.iter().all(|one| one["traces"].as_array().unwrap().is_empty()));
+    table(&bench, "dirt-table3", "bytes", &[]);
+    let outcome = bench.call(&["claims", "dirt", "memory", "bytes/run.json", "--out", "claims"]);
+    assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
+    assert_eq!(names(&bench.path("claims")), ["claims_dirt.json", "claims_dirt.md"].map(str::to_owned).into());
+    let judged = std::fs::read(bench.path("claims/claims_dirt.json")).unwrap();
+    let judged: Value = serde_json::from_slice(&judged).unwrap();
+    let judged = judged.as_array().unwrap();
+    let verdict = |id: &str| {
+        let found = judged.iter().find(|each| each["claim"]["id"] == id).unwrap_or_else(|| panic!("no {id}"));
+        found["verdict"].as_str().unwrap().to_owned()
+    };
+    assert!(judged.len() > 60 && judged.iter().all(|each| each["verdict"].is_string()));
+    assert_eq!(verdict("dirt-mipmap-factor"), "does not hold here");
+    assert_eq!(verdict("dirt-mipmap-factor-table3"), "holds");
+    assert_eq!(verdict("dirt-clipped-bounds"), "holds");
+    assert_eq!(verdict("dirt-memory-vs-fragments"), "not measurable here");
+    assert_eq!(verdict("dirt-samples-2x2"), "not measured");
+    for each in judged {
+        let id = each["claim"]["id"].as_str().unwrap();
+        assert!(outcome.stdout.contains(&format!("| `{id}`:")), "{id}");
+    }
+    assert!(outcome.stdout.contains("tracebench table dirt-figure10"), "{}", outcome.stdout);
+}
+
+/// Proves that what an experiment says of its rays counts unless the command line says otherwise, and that `--set` reaches every
+/// row but values that rows are about.
+#[test]
+fn settings_come_on_top() {
+    let bench = bench();
+    let target = |run: &Value| run["ray_parameters"]["visibility_target"].as_str().unwrap().to_owned();
+    table(&bench, "dirt-table1", "plain", &["--rays", "diffuse"]);
+    assert_eq!(target(&bench.result("plain")), "outside");
+    let set = ["--rays", "diffuse", "--set", "rays.visibility_target=inside", "--set", "dirt.clip=plane"];
+    table(&bench, "dirt-table1", "set", &[&set[..], &["--set", "dirt.tile_size=8"]].concat());
+    let run = bench.result("set");
+    assert_eq!(target(&run), "inside");
+    let parameters: Vec<Value> =
+        run["runs"].as_array().unwrap().iter().map(|one| one["tracer"]["parameters"].clone()).collect();
+    assert!(parameters.iter().all(|each| each["clip"] == "plane"), "{parameters:?}");
+    let sizes: Vec<&str> = parameters.iter().map(|each| each["tile_size"].as_str().unwrap()).collect();
+    assert_eq!(sizes, ["1", "2"]);
+}
+
+/// Proves that wrong arguments end with status 2 and name what is right, that what cannot be read or run ends with 1, and that
+/// nothing is left behind.
+#[test]
+fn wrong_papers() {
+    let bench = bench();
+    for (arguments, parts) in [
+        (vec!["table", "dirt-table9"], vec!["dirt-table9", "did you mean 'dirt-table"]),
+        (vec!["table", "dirt-table1", "--frames", "4"], vec!["--frames", "not over animations"]),
+        (vec!["table", "dirt-table1", "--set", "bvh-cpu.build=fast"], vec!["not in"]),
+        (vec!["table", "dirt-table1", "--set", "dirt.tile_size=3"], vec!["1, 2, 4, 8"]),
+        (vec!["table", "dirt-table1", "--set", "rays.visibility_target=up"], vec!["outside"]),
+        (vec!["table", "dirt-figure11", "--preset", "smoke", "--size", "4096x4096"], vec!["--size", "2 times"]),
+        (vec!["claims", "dart"], vec!["'dirt'"]),
+        (vec!["claims"], vec!["<PAPER>"]),
+    ] {
+        bench.fails(&arguments, 2, &parts);
+    }
+    bench.fails(&["claims", "dirt", "nowhere"], 1, &["nowhere", "run.json"]);
+    bench.fails(&["table", "dirt-table1", "--from", "nowhere"], 1, &["nowhere", "run.json"]);
+    bench.run(&["--tracer", "bvh-cpu", "--rays", "primary"], "others");
+    bench.fails(&["table", "dirt-table1", "--from", "others"], 1, &["no tracer of this run belongs"]);
+    let nothing = bench.call_without_adapter(&[&["table", "dirt-table3", "--out", "out"][..], &SMALL].concat());
+    assert!(nothing.status == 1 && nothing.stderr.contains("no tracer could run"), "{nothing:?}");
+    assert_eq!(names(bench.folder.path()), ["cache", "one.glb", "others"].map(str::to_owned).into());
+}
