@@ -96,10 +96,7 @@ fn table(judged: &[JudgedClaim], with_table: bool) -> String {
 
 /// Verdicts as JSON.
 pub(super) fn json(name: &str, judged: &[JudgedClaim]) -> Result<Vec<u8>, ReportError> {
-    let mut json = serde_json::to_vec_pretty(judged)
-        .map_err(|error| ReportError::Made { what: name.to_owned(), reason: error.to_string() })?;
-    json.push(b'\n');
-    Ok(json)
+    files::json(name, &judged)
 }
 
 /// All claims of a paper together, by the runs that were made for its tables, as Markdown.
