@@ -105,3 +105,54 @@ pub(super) fn label(role: Role, run: &TracerRun) -> String {
         Role::Contender => run.tracer.label(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use tracebench_api::Query;
+
+    use super::*;
+    use crate::report::fixture::{self, Quality};
+
+    /// What a set touched stands beside what the structure says it stores, by name; without such a name the count stands
+    /// alone, and what is counted ray by ray is none of it.
+    #[test]
+    fn touched_beside_stored() {
+        let quality =
+            Quality { missed: 0.0, blur: 0.0, speed: 1.0, clock: tracebench_api::ClockKind::DeviceTimestamps };
+        let run = fixture::run(&[("bvh-gpu", quality)], &[("diffuse", Query::Closest)]).runs.remove(0);
+        let of_set = CounterRecord { total: 1234, per_ray: 0.01, greatest_per_ray: None };
+        // The structure of the fixture has 4321 nodes.
+        let cell = |name: &str, counter: &CounterRecord| touched(&run, name, counter);
+        assert_eq!(cell("nodes_touched", &of_set).as_deref(), Some("1,234 (28.6 % of 4,321)"));
+        assert_eq!(cell("pixels_touched", &of_set).as_deref(), Some("1,234"));
+        assert_eq!(cell("nodes", &of_set).as_deref(), Some("1,234"));
+        let none = CounterRecord { total: 0, ..of_set.clone() };
+        assert_eq!(cell("nodes_touched", &none).as_deref(), Some("0 (0 % of 4,321)"));
+        assert_eq!(cell("nodes_touched", &CounterRecord { greatest_per_ray: Some(3), ..of_set }), None);
+    }
+
+    /// The summary, the table of peers and the page of a sweep show it, and none of them as a mean per ray.
+    #[test]
+    fn every_table_shows_what_was_touched() {
+        let mut run = crate::report::sweep::tests::sweep_run(
+            &[("node", "cwbvh", &["cwbvh", "bvh2"])],
+            &[("diffuse", Query::Closest)],
+            false,
+        );
+        for one in &mut run.runs {
+            one.tracer.name = "bvh-gpu".to_owned();
+            let counter = CounterRecord { total: 1234, per_ray: 0.015_625, greatest_per_ray: None };
+            one.traces[0].counters.insert("nodes_touched".to_owned(), counter);
+        }
+        run.sweep.as_mut().unwrap().tracer = "bvh-gpu".to_owned();
+        run.table = Some("bvh".to_owned());
+        let folder = tempfile::TempDir::new().unwrap();
+        crate::report::write_derived(&run, folder.path()).unwrap();
+        for (name, rows) in [("summary.md", 2), ("table_bvh.md", 2), ("sweep.md", 2)] {
+            let text = std::fs::read_to_string(folder.path().join(name)).unwrap();
+            assert_eq!(text.matches("1,234 (28.6 % of 4,321)").count(), rows, "{name}: {text}");
+            assert!(!text.contains("0.0156") && !text.contains("nodes_touched per ray"), "{name}");
+            assert_eq!(text.contains("37.00"), name != "sweep.md", "{name}: means of what is counted ray by ray");
+        }
+    }
+}
