@@ -22,6 +22,7 @@ pub mod runner;
 pub mod session;
 pub mod stability;
 pub mod statistics;
+pub mod sweep;
 pub mod tables;
 pub mod truth;
 pub mod updates;

@@ -8,6 +8,12 @@ use crate::rays::RaySet;
 use crate::registry::Registration;
 use crate::viewpoint::Pose;
 
+/// Largest edge of a frame or image, pixels.
+pub const LARGEST_EDGE: u32 = 16_384;
+
+/// Largest edge of a cube face, pixels.
+pub const LARGEST_FACE: u32 = 8_192;
+
 /// A run preset sets rays, resolutions, samples and the scale of procedural scenes, nothing else.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunPreset {
@@ -64,6 +70,15 @@ pub enum ViewRequest {
     Given(Pose),
 }
 
+/// Resolutions from which a structure takes its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Resolution {
+    /// Width and height of the frame, pixels.
+    pub frame: [u32; 2],
+    /// Edge of a cube face, pixels.
+    pub face: u32,
+}
+
 /// A tracer asked for.
 #[derive(Clone)]
 pub struct TracerRequest {
@@ -77,13 +92,15 @@ pub struct TracerRequest {
     pub changed: Vec<String>,
     /// Asked for by name: not being able to run it is an error.
     pub required: bool,
+    /// A resolution of its own, in place of the viewpoint's; the rays are those of the plan.
+    pub resolution: Option<Resolution>,
 }
 
 impl TracerRequest {
     /// A tracer with the values of a preset, not required.
     pub fn of(registration: &Registration, preset: Preset) -> Self {
         let parameters = Parameters::preset(&(registration.describe)().parameters, preset);
-        Self { registration: *registration, preset, parameters, changed: Vec::new(), required: false }
+        Self { registration: *registration, preset, parameters, changed: Vec::new(), required: false, resolution: None }
     }
 
     /// The tracer's name.

@@ -26,7 +26,7 @@ pub struct Registration {
     /// Its peers.
     pub family: Family,
     /// Creates it; the device is there for tracers that live on one.
-    create: Create,
+    pub(crate) create: Create,
 }
 
 /// Every tracer, in the order of tables.

@@ -6,7 +6,7 @@ use tracebench_api::{Geometry, RayBuffer, TracerError};
 use tracebench_scenes::{Camera, Material, Scene, SceneError};
 
 use crate::machine;
-use crate::plan::{Plan, SceneSource, TracerRequest, ViewRequest};
+use crate::plan::{Plan, Resolution, SceneSource, TracerRequest, ViewRequest};
 use crate::progress::Progress;
 use crate::records;
 use crate::registry::Device;
@@ -178,66 +178,118 @@ pub fn execute(plan: &Plan, device: &Device, cache: &Cache, progress: &Progress)
 /// # Errors
 /// [`RunError`] as its variants say; nothing has been written then.
 pub fn execute_all(plans: &[Plan], device: &Device, cache: &Cache, progress: &Progress) -> Result<Run, RunError> {
-    let Some(first) = plans.first() else { return Err(RunError::Nothing("nothing was asked for".to_owned())) };
-    let gpu = device.as_ref().ok();
-    // Known before the truth is told, which takes long for many rays.
-    for plan in plans {
-        if let Some(gpu) = gpu.filter(|_| plan.tracers.iter().any(TracerRequest::must_have_device)) {
-            let [width, height] = plan.preset.ray_image.map(u64::from);
-            RayBuffer::check_fits(gpu, width * height)?;
-        }
-    }
+    let mut run = begin(plans, device);
+    execute_into(&mut run, plans, device, cache, progress)?;
+    if run.runs.is_empty() { Err(nothing(&run)) } else { Ok(run) }
+}
+
+/// A contender that could not be measured in a scene.
+pub(crate) struct Refused {
+    /// Its place among the plan's tracers.
+    pub(crate) contender: usize,
+    /// The scene's place among the plan's scenes.
+    pub(crate) scene_index: usize,
+    /// The scene's name.
+    pub(crate) scene: String,
+    /// Why.
+    pub(crate) error: TracerError,
+}
+
+/// A run without anything measured yet; the first plan tells what is said of it as a whole.
+pub(crate) fn begin(plans: &[Plan], device: &Device) -> Run {
     let mut requests = plans.iter().flat_map(|plan| &plan.tracers);
     let needs_adapter = requests.any(|request| request.registration.needs_device());
-    let adapter = gpu.filter(|_| needs_adapter).map(|gpu| gpu.listing.clone());
-    let mut run = Run {
+    let adapter = device.as_ref().ok().filter(|_| needs_adapter).map(|gpu| gpu.listing.clone());
+    let first = plans.first();
+    Run {
         schema: SCHEMA,
         machine: machine::this_machine(adapter),
         commit: machine::COMMIT.to_owned(),
         dirty: machine::dirty(),
         started: machine::utc_now(),
-        seed: first.seed,
-        preset: first.preset.name.to_owned(),
-        table: first.table.map(str::to_owned),
-        ray_parameters: records::json_values(&first.ray_parameters),
+        seed: first.map_or(0, |plan| plan.seed),
+        preset: first.map_or("", |plan| plan.preset.name).to_owned(),
+        table: first.and_then(|plan| plan.table).map(str::to_owned),
+        sweep: None,
+        ray_parameters: first.map(|plan| records::json_values(&plan.ray_parameters)).unwrap_or_default(),
         controls: Vec::new(),
         runs: Vec::new(),
         skipped: Vec::new(),
-    };
-    for plan in plans {
-        for scene in load(plan, progress)? {
-            let loaded = prepare(plan, scene, device, cache, progress)?;
-            measure_scene(plan, &loaded, device, progress, &mut run)?;
-        }
     }
-    if run.runs.is_empty() {
-        let reasons: Vec<_> = run.skipped.iter().map(|skipped| skipped.reason.as_str()).collect();
-        return Err(RunError::Nothing(reasons.join("; ")));
-    }
-    Ok(run)
 }
 
+/// Runs plans one after the other and adds what they measure to a run; gives what could not be measured.
+///
+/// # Errors
+/// [`RunError`] as its variants say.
+pub(crate) fn execute_into(
+    run: &mut Run,
+    plans: &[Plan],
+    device: &Device,
+    cache: &Cache,
+    progress: &Progress,
+) -> Result<Vec<Refused>, RunError> {
+    // Known before the truth is told, which takes long for many rays.
+    for plan in plans {
+        let gpu = device.as_ref().ok().filter(|_| plan.tracers.iter().any(TracerRequest::must_have_device));
+        if let Some(gpu) = gpu {
+            let [width, height] = plan.preset.ray_image.map(u64::from);
+            RayBuffer::check_fits(gpu, width * height)?;
+        }
+    }
+    let mut refused = Vec::new();
+    for plan in plans {
+        for (scene_index, scene) in load(plan, progress)?.into_iter().enumerate() {
+            let loaded = prepare(plan, scene, device, cache, progress)?;
+            for (contender, error) in measure_scene(plan, &loaded, device, progress, run)? {
+                let scene = loaded.record.name.clone();
+                refused.push(Refused { contender, scene_index, scene, error });
+            }
+        }
+    }
+    Ok(refused)
+}
+
+/// The error of a run in which nothing could run, with every reason once.
+pub(crate) fn nothing(run: &Run) -> RunError {
+    let mut reasons: Vec<&str> = Vec::new();
+    for skipped in &run.skipped {
+        if !reasons.contains(&skipped.reason.as_str()) {
+            reasons.push(&skipped.reason);
+        }
+    }
+    RunError::Nothing(reasons.join("; "))
+}
+
+/// Measures one scene, and gives the places of the contenders that could not be, with the reason.
 fn measure_scene(
     plan: &Plan,
     loaded: &LoadedScene,
     device: &Device,
     progress: &Progress,
     run: &mut Run,
-) -> Result<(), RunError> {
+) -> Result<Vec<(usize, TracerError)>, RunError> {
     let LoadedScene { record: scene, pose, session } = loaded;
     run.skipped.extend(session.skipped.iter().cloned());
     let mut entries: Vec<Entry> = Vec::new();
+    // Of every entry its place among the plan's tracers.
+    let mut places: Vec<Option<usize>> = Vec::new();
+    let mut refused = Vec::new();
     for (control, contender) in session.controls() {
         entries.push(Entry::new(contender, None, Some(control)));
+        places.push(None);
     }
-    for request in &plan.tracers {
+    for (place, request) in plan.tracers.iter().enumerate() {
         let description = (request.registration.describe)();
         let name = description.name;
         let created =
             Contender::create(description, request.parameters.clone(), || request.registration.create(device));
         match created {
-            Ok(contender) => entries.push(Entry::new(contender, Some(request.clone()), None)),
-            Err(error) => refuse(run, scene, name, request.required, error)?,
+            Ok(contender) => {
+                entries.push(Entry::new(contender, Some(request.clone()), None));
+                places.push(Some(place));
+            }
+            Err(error) => refused.push((place, refuse(run, scene, name, request.required, error)?)),
         }
     }
     let samples = plan.preset.samples;
@@ -247,19 +299,27 @@ fn measure_scene(
         sample_traces(session, rays, &mut entries, samples, progress)?;
     }
     let viewpoint = records::viewpoint_record(plan, pose, session);
-    for entry in entries {
+    for (entry, place) in entries.into_iter().zip(places) {
         let required = entry.control.is_some() || entry.request.as_ref().is_some_and(|request| request.required);
         if let Some(error) = entry.failure {
-            refuse(run, scene, entry.contender.description.name, required, error)?;
+            let error = refuse(run, scene, entry.contender.description.name, required, error)?;
+            refused.extend(place.map(|place| (place, error)));
             continue;
         }
         let list = if entry.control.is_some() { &mut run.controls } else { &mut run.runs };
         list.push(tracer_run(entry, scene, &viewpoint)?);
     }
-    Ok(())
+    Ok(refused)
 }
 
-fn refuse(run: &mut Run, scene: &SceneRecord, name: &str, required: bool, error: TracerError) -> Result<(), RunError> {
+/// Notes what was skipped and gives the reason back, unless it was required.
+fn refuse(
+    run: &mut Run,
+    scene: &SceneRecord,
+    name: &str,
+    required: bool,
+    error: TracerError,
+) -> Result<TracerError, RunError> {
     if required {
         return Err(RunError::Tracer { tracer: name.to_owned(), error });
     }
@@ -269,7 +329,7 @@ fn refuse(run: &mut Run, scene: &SceneRecord, name: &str, required: bool, error:
         rays: None,
         reason: error.to_string(),
     });
-    Ok(())
+    Ok(error)
 }
 
 /// What was measured of a contender on a scene.
@@ -281,9 +341,13 @@ pub(crate) fn tracer_run(
     scene: &SceneRecord,
     viewpoint: &ViewpointRecord,
 ) -> Result<TracerRun, RunError> {
+    let mut viewpoint = viewpoint.clone();
+    if let Some(Resolution { frame, face }) = entry.request.as_ref().and_then(|request| request.resolution) {
+        (viewpoint.frame, viewpoint.face) = (frame, face);
+    }
     Ok(TracerRun {
         scene: scene.clone(),
-        viewpoint: viewpoint.clone(),
+        viewpoint,
         tracer: entry.record(),
         memory: records::memory_record(entry.contender.structure()?.memory()),
         structure_statistics: entry.statistics,

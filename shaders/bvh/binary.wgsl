@@ -26,8 +26,11 @@ struct BinaryNode {
 #ifdef COUNTERS
 // Of every ray: pairs of siblings visited, triangles tested.
 @group(0) @binding(5) var<storage, read_write> counts: array<vec2<u32>>;
+// A bit each: visited, and tested, by any ray.
+@group(0) @binding(6) var<storage, read_write> nodes_touched: array<atomic<u32>>;
+@group(0) @binding(7) var<storage, read_write> references_touched: array<atomic<u32>>;
 #ifdef DEEP
-@group(0) @binding(6) var<storage, read_write> stacks: array<u32>;
+@group(0) @binding(8) var<storage, read_write> stacks: array<u32>;
 #endif
 #else
 #ifdef DEEP
@@ -108,10 +111,11 @@ fn trace(
         loop {
             if (slot < leaf_end) {
                 test_triangle(&search, load_triangle(triangle_texels, slot));
-                slot += 1u;
 #ifdef COUNTERS
                 work.y += 1u;
+                atomicOr(&references_touched[slot >> 5u], 1u << (slot & 31u));
 #endif
+                slot += 1u;
             }
             if (settings.any_hit == 1u && search.found) {
                 leaf_end = slot;
@@ -128,6 +132,8 @@ fn trace(
                 let second = meet_box(farther, &search);
 #ifdef COUNTERS
                 work.x += 1u;
+                // Both siblings: a pair begins at an even place, so both bits are in one word.
+                atomicOr(&nodes_touched[pair >> 5u], 3u << (pair & 31u));
 #endif
                 // Leaves without triangles stand for what is not met.
                 nearer.count = select(0u, nearer.count, first.met);

@@ -38,8 +38,11 @@ struct WideNode {
 #ifdef COUNTERS
 // Of every ray: nodes visited, triangles tested.
 @group(0) @binding(5) var<storage, read_write> counts: array<vec2<u32>>;
+// A bit each: visited, and tested, by any ray.
+@group(0) @binding(6) var<storage, read_write> nodes_touched: array<atomic<u32>>;
+@group(0) @binding(7) var<storage, read_write> references_touched: array<atomic<u32>>;
 #ifdef DEEP
-@group(0) @binding(6) var<storage, read_write> stacks: array<vec2<u32>>;
+@group(0) @binding(8) var<storage, read_write> stacks: array<vec2<u32>>;
 #endif
 #else
 #ifdef DEEP
@@ -191,6 +194,8 @@ fn trace(
                 test_triangle(&search, load_triangle(triangle_texels, first_triangle + offset));
 #ifdef COUNTERS
                 work.y += 1u;
+                let reference = first_triangle + offset;
+                atomicOr(&references_touched[reference >> 5u], 1u << (reference & 31u));
 #endif
             }
             if (settings.any_hit == 1u && search.found) {
@@ -216,6 +221,8 @@ fn trace(
                 let met = meet_children(node, &search, octant);
 #ifdef COUNTERS
                 work.x += 1u;
+                let visited = group.x + countOneBits(pending & ~(0xffffffffu << slot));
+                atomicOr(&nodes_touched[visited >> 5u], 1u << (visited & 31u));
 #endif
                 group = vec2<u32>(node.first_child, (met & PENDING) | (node.exponents_and_nodes >> 24u));
                 next_leaves = met & ~PENDING;

@@ -27,6 +27,9 @@ struct QuerySettings {
 // Of every ray: how often the traversal was told to proceed.
 @group(0) @binding(4) var<storage, read_write> counts: array<u32>;
 
+// A bit a triangle: offered to any ray.
+@group(0) @binding(5) var<storage, read_write> offered: array<atomic<u32>>;
+
 const WORKGROUP_SIZE: u32 = 64u;
 // Every instance counts.
 const EVERY_INSTANCE: u32 = 0xffu;
@@ -94,7 +97,8 @@ fn trace(
 }
 
 // The driver tells of no node that it visits. What can be counted is how often a traversal hands control back when it is
-// asked before every triangle that it would take: once a triangle nearer than the last, and once at its end.
+// asked before every triangle that it would take: once a triangle nearer than the last, and once at its end; and which triangles were so offered. It offers none that it
+// tests and a ray misses, so that what is touched is not told.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace_counted(
     @builtin(workgroup_id) workgroup: vec3<u32>,
@@ -111,6 +115,8 @@ fn trace_counted(
     rayQueryInitialize(&query, scene, describe(rays[index], RAY_FLAG_FORCE_NO_OPAQUE));
     while (rayQueryProceed(&query)) {
         proceeds += 1u;
+        let candidate = rayQueryGetCandidateIntersection(&query).primitive_index;
+        atomicOr(&offered[candidate >> 5u], 1u << (candidate & 31u));
         rayQueryConfirmIntersection(&query);
         if (settings.any_hit == 1u) {
             break;

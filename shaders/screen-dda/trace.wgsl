@@ -25,6 +25,8 @@ struct Settings {
 @group(0) @binding(4) var<storage, read_write> hits: array<Hit>;
 #ifdef COUNTERS
 @group(0) @binding(5) var<storage, read_write> depth_samples: array<u32>;
+// A bit a pixel, row by row: looked at by any ray.
+@group(0) @binding(6) var<storage, read_write> pixels_touched: array<atomic<u32>>;
 #endif
 
 const WORKGROUP_SIZE: u32 = 64u;
@@ -96,6 +98,10 @@ fn march(ray: Ray) -> Answer {
         let pixel = clamp(vec2<i32>(floor(mix(pixel_begin, pixel_end, s))), vec2<i32>(0), last_pixel);
         let stored = textureLoad(eye_depths, pixel, 0).x;
         samples += 1u;
+#ifdef COUNTERS
+        let place = u32(pixel.y) * u32(view.size.x) + u32(pixel.x);
+        atomicOr(&pixels_touched[place >> 5u], 1u << (place & 31u));
+#endif
         let k_low = mix(k.x, k.y, low);
         let k_high = mix(k.x, k.y, high);
         let nearest = min(1.0 / k_low, 1.0 / k_high);

@@ -200,7 +200,7 @@ pub(super) const FACE_CELL_BORDERS: Case = Case {
 fn forward_face(viewpoint: &Viewpoint) -> View {
     let faces = viewpoint.face_views(f64::from(viewpoint.near));
     let along = |view: &&View| view.forward.dot(DVec3::NEG_Z) > 0.5;
-    faces.iter().find(along).cloned().unwrap_or_else(|| faces[0].clone())
+    faces.iter().find(along).copied().unwrap_or_else(|| faces[0])
 }
 
 fn face_cell_borders(off: f64) -> Result<Setup, TracerError> {

@@ -9,15 +9,11 @@ use tracebench_scenes::{SCALE_MAX, SCALE_MIN};
 use super::{CliError, names};
 use crate::peers::Subject;
 use crate::picture::What;
-use crate::plan::{Plan, RUN_PRESETS, RunPreset, SceneSource, TracerRequest, ViewRequest};
+use crate::plan::{LARGEST_EDGE, LARGEST_FACE, Plan, RUN_PRESETS, RunPreset, SceneSource, TracerRequest, ViewRequest};
 use crate::rays::{MOST_RAYS, RaySet};
 use crate::tables::Table;
 use crate::viewpoint::Pose;
 
-/// Largest edge of a frame or image, pixels.
-const LARGEST_EDGE: u32 = 16_384;
-/// Largest edge of a cube face, pixels.
-const LARGEST_FACE: u32 = 8_192;
 /// Most frames of an animation: their vertices are all held at once.
 const MOST_FRAMES: i64 = 240;
 

@@ -1,4 +1,4 @@
-//! The command line: `tracebench adapters | list | run | table | claims | compare | report | picture | stability |
+//! The command line: `tracebench adapters | list | run | sweep | table | claims | compare | report | picture | stability |
 //! explain`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
@@ -12,6 +12,7 @@ mod names;
 mod output;
 mod run;
 mod stability;
+mod sweep;
 mod table;
 
 use std::process::ExitCode;
@@ -45,6 +46,8 @@ enum Verb {
     List(list::ListArguments),
     /// Trace rays, judge them against the truth, and write run.json, tables and charts.
     Run(arguments::RunArguments),
+    /// Measure one tracer over values of its parameters and over resolutions: memory, build, trace and error.
+    Sweep(sweep::SweepArguments),
     /// Measure tracers of one family side by side, or what a paper's table or figure shows, and write a table of it.
     Table(arguments::TableArguments),
     /// Set what a paper claims beside what was measured of it, with a verdict on every claim.
@@ -111,6 +114,7 @@ pub fn main() -> ExitCode {
         Verb::Adapters(arguments) => list::adapters(arguments, &progress),
         Verb::List(arguments) => list::list(arguments),
         Verb::Run(arguments) => run::run(arguments, &progress),
+        Verb::Sweep(arguments) => sweep::sweep(arguments, &progress),
         Verb::Table(arguments) => table::table(arguments, &progress),
         Verb::Claims(arguments) => claims::claims(arguments),
         Verb::Compare(arguments) => compare::compare(arguments),

@@ -14,7 +14,7 @@ use crate::registry::{self, TRACERS};
 use crate::tables::Table;
 
 /// Says that a name is not known, with the nearest that is.
-fn unknown(kind: &str, name: &str, known: &[&str]) -> CliError {
+pub(super) fn unknown(kind: &str, name: &str, known: &[&str]) -> CliError {
     let nearest = known.iter().max_by(|a, b| strsim::jaro_winkler(name, a).total_cmp(&strsim::jaro_winkler(name, b)));
     let hint = nearest.map_or_else(String::new, |nearest| format!("; did you mean '{nearest}'?"));
     CliError::Argument(format!("there is no {kind} '{name}'{hint} There are: {}", known.join(", ")))

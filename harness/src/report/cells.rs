@@ -1,9 +1,9 @@
 //! Cells of tables that tell of traces: never a speed without its accuracy.
 
-use super::format::{NONE, clock_of, percent_with_interval, thousands, with_interval};
+use super::format::{NONE, clock_of, percent_with_interval, significant, statistic, thousands, with_interval};
 use super::group::Role;
 use super::metrics;
-use crate::results::{Classes, ClosestJudgement, Judgement, Occlusion, TraceRecord, TracerRun};
+use crate::results::{Classes, ClosestJudgement, CounterRecord, Judgement, Occlusion, TraceRecord, TracerRun};
 
 /// A trace with its place in the table.
 pub(super) type Row<'a> = (Role, &'a TracerRun, &'a TraceRecord);
@@ -79,6 +79,23 @@ pub(super) fn coverage(rows: &[Row<'_>]) -> String {
     let share = |share: f64| format!("{:.1} %", share * 100.0);
     let range = if low == high { share(low) } else { format!("{} to {}", share(low), share(high)) };
     format!("\nAt least {samples} samples a row; the intervals of times cover the median with {range}.\n")
+}
+
+/// How much of what a structure stores a set of rays touched: the count, and the share where the structure says how many of
+/// the same it has. `None` for what is counted ray by ray.
+pub(super) fn touched(run: &TracerRun, name: &str, counter: &CounterRecord) -> Option<String> {
+    if counter.greatest_per_ray.is_some() {
+        return None;
+    }
+    let stored =
+        name.strip_suffix("_touched").and_then(|of| run.structure_statistics.get(of)).filter(|all| **all > 0.0);
+    Some(match stored {
+        Some(stored) => {
+            let share = significant(counter.total as f64 / stored * 100.0, 3);
+            format!("{} ({share} % of {})", thousands(counter.total), statistic(*stored))
+        }
+        None => thousands(counter.total),
+    })
 }
 
 /// The tracer's label, marked if it is a control's.

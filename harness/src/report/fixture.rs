@@ -80,6 +80,7 @@ pub(crate) fn run(contenders: &[(&str, Quality)], sets: &[(&str, Query)]) -> Run
         seed: 20_260_101,
         preset: "quick".to_owned(),
         table: None,
+        sweep: None,
         ray_parameters: BTreeMap::new(),
         controls: controls.iter().map(|(name, missed, blur)| control(name, *missed, *blur, sets)).collect(),
         runs: contenders.iter().map(|(name, quality)| contender(name, *quality, sets)).collect(),

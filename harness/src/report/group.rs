@@ -87,7 +87,8 @@ impl<'a> Group<'a> {
 }
 
 impl RaySet<'_> {
-    fn holds(&self, trace: &TraceRecord) -> bool {
+    /// Whether a trace is of these rays.
+    pub(super) fn holds(&self, trace: &TraceRecord) -> bool {
         self.name == trace.rays && self.sha256 == trace.rays_sha256 && self.query == trace.query
     }
 }

@@ -19,6 +19,7 @@ mod papers;
 mod peers;
 mod stability;
 mod summary;
+mod sweep;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -34,6 +35,7 @@ pub use error::ReportError;
 pub use explain::{explanation_page, write_explanation};
 pub use papers::{claims_text, write_claims};
 pub use stability::{STABILITY_TABLE, matrix as stability_matrix, write as write_stability};
+pub use sweep::SWEEP_PAGE;
 pub use updates::{write_updates, write_updates_table};
 
 use crate::results::{Run, SCHEMA};
@@ -57,7 +59,8 @@ pub fn write_run(run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportErro
     Ok(paths)
 }
 
-/// Writes what is derived from a run and gives the paths: `summary.md`, `traces.csv`, `wrong_rays.csv`, charts.
+/// Writes what is derived from a run and gives the paths: `summary.md`, `traces.csv`, `wrong_rays.csv`, charts; of a
+/// sweep also `sweep.md`, `sweep.csv` and its charts.
 ///
 /// # Errors
 /// If the folder or a file cannot be written, or a chart cannot be drawn.
@@ -71,7 +74,9 @@ pub fn write_derived(run: &Run, directory: &Path) -> Result<Vec<PathBuf>, Report
         paths.push(path);
         Ok::<(), ReportError>(())
     };
-    write("summary.md", summary::summary(run, &groups).as_bytes())?;
+    let labelled = sweep::labelled(run);
+    let shown = group::groups(&labelled);
+    write("summary.md", summary::summary(&labelled, &shown).as_bytes())?;
     write("traces.csv", &tables::traces(run, &groups)?)?;
     write("wrong_rays.csv", &tables::wrong_rays(&groups)?)?;
     if let Some(table) = run.table.as_deref().and_then(Table::find) {
@@ -79,8 +84,17 @@ pub fn write_derived(run: &Run, directory: &Path) -> Result<Vec<PathBuf>, Report
             write(&name, &contents)?;
         }
     }
-    for file in chart::charts(run, &groups)? {
+    for file in chart::charts(&labelled, &shown)? {
         write(&file.name, &file.contents)?;
+    }
+    if let Some(record) = &run.sweep {
+        let views = sweep::views(record, &groups);
+        for (name, contents) in sweep::files(run, record, &views)? {
+            write(&name, &contents)?;
+        }
+        for file in chart::sweep_charts(run, &views)? {
+            write(&file.name, &file.contents)?;
+        }
     }
     remove_stale_charts(directory, &paths);
     Ok(paths)

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use tracebench_api::Query;
 
-use super::cells::{Row, accuracies, coverage, label, speed_cells};
+use super::cells::{Row, accuracies, coverage, label, speed_cells, touched};
 use super::format::{self, NONE, clock_of, mib, optional, percent, significant, statistic, thousands, with_interval};
 use super::group::{Group, RaySet, Role};
 use super::markdown::{Table, inline};
@@ -288,12 +288,17 @@ fn causes(rows: &[Row<'_>]) -> String {
 }
 
 fn counters(rows: &[Row<'_>]) -> String {
-    let mut table = Table::new(&["tracer", "counter", "mean per ray", "greatest per ray"].map(str::to_owned));
+    let mut table =
+        Table::new(&["tracer", "counter", "mean per ray", "greatest per ray", "over the whole set"].map(str::to_owned));
     let mut any = false;
     for (role, run, trace) in rows.iter().filter(|(role, ..)| *role == Role::Contender) {
         for (name, counter) in &trace.counters {
             let greatest = counter.greatest_per_ray.map_or(NONE.to_owned(), thousands);
-            table.row(&[label(*role, run), name.clone(), significant(counter.per_ray, 4), greatest]);
+            let (mean, whole) = match touched(run, name, counter) {
+                Some(touched) => (NONE.to_owned(), touched),
+                None => (significant(counter.per_ray, 4), NONE.to_owned()),
+            };
+            table.row(&[label(*role, run), name.clone(), mean, greatest, whole]);
             any = true;
         }
     }

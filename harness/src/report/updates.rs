@@ -147,7 +147,9 @@ fn traces(scene: &SceneUpdates, rays: &str, sha256: &str) -> String {
         Judgement::Closest(_) => &["agreement hit_miss ↑", "agreement tight ↑", "agreement footprint ↑"],
         Judgement::Any(_) => &["balanced accuracy ↑"],
     };
-    let counters: BTreeSet<&String> = found.iter().flat_map(|(_, trace)| trace.counters.keys()).collect();
+    // Those of a whole set are no cost of a ray.
+    let per_ray = found.iter().flat_map(|(_, trace)| &trace.counters).filter(|(_, one)| one.greatest_per_ray.is_some());
+    let counters: BTreeSet<&String> = per_ray.map(|(name, _)| name).collect();
     let mut headings = vec!["tracer".to_owned(), "way".to_owned(), "clock".to_owned(), metrics::SPEED.heading()];
     headings.push("× fresh ↑".to_owned());
     headings.extend(accuracies.iter().map(|&name| name.to_owned()));

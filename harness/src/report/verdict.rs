@@ -1,7 +1,7 @@
 //! Whether the controls of a run scored what they must; one that did not, or is not there, voids the run.
 
 use crate::controls::Control;
-use crate::results::{Classes, Judgement, Run, TraceRecord, TracerRun};
+use crate::results::{Classes, Judgement, Run, TraceRecord, TracerRun, ViewpointRecord};
 
 /// What the controls say of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,10 +41,12 @@ pub(super) fn controls(run: &Run) -> Verdict {
 
 /// What is wrong with a control beside a contender's trace.
 fn problem(run: &Run, control: Control, contender: &TracerRun, trace: &TraceRecord) -> Option<&'static str> {
+    // Frame and faces shape structures, not rays; controls have none.
+    let pose = |view: &ViewpointRecord| ViewpointRecord { frame: [0; 2], face: 0, ..view.clone() };
     let beside = |one: &&TracerRun| {
         one.tracer.name == control.description().name
             && one.scene == contender.scene
-            && one.viewpoint == contender.viewpoint
+            && pose(&one.viewpoint) == pose(&contender.viewpoint)
     };
     let found = run
         .controls

@@ -13,6 +13,8 @@ pub use judgement::{
     AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Headline, Judgement, Occlusion, Percentiles, WrongRay,
 };
 
+use crate::sweep::SweepRecord;
+
 /// The schema that this program writes and reads.
 pub const SCHEMA: u32 = 2;
 
@@ -36,6 +38,9 @@ pub struct Run {
     /// The table that the run was made for, if it was made for one.
     #[serde(default)]
     pub table: Option<String>,
+    /// The sweep that the run is, if it is one.
+    #[serde(default)]
+    pub sweep: Option<SweepRecord>,
     /// What was said about ray sets: every parameter's value. Empty in files of before there were any.
     #[serde(default)]
     pub ray_parameters: BTreeMap<String, serde_json::Value>,

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use tracebench_api::{HitBuffer, Timing, TracerError};
+use tracebench_api::{HitBuffer, Timing, TracerError, Viewpoint};
 
 use super::RunError;
 use crate::controls::Control;
-use crate::plan::TracerRequest;
+use crate::plan::{Resolution, TracerRequest};
 use crate::progress::Progress;
 use crate::records::{self, Traced};
 use crate::results::{TraceRecord, TracerRecord};
@@ -51,6 +51,14 @@ impl Entry {
         self.record().label()
     }
 
+    /// What it builds from: the session's viewpoint, at a resolution of its own if it has one.
+    pub(crate) fn viewpoint(&self, session: &Session) -> Viewpoint {
+        match self.request.as_ref().and_then(|request| request.resolution) {
+            Some(Resolution { frame, face }) => Viewpoint { frame, face, ..*session.viewpoint() },
+            None => *session.viewpoint(),
+        }
+    }
+
     pub(crate) fn record(&self) -> TracerRecord {
         records::tracer_record(&self.contender, self.request.as_ref())
     }
@@ -69,7 +77,9 @@ pub(crate) fn sample_builds(session: &Session, entries: &mut [Entry], samples: u
     let bar = progress.bar("builds", (samples as u64 + 1) * entries.len() as u64);
     for round in 0..=samples {
         for entry in entries.iter_mut() {
-            let timing = entry.attempt(|entry| session.sample_build(&mut entry.contender));
+            let viewpoint = entry.viewpoint(session);
+            let build = |entry: &mut Entry| entry.contender.build(session.geometry(), &viewpoint, session.gpu());
+            let timing = entry.attempt(build);
             if let Some(timing) = timing.filter(|_| round > 0) {
                 entry.builds.push(timing);
             }

@@ -5,6 +5,7 @@ mod papers;
 mod refusals;
 mod runs;
 mod stability;
+mod sweeps;
 mod tables;
 
 use std::collections::BTreeSet;

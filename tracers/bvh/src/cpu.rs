@@ -1,5 +1,8 @@
 //! `bvh-cpu`: CWBVH on the host.
 
+use std::sync::atomic::AtomicU32;
+use std::sync::atomic::Ordering::Relaxed;
+
 use glam::{UVec2, Vec3A};
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::node::CwBvhNode;
@@ -150,11 +153,55 @@ impl BvhCpuStructure {
     }
 }
 
+/// What hears of a search's work.
+trait Listener {
+    /// A node is visited.
+    fn node(&mut self, index: impl FnOnce() -> usize);
+    /// The triangle of a slot is tested.
+    fn test(&mut self, slot: usize);
+}
+
+/// Of the timed variant: nobody.
+impl Listener for () {
+    fn node(&mut self, _index: impl FnOnce() -> usize) {}
+    fn test(&mut self, _slot: usize) {}
+}
+
+/// A bit a node and a slot: touched by any ray.
+struct Touched {
+    nodes: Vec<AtomicU32>,
+    references: Vec<AtomicU32>,
+}
+
+impl Touched {
+    fn new(nodes: usize, references: usize) -> Self {
+        let bits = |count: usize| (0..count.div_ceil(32)).map(|_| AtomicU32::new(0)).collect();
+        Self { nodes: bits(nodes), references: bits(references) }
+    }
+
+    fn count(words: Vec<AtomicU32>) -> u64 {
+        words.into_iter().map(|word| u64::from(word.into_inner().count_ones())).sum()
+    }
+}
+
 /// Counts of one ray.
-#[derive(Clone, Copy, Default)]
-struct Work {
+struct Work<'a> {
     nodes: u64,
     tests: u64,
+    touched: &'a Touched,
+}
+
+impl Listener for Work<'_> {
+    fn node(&mut self, index: impl FnOnce() -> usize) {
+        let index = index();
+        self.nodes += 1;
+        self.touched.nodes[index / 32].fetch_or(1 << (index % 32), Relaxed);
+    }
+
+    fn test(&mut self, slot: usize) {
+        self.tests += 1;
+        self.touched.references[slot / 32].fetch_or(1 << (slot % 32), Relaxed);
+    }
 }
 
 /// obvhs's `Traversal`, with a stack of one's own choice.
@@ -168,18 +215,17 @@ struct Traversal<S> {
 }
 
 impl BvhCpuStructure {
-    /// Closest hit or, with `any`, the first found. Equal t goes to the lower primitive. `COUNTED` is a constant so that
-    /// the timed variant has no counting in it.
-    fn answer<const COUNTED: bool>(&self, ray: &Ray, any: bool) -> (Hit, Work) {
+    /// Closest hit or, with `any`, the first found. Equal t goes to the lower primitive. Listeners are types so that the
+    /// timed variant has no counting in it.
+    fn answer(&self, ray: &Ray, any: bool, listener: &mut impl Listener) -> Hit {
         if self.depth < STACK {
-            self.search::<COUNTED, _>(ray, any, StackStack::<UVec2, STACK>::default())
+            self.search(ray, any, StackStack::<UVec2, STACK>::default(), listener)
         } else {
-            self.search::<COUNTED, _>(ray, any, HeapStack::<UVec2>::new_with_capacity(self.depth + 1))
+            self.search(ray, any, HeapStack::<UVec2>::new_with_capacity(self.depth + 1), listener)
         }
     }
 
-    fn search<const COUNTED: bool, S: FastStack<UVec2>>(&self, ray: &Ray, any: bool, stack: S) -> (Hit, Work) {
-        let mut work = Work::default();
+    fn search<S: FastStack<UVec2>>(&self, ray: &Ray, any: bool, stack: S, listener: &mut impl Listener) -> Hit {
         let mut obvhs_ray = ObvhsRay::new(
             Vec3A::from(ray.origin) * self.scale,
             Vec3A::from(ray.direction),
@@ -203,16 +249,12 @@ impl BvhCpuStructure {
                 node,
                 state,
                 {
-                    if COUNTED {
-                        work.nodes += 1;
-                    }
+                    listener.node(|| self.place(node));
                     node.intersect_ray(&obvhs_ray, state.oct_inv4)
                 },
                 {
                     let slot = state.primitive_id as usize;
-                    if COUNTED {
-                        work.tests += 1;
-                    }
+                    listener.test(slot);
                     let t = self.triangles[slot].intersect(&obvhs_ray);
                     // The test gives infinity for a miss and else a t of at most tmax.
                     if t <= obvhs_ray.tmax {
@@ -228,7 +270,7 @@ impl BvhCpuStructure {
                 }
             );
         }
-        let hit = match found {
+        match found {
             None => Hit::miss(Status::Miss),
             Some((slot, primitive)) => {
                 let weights = self.triangles[slot].compute_barycentric(&obvhs_ray);
@@ -240,8 +282,12 @@ impl BvhCpuStructure {
                     status: Status::Hit as u32,
                 }
             }
-        };
-        (hit, work)
+        }
+    }
+
+    /// The index of one of the nodes, of which a search sees no more than itself.
+    fn place(&self, node: &CwBvhNode) -> usize {
+        (std::ptr::from_ref(node).addr() - self.bvh.nodes.as_ptr().addr()) / size_of::<CwBvhNode>()
     }
 }
 
@@ -268,7 +314,7 @@ impl Structure for BvhCpuStructure {
         clock.host_phase("traverse", || {
             hits.par_chunks_mut(RAYS_PER_TASK).zip(job.rays.host.par_chunks(RAYS_PER_TASK)).for_each(|(hits, rays)| {
                 for (hit, ray) in hits.iter_mut().zip(rays) {
-                    *hit = self.answer::<false>(ray, any).0;
+                    *hit = self.answer(ray, any, &mut ());
                 }
             });
         });
@@ -277,13 +323,20 @@ impl Structure for BvhCpuStructure {
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let any = job.rays.query == Query::Any;
-        let found: Vec<(Hit, Work)> = job.rays.host.par_iter().map(|ray| self.answer::<true>(ray, any)).collect();
+        let touched = Touched::new(self.bvh.nodes.len(), self.triangles.len());
+        let answer = |ray: &Ray| {
+            let mut work = Work { nodes: 0, tests: 0, touched: &touched };
+            (self.answer(ray, any, &mut work), [work.nodes, work.tests])
+        };
+        let found: Vec<(Hit, [u64; 2])> = job.rays.host.par_iter().map(answer).collect();
         for (slot, (hit, _)) in hits.host_mut(found.len())?.iter_mut().zip(&found) {
             *slot = *hit;
         }
         Ok(vec![
-            Counter::of("nodes_visited", found.iter().map(|(_, work)| work.nodes)),
-            Counter::of("triangle_tests", found.iter().map(|(_, work)| work.tests)),
+            Counter::of("nodes_visited", found.iter().map(|(_, [nodes, _])| *nodes)),
+            Counter::of("triangle_tests", found.iter().map(|(_, [_, tests])| *tests)),
+            Counter::of_set("nodes_touched", Touched::count(touched.nodes)),
+            Counter::of_set("references_touched", Touched::count(touched.references)),
         ])
     }
 

@@ -20,6 +20,8 @@ mod lbvh;
 mod ray_query;
 mod refit;
 mod sah;
+#[cfg(test)]
+mod touched;
 mod wide;
 
 pub use binary::BinaryNode;

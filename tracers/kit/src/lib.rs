@@ -1,5 +1,5 @@
 //! Device parts that several tracers share: views as uniforms, pipelines and dispatches, buffers that are kept, prefix sums
-//! and sorts, rasterized eye depth; and clipping in f64, which what they rasterize is held against.
+//! and sorts, rasterized eye depth, bits for what is touched; and clipping in f64, which what they rasterize is held against.
 
 mod clip;
 mod compute;
@@ -7,6 +7,7 @@ mod eye_depth;
 mod prefix_sum;
 mod radix_sort;
 mod room;
+mod touched;
 mod view_uniform;
 
 pub use clip::{TileBounds, clipped_depths, clipped_polygon, eye_space, touched_tiles};
@@ -17,4 +18,5 @@ pub use eye_depth::{EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
 pub use prefix_sum::{PrefixSum, PrefixSumPlan};
 pub use radix_sort::{RadixSort, RadixSortPlan, SortPass};
 pub use room::Room;
+pub use touched::TouchedBits;
 pub use view_uniform::ViewUniform;

@@ -9,7 +9,7 @@ use tracebench_api::{
     Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_kit::{
-    EyeDepthRaster, EyeDepthTarget, NO_SURFACE, ViewUniform, bind_group, compute_pipeline, dispatch_linear,
+    EyeDepthRaster, EyeDepthTarget, NO_SURFACE, TouchedBits, ViewUniform, bind_group, compute_pipeline, dispatch_linear,
 };
 use tracebench_shaders::{SCREEN_DDA_TRACE, SCREEN_DDA_TRACE_COUNTED};
 
@@ -187,12 +187,15 @@ impl Structure for ScreenDdaStructure {
         gpu.check_storage_binding("depth sample counts", bytes, "--size")?;
         let counts =
             gpu.buffer("depth sample counts", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?;
+        let [width, height] = self.view.size.map(u64::from);
+        let touched = TouchedBits::new(gpu, "pixels touched", width * height, "--frame")?;
         let mut clock = PhaseClock::new(Some(gpu));
-        self.record(&self.pipelines.trace_counted, &job, hits, &[counts.as_entire_binding()], &mut clock)?;
+        let extra = [counts.as_entire_binding(), touched.buffer().as_entire_binding()];
+        self.record(&self.pipelines.trace_counted, &job, hits, &extra, &mut clock)?;
         clock.finish()?;
         let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&counts, bytes)?);
         let counts = counts.into_iter().take(job.rays.host.len()).map(u64::from);
-        Ok(vec![Counter::of("depth_samples", counts)])
+        Ok(vec![Counter::of("depth_samples", counts), Counter::of_set("pixels_touched", touched.count(gpu)?)])
     }
 
     fn memory(&self) -> MemoryReport {

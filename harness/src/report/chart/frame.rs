@@ -74,6 +74,8 @@ pub(super) struct Frame {
     columns: usize,
     panels: usize,
     width: f64,
+    /// Height of the data's rectangle.
+    plot_height: f64,
 }
 
 /// The rectangle of a panel's data.
@@ -98,8 +100,20 @@ impl Frame {
         key: Vec<Entry>,
         legend: Vec<Entry>,
     ) -> Self {
-        let panels = panels.max(1);
-        let columns = panels.min(3);
+        Self::in_columns(panels.min(3), PLOT_HEIGHT, panels, [title, subtitle], caption, key, legend)
+    }
+
+    /// Lays a figure out in so many columns of panels of a height.
+    pub(super) fn in_columns(
+        columns: usize,
+        plot_height: f64,
+        panels: usize,
+        [title, subtitle]: [String; 2],
+        caption: &str,
+        key: Vec<Entry>,
+        legend: Vec<Entry>,
+    ) -> Self {
+        let (panels, columns) = (panels.max(1), columns.max(1));
         let width = (columns as f64 * (LEFT + PLOT_WIDTH + RIGHT)).max(LEAST_WIDTH);
         let inner = width - 2.0 * MARGIN;
         Self {
@@ -110,6 +124,7 @@ impl Frame {
             columns,
             panels,
             width,
+            plot_height,
         }
     }
 
@@ -123,8 +138,8 @@ impl Frame {
     pub(super) fn panel(&self, index: usize) -> Rect {
         let cell = self.width / self.columns as f64;
         let left = (index % self.columns) as f64 * cell + LEFT;
-        let top = Self::head() + (index / self.columns) as f64 * Self::row_height() + PANEL_TITLE;
-        Rect { left, top, right: left - LEFT + cell - RIGHT, bottom: top + PLOT_HEIGHT }
+        let top = Self::head() + (index / self.columns) as f64 * self.row_height() + PANEL_TITLE;
+        Rect { left, top, right: left - LEFT + cell - RIGHT, bottom: top + self.plot_height }
     }
 
     /// Draws everything around the panels.
@@ -155,12 +170,12 @@ impl Frame {
         54.0
     }
 
-    fn row_height() -> f64 {
-        PANEL_TITLE + PLOT_HEIGHT + PANEL_FOOT
+    fn row_height(&self) -> f64 {
+        PANEL_TITLE + self.plot_height + PANEL_FOOT
     }
 
     fn legend_top(&self) -> f64 {
-        Self::head() + self.panels.div_ceil(self.columns) as f64 * Self::row_height() + 12.0
+        Self::head() + self.panels.div_ceil(self.columns) as f64 * self.row_height() + 12.0
     }
 
     fn legend_height(&self) -> f64 {

@@ -7,6 +7,7 @@ mod palette;
 pub(super) mod series;
 mod speed;
 mod strength;
+mod sweep;
 #[cfg(test)]
 mod tests;
 mod tolerance;
@@ -16,6 +17,7 @@ use tracebench_api::Query;
 use super::ReportError;
 use super::format;
 use super::group::{Group, RaySet};
+use super::sweep::View;
 use super::verdict::{self, Verdict};
 use crate::results::{Run, TracerRun};
 use crate::stability::Stability;
@@ -29,7 +31,7 @@ const LONGEST_SET: usize = 16;
 const LONGEST_TRACER: usize = 64;
 
 /// What the names of the charts' files begin with.
-pub(super) const STEMS: [&str; 3] = ["error_vs_speed_", "agreement_over_tolerance_", "figure_"];
+pub(super) const STEMS: [&str; 4] = ["error_vs_speed_", "agreement_over_tolerance_", super::sweep::STEM, "figure_"];
 
 /// A chart's file.
 #[derive(Debug)]
@@ -59,6 +61,15 @@ pub(super) fn charts(run: &Run, groups: &[Group<'_>]) -> Result<Vec<ChartFile>, 
 pub(super) fn strength_charts(stability: &Stability) -> Result<Vec<ChartFile>, ReportError> {
     let mut files = Vec::new();
     draw("error_vs_strength", &strength::StrengthFigure::new(stability), &mut files)?;
+    Ok(files)
+}
+
+/// The charts of a sweep.
+pub(super) fn sweep_charts(run: &Run, views: &[View<'_>]) -> Result<Vec<ChartFile>, ReportError> {
+    let mut files = Vec::new();
+    for view in views {
+        draw(&view.stem(), &sweep::SweepFigure::new(run, view), &mut files)?;
+    }
     Ok(files)
 }
 

@@ -4,7 +4,9 @@ use tracebench_api::glam::Vec3;
 use tracebench_api::{Preset, ViewSet};
 
 use super::*;
+use crate::gpu::layout::Tree;
 use crate::input::BUILDS;
+use crate::touched::{assert_touched, scene};
 
 /// A grid of triangles that a wave runs through: at another time other triangles lie close together.
 fn waving(time: f32) -> Geometry {
@@ -116,4 +118,17 @@ fn counting_starts_again_and_others_are_refused() {
     assert!(structure.refit(&fewer, &every_second, &mut PhaseClock::new(None)).is_err());
     assert!(everything(&structure) == before);
     assert!(!named(refit(&mut structure, &whole, &every_second)));
+}
+
+/// Proves that the nodes and references counted as touched by a set of rays are those whose boxes the rays meet by brute
+/// force, with triangles split and not.
+#[test]
+fn touched_is_what_rays_meet() {
+    let (geometry, rays) = scene(None);
+    for build in ["fastest", "very_slow"] {
+        let parameters = parameters(build, 0);
+        let structure = built(&geometry, &parameters);
+        let tree = Tree::Wide(structure.bvh.clone());
+        assert_touched(build, &structure, &tree, (&geometry, &rays), (structure.scale, &parameters), None);
+    }
 }

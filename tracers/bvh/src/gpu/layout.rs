@@ -63,6 +63,14 @@ impl NodeKind {
         if parameters.choice("node") == "bvh2" { Self::Binary } else { Self::Wide }
     }
 
+    /// Bytes of a node.
+    pub(crate) fn node_bytes(self) -> u64 {
+        match self {
+            Self::Wide => size_of::<CwBvhNode>() as u64,
+            Self::Binary => size_of::<BinaryNode>() as u64,
+        }
+    }
+
     /// What the nodes are called in ledgers and messages.
     pub(crate) fn name(self) -> &'static str {
         match self {

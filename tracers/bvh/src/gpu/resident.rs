@@ -77,6 +77,16 @@ impl Resident {
         self.triangles.view()
     }
 
+    /// Nodes that there is room for.
+    pub(crate) fn node_room(&self) -> u64 {
+        self.nodes.used() / self.kind.node_bytes()
+    }
+
+    /// Slots of the leaves.
+    pub(crate) fn reference_count(&self) -> u64 {
+        self.triangles.used() / size_of::<DeviceTriangle>() as u64
+    }
+
     /// Stacks in device memory, if the hierarchy needs them, and for how many lanes.
     pub(crate) fn stacks(&self) -> Option<(&Buffer, u32)> {
         self.stacks.as_ref().map(|(stacks, lanes)| (stacks, *lanes))

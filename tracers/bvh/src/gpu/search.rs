@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline};
 use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, PhaseClock, Query, TraceJob, TracerError};
-use tracebench_kit::{bind_group, compute_pipeline, dispatch_linear};
+use tracebench_kit::{TouchedBits, bind_group, compute_pipeline, dispatch_linear};
 use tracebench_shaders::{
     BVH_BINARY, BVH_BINARY_COUNTED, BVH_BINARY_DEEP, BVH_BINARY_DEEP_COUNTED, BVH_WIDE, BVH_WIDE_COUNTED,
     BVH_WIDE_DEEP, BVH_WIDE_DEEP_COUNTED, Shader,
@@ -96,6 +96,33 @@ pub(crate) fn scratch_bytes(resident: &Resident, ray_count: usize) -> u64 {
     (dispatches * size_of::<SearchSettings>()) as u64
 }
 
+/// The buffers of a trace that counts.
+pub(crate) struct Counting {
+    /// Two u32 a ray.
+    counts: Buffer,
+    /// A bit a node.
+    nodes: TouchedBits,
+    /// A bit a slot of the leaves.
+    references: TouchedBits,
+}
+
+impl Counting {
+    fn new(gpu: &Gpu, resident: &Resident, count_bytes: u64) -> Result<Self, TracerError> {
+        const TURN_DOWN: &str = "--size";
+        gpu.check_storage_binding("counts", count_bytes, TURN_DOWN)?;
+        Ok(Self {
+            counts: gpu.buffer("counts", count_bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, TURN_DOWN)?,
+            nodes: TouchedBits::new(gpu, "nodes touched", resident.node_room(), "the scene's triangle count")?,
+            references: TouchedBits::new(
+                gpu,
+                "references touched",
+                resident.reference_count(),
+                "the scene's triangle count",
+            )?,
+        })
+    }
+}
+
 /// The variants over one kind of node.
 struct Kernels {
     trace: ComputePipeline,
@@ -131,14 +158,14 @@ impl Searches {
         Ok(Self { wide: Kernels::new(&gpu, wide)?, binary: Kernels::new(&gpu, binary)?, gpu })
     }
 
-    /// Records a trace; with `counts` (two u32 a ray) by a counting variant.
+    /// Records a trace; with something to count into by a counting variant.
     pub(crate) fn record(
         &self,
         resident: &Resident,
         scale: f32,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
-        counts: Option<&Buffer>,
+        counting: Option<&Counting>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         if job.end != EndPoint::Hit {
@@ -151,7 +178,7 @@ impl Searches {
             NodeKind::Wide => &self.wide,
             NodeKind::Binary => &self.binary,
         };
-        let pipeline = match (resident.stacks(), counts) {
+        let pipeline = match (resident.stacks(), counting) {
             (None, None) => &kernels.trace,
             (None, Some(_)) => &kernels.trace_counted,
             (Some(_), None) => &kernels.deep,
@@ -168,8 +195,9 @@ impl Searches {
                 job.rays.on_device()?.as_entire_binding(),
                 hits.on_device(job.rays.host.len())?.as_entire_binding(),
             ];
-            let others = [counts, resident.stacks().map(|(stacks, _)| stacks)];
-            resources.extend(others.into_iter().flatten().map(Buffer::as_entire_binding));
+            let counting = counting.map(|all| [&all.counts, all.nodes.buffer(), all.references.buffer()]);
+            let others = counting.into_iter().flatten().chain(resident.stacks().map(|(stacks, _)| stacks));
+            resources.extend(others.map(Buffer::as_entire_binding));
             let bindings = bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources);
             dispatches.push((bindings, settings.ray_count.div_ceil(settings.rays_per_lane)));
         }
@@ -190,16 +218,17 @@ impl Searches {
     ) -> Result<Vec<Counter>, TracerError> {
         let gpu = &self.gpu;
         let bytes = job.rays.host.len().max(1) as u64 * 8;
-        gpu.check_storage_binding("counts", bytes, "--size")?;
-        let counts = gpu.buffer("counts", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?;
+        let counting = Counting::new(gpu, resident, bytes)?;
         let mut clock = PhaseClock::new(Some(gpu));
-        self.record(resident, scale, job, hits, Some(&counts), &mut clock)?;
+        self.record(resident, scale, job, hits, Some(&counting), &mut clock)?;
         clock.finish()?;
-        let counts: Vec<[u32; 2]> = bytemuck::pod_collect_to_vec(&gpu.read(&counts, bytes)?);
+        let counts: Vec<[u32; 2]> = bytemuck::pod_collect_to_vec(&gpu.read(&counting.counts, bytes)?);
         let counts = &counts[..job.rays.host.len()];
         Ok(vec![
             Counter::of("nodes_visited", counts.iter().map(|[nodes, _]| u64::from(*nodes))),
             Counter::of("triangle_tests", counts.iter().map(|[_, tests]| u64::from(*tests))),
+            Counter::of_set("nodes_touched", counting.nodes.count(gpu)?),
+            Counter::of_set("references_touched", counting.references.count(gpu)?),
         ])
     }
 }

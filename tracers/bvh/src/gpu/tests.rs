@@ -7,11 +7,12 @@ use obvhs::ray::{Ray, RayHit};
 use obvhs::triangle::Triangle;
 use tracebench_api::{Ledger, Parameters, PhaseClock, Preset};
 
-use super::description;
 use super::layout::{DeviceTriangle, Tree};
+use super::{BvhGpu, BvhGpuStructure, description};
 use crate::binary::{Binary, INNER};
 use crate::hierarchy;
 use crate::input::build_parameters;
+use crate::touched::{assert_touched, gpu, scene};
 
 /// A field of triangles, no two of which share a box.
 pub(crate) fn field() -> Vec<Triangle> {
@@ -117,4 +118,24 @@ fn binary_nodes_are_those_of_obvhs() {
     let single = hierarchy::build_binary(&triangles[..1], config, &mut Ledger::new(), &mut PhaseClock::new(None));
     let single = Binary::new(&single);
     assert_eq!((single.nodes[0].count, single.nodes[1].count, single.depth()), (1, 0, 1));
+}
+
+/// Proves that the nodes and references counted as touched by a set of rays are those whose boxes the rays meet by brute
+/// force, of both kinds of node.
+#[test]
+fn touched_is_what_rays_meet() {
+    let gpu = gpu();
+    let (geometry, rays) = scene(Some(&gpu));
+    let tracer = BvhGpu::new(gpu.clone()).unwrap();
+    let described = description().parameters;
+    for node in ["cwbvh", "bvh2"] {
+        let mut parameters = Parameters::preset(&described, Preset::Published);
+        parameters.set(&described, "node", node).unwrap();
+        let mut clock = PhaseClock::new(Some(&gpu));
+        let structure = BvhGpuStructure::build(&tracer.searches, &geometry, &parameters, None, &mut clock).unwrap();
+        clock.finish().unwrap();
+        let (tree, _) = structure.resident.read(&gpu).unwrap();
+        let units = (structure.scale, &parameters);
+        assert_touched(node, &structure, &tree, (&geometry, &rays), units, Some(&gpu));
+    }
 }

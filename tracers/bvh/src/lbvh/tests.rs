@@ -10,6 +10,7 @@ use super::kernels::{CROWDED, FINISHED, LEVELS, RUN, TAKEN_SLOTS};
 use super::{LbvhGpu, LbvhStructure, description};
 use crate::gpu::BINARY_STACK;
 use crate::gpu::tests::{assert_unsound_ones_are_noticed, field};
+use crate::touched::{self, assert_touched};
 
 /// Hierarchies read back from the device pass as they are, by both nodes; those that were spoilt do not.
 #[test]
@@ -61,4 +62,25 @@ fn constants_are_those_of_the_shaders() {
     assert!(FINISHED + searches + (LAST_CLUSTERS.ilog2() as usize) < TAKEN_SLOTS);
     // Negative control: a name that is only the beginning of one is not found.
     assert_eq!(constant(BVH_BUILD_CLUSTER, "FINISH"), None);
+}
+
+/// Proves that the nodes and references counted as touched by a set of rays are those whose boxes the rays meet by brute
+/// force, of both kinds of node.
+#[test]
+fn touched_is_what_rays_meet() {
+    let gpu = touched::gpu();
+    let (geometry, rays) = touched::scene(Some(&gpu));
+    let tracer = LbvhGpu::new(Arc::clone(&gpu)).unwrap();
+    let described = description().parameters;
+    for node in ["cwbvh", "bvh2"] {
+        let mut parameters = Parameters::preset(&described, Preset::Published);
+        parameters.set(&described, "node", node).unwrap();
+        let mut clock = PhaseClock::new(Some(&gpu));
+        let structure =
+            LbvhStructure::build(&tracer.kernels, &tracer.searches, &geometry, &parameters, None, &mut clock).unwrap();
+        clock.finish().unwrap();
+        let (tree, _) = structure.read().unwrap();
+        let units = (structure.scale, &parameters);
+        assert_touched(node, &structure, &tree, (&geometry, &rays), units, Some(&gpu));
+    }
 }

@@ -9,7 +9,8 @@
 //!   `equal_t = first_met` it is not, and the primitive is the driver's choice.
 //!
 //! What the interface does not give: nodes visited (counted is how often a traversal must be told to proceed that stops
-//! before every triangle it would take), the bytes that the driver needs while it builds, and a way to read a structure
+//! before every triangle it would take, and which triangles it
+//! would so take), the nodes and triangles touched, the bytes that the driver needs while it builds, and a way to read a structure
 //! back (every triangle is looked for by a ray instead).
 
 mod acceleration;
@@ -24,6 +25,8 @@ use tracebench_api::{
     Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, MemoryReport, Parameters, PhaseClock, Query, Ray, RayBuffer,
     Residency, Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
 };
+
+use tracebench_kit::TouchedBits;
 
 use acceleration::Acceleration;
 pub use description::description;
@@ -175,12 +178,18 @@ impl Structure for RayQueryStructure {
         gpu.check_storage_binding("counts", bytes, "--size")?;
         let counts = gpu.buffer("counts", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?;
         let mut clock = PhaseClock::new(Some(gpu));
-        let question = Question::TraceCounted { lowest_of_equal, counts: &counts };
+        let triangles = self.built_over.triangles.len() as u64;
+        let offered = TouchedBits::new(gpu, "triangles offered", triangles, "the scene's triangle count")?;
+        let question = Question::TraceCounted { lowest_of_equal, counts: &counts, offered: offered.buffer() };
         self.queries.record(question, &self.acceleration, job.rays, hits, &mut clock)?;
         clock.finish()?;
         let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&counts, bytes)?);
         let counts = counts.into_iter().take(job.rays.host.len()).map(u64::from);
-        Ok(vec![Counter::of("proceed_calls", counts)])
+        Ok(vec![
+            Counter::of("proceed_calls", counts),
+            // Of the nodes and triangles that it touches the driver tells nothing.
+            Counter::of_set("triangles_offered", offered.count(gpu)?),
+        ])
     }
 
     fn memory(&self) -> MemoryReport {

@@ -45,6 +45,8 @@ pub(super) enum Question<'a> {
         lowest_of_equal: bool,
         /// A u32 a ray.
         counts: &'a Buffer,
+        /// A bit a triangle.
+        offered: &'a Buffer,
     },
     /// Of every ray its hit on the triangle of its own number.
     FindOwnTriangle,
@@ -86,9 +88,11 @@ impl Queries {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let (pipeline, counts, lowest_of_equal) = match question {
-            Question::Trace { lowest_of_equal } => (&self.trace, None, lowest_of_equal),
-            Question::TraceCounted { lowest_of_equal, counts } => (&self.trace_counted, Some(counts), lowest_of_equal),
-            Question::FindOwnTriangle => (&self.find_own_triangle, None, false),
+            Question::Trace { lowest_of_equal } => (&self.trace, [None; 2], lowest_of_equal),
+            Question::TraceCounted { lowest_of_equal, counts, offered } => {
+                (&self.trace_counted, [Some(counts), Some(offered)], lowest_of_equal)
+            }
+            Question::FindOwnTriangle => (&self.find_own_triangle, [None; 2], false),
         };
         let scale = acceleration.scale;
         let settings = QuerySettings {
@@ -107,7 +111,7 @@ impl Queries {
             rays.on_device()?.as_entire_binding(),
             hits.on_device(rays.host.len())?.as_entire_binding(),
         ];
-        resources.extend(counts.map(Buffer::as_entire_binding));
+        resources.extend(counts.into_iter().flatten().map(Buffer::as_entire_binding));
         let bindings = bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources);
         clock.device_phase("query", |encoder| {
             dispatch_linear(encoder, pipeline, &bindings, settings.ray_count, WORKGROUP_SIZE);

@@ -1,0 +1,217 @@
+//! `sweep`.
+
+use clap::Args;
+use tracebench_api::Invalidation;
+
+use super::arguments::{Matter, WorkArguments};
+use super::output::print;
+use super::run::{Work, say_skipped};
+use super::{CliError, names};
+use crate::plan::TracerRequest;
+use crate::progress::Progress;
+use crate::report;
+use crate::sweep::{AxisRecord, RESOLUTION, Sweep, SweepError, parameter_axis, resolution_axis};
+use crate::truth::Cache;
+
+/// The tracer of a sweep that names none, and what of it is swept.
+const TRACER: &str = "dirt";
+const OVER: &str = "tile_size,buckets,resolution,coverage,clip";
+
+#[derive(Args)]
+pub(super) struct SweepArguments {
+    /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. `all`: every listed one.
+    #[arg(long, default_value = "room")]
+    scene: String,
+    /// The tracer: NAME, NAME:PRESET or NAME@PARAMETER=VALUE. Its values, with those of `--set`, are the ones round which
+    /// parameters are swept.
+    #[arg(long, default_value = TRACER)]
+    tracer: String,
+    /// Ray sets: names from `list rays` with commas, or all.
+    #[arg(long, default_value = "diffuse")]
+    rays: String,
+    /// What is swept, with commas, and may be repeated: parameters of the tracer (NAME takes the values of `list tracers`,
+    /// NAME=V,V,... those given) and `resolution` (multiples N or 1/N of the edges of frame and faces; 1/4,1/2,1,2). The
+    /// tracer's own value is always among them. Of dirt tile_size, buckets, resolution, coverage and clip if not given;
+    /// of another tracer all that it has.
+    #[arg(long, value_name = "P[=V,V...],...", allow_hyphen_values = true)]
+    over: Vec<String>,
+    /// Sweeps all combinations of two, in place of one at a time: A,B, as in --over. Charts have A along the axis.
+    #[arg(long, value_name = "A,B", conflicts_with = "over", allow_hyphen_values = true)]
+    grid: Option<String>,
+    #[command(flatten)]
+    work: WorkArguments,
+}
+
+impl SweepArguments {
+    fn request(&self) -> Result<TracerRequest, CliError> {
+        let mut tracers = names::tracers(&self.tracer, &self.work.common.settings)?;
+        match (tracers.pop(), tracers.as_slice()) {
+            (Some(tracer), []) => Ok(tracer),
+            _ => Err(CliError::Argument(format!("--tracer '{}': a sweep takes one tracer", self.tracer))),
+        }
+    }
+
+    fn matter(&self) -> Result<Matter, CliError> {
+        Ok(Matter {
+            scenes: names::scenes(&self.scene)?,
+            tracers: vec![self.request()?],
+            ray_sets: names::ray_sets(&self.rays)?,
+            table: None,
+        })
+    }
+
+    fn axes(&self) -> Result<Vec<AxisRecord>, CliError> {
+        let request = self.request()?;
+        let wanted = match &self.grid {
+            Some(grid) => vec![grid.clone()],
+            None if self.over.is_empty() => vec![default_axes(&request)],
+            None => self.over.clone(),
+        };
+        let option = if self.grid.is_some() { "--grid" } else { "--over" };
+        let axes = axes(&request, &wanted, option)?;
+        match (&self.grid, axes.len()) {
+            (Some(grid), count) if count != 2 => {
+                Err(CliError::Argument(format!("--grid '{grid}' has {count} parameters, it takes two")))
+            }
+            _ => Ok(axes),
+        }
+    }
+}
+
+/// What is swept where nothing is said.
+fn default_axes(request: &TracerRequest) -> String {
+    let description = (request.registration.describe)();
+    if description.name == TRACER {
+        return OVER.to_owned();
+    }
+    let swept = description.parameters.iter().filter(|each| each.sweep.len() > 1).map(|each| each.name);
+    let sized = description.invalidated_by.contains(&Invalidation::Resolution).then_some(RESOLUTION);
+    swept.chain(sized).collect::<Vec<_>>().join(",")
+}
+
+/// Reads lists like `tile_size,buckets=1,4,8,resolution`: what is no parameter's name is a value of the one before.
+fn axes(request: &TracerRequest, lists: &[String], option: &str) -> Result<Vec<AxisRecord>, CliError> {
+    let described = (request.registration.describe)().parameters;
+    let mut known: Vec<&str> = described.iter().map(|each| each.name).collect();
+    known.push(RESOLUTION);
+    // Names with their values; `None` where none are given.
+    let mut wanted: Vec<(String, Option<Vec<String>>)> = Vec::new();
+    for list in lists {
+        let mut values_may_follow = false;
+        for part in list.split(',').map(str::trim) {
+            if part.is_empty() {
+                return Err(CliError::Argument(format!("{option} '{list}' has an empty name or value")));
+            }
+            let (name, value) = part.split_once('=').map_or((part, None), |(name, value)| (name, Some(value.trim())));
+            if !known.contains(&name) {
+                match wanted.last_mut() {
+                    Some((_, Some(values))) if values_may_follow && value.is_none() => values.push(name.to_owned()),
+                    _ => return Err(names::unknown(&format!("parameter of {}", request.name()), name, &known)),
+                }
+                continue;
+            }
+            if wanted.iter().any(|(other, _)| other == name) {
+                return Err(CliError::Argument(format!("{option}: {name} is there twice")));
+            }
+            if value == Some("") {
+                return Err(CliError::Argument(format!("{option} '{list}': {name}= has no values")));
+            }
+            values_may_follow = value.is_some();
+            wanted.push((name.to_owned(), value.map(|value| vec![value.to_owned()])));
+        }
+    }
+    let make = |(name, values): (String, Option<Vec<String>>)| match described.iter().find(|each| each.name == name) {
+        Some(parameter) => parameter_axis(request, parameter, values.as_deref()),
+        None => resolution_axis(values.as_deref()),
+    };
+    wanted.into_iter().map(make).collect::<Result<_, _>>().map_err(|error| refused(&error, option))
+}
+
+fn refused(error: &SweepError, option: &str) -> CliError {
+    CliError::Argument(format!("{option}: {error}"))
+}
+
+pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(), CliError> {
+    // Arguments are checked before any device or file is touched.
+    let axes = arguments.axes()?;
+    let grid = arguments.grid.is_some();
+    let option = if grid { "--grid" } else { "--over" };
+    let checked = arguments.work.plan(arguments.matter()?, || false)?;
+    Sweep::new(&checked, axes.clone(), grid).map_err(|error| refused(&error, option))?;
+    let work = Work::prepare(&arguments.work, || arguments.matter(), progress)?;
+    let sweep = Sweep::new(&work.plan, axes, grid).map_err(|error| {
+        // The preset of the adapter's kind may have other edges.
+        work.out.abandon();
+        refused(&error, option)
+    })?;
+    progress.say(&format!("{} points", sweep.len()));
+    let required = work.plan.tracers.iter().any(TracerRequest::must_have_device);
+    let run = sweep.execute(required, &work.device, &Cache::of_user(), progress).inspect_err(|_| work.out.abandon())?;
+    say_skipped(&run.skipped, progress);
+    report::write_run(&run, &work.out.path)?;
+    let page = work.out.path.join(report::SWEEP_PAGE);
+    let text = std::fs::read_to_string(&page)
+        .map_err(|error| CliError::Other(format!("cannot read {}: {error}", page.display())))?;
+    print(&format!("{text}\n{}\n", page.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::registry::TRACERS;
+
+    fn parse(lists: &[&str]) -> Result<Vec<AxisRecord>, CliError> {
+        let request = names::tracers("dirt", &[]).unwrap().remove(0);
+        let lists: Vec<String> = lists.iter().map(|list| (*list).to_owned()).collect();
+        axes(&request, &lists, "--over")
+    }
+
+    /// Names and values share the comma: a value belongs to the name before it, a name without values has those of its
+    /// description, and what is wrong is said with what would be right.
+    #[test]
+    fn lists_of_names_and_values() {
+        let found = parse(&["tile_size,buckets=1,4,8,resolution", "coverage,clip=plane"]).unwrap();
+        let found: Vec<_> = found.iter().map(|axis| (axis.name.as_str(), axis.values.join(" "))).collect();
+        let expected = [
+            ("tile_size", "1 2 4 8"),
+            ("buckets", "1 4 8 24"),
+            ("resolution", "1/4 1/2 1 2"),
+            ("coverage", "conservative standard"),
+            ("clip", "polygon plane"),
+        ];
+        assert_eq!(found, expected.map(|(name, values)| (name, values.to_owned())));
+        for (list, part) in [
+            ("bucket", "'buckets'"),
+            ("buckets,4", "no parameter of dirt '4'"),
+            ("buckets=", "no values"),
+            ("buckets=,4", "no values"),
+            ("buckets=4,,8", "empty"),
+            ("", "empty"),
+            (",", "empty"),
+            ("buckets=0", "1 to 256"),
+            ("buckets=1e9", "1 to 256"),
+            ("buckets=4,clp=plane", "'clip'"),
+            ("buckets,buckets=4", "twice"),
+            ("resolution=0", "1/N"),
+            ("resolution=2/3", "1/N"),
+            ("buckets=1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16", "16 are the most"),
+        ] {
+            let message = parse(&[list]).map(|_| String::new()).unwrap_or_else(|error| error.to_string());
+            assert!(message.contains(part), "{list}: {message}");
+        }
+    }
+
+    /// What is swept where nothing is said can be swept, and no value of any parameter reads like a parameter's name.
+    #[test]
+    fn every_tracer_can_be_swept() {
+        for registration in TRACERS {
+            let request = TracerRequest::of(registration, tracebench_api::Preset::Published);
+            let described = (registration.describe)().parameters;
+            let found = axes(&request, &[default_axes(&request)], "--over").unwrap();
+            assert!(!found.is_empty() && found.iter().all(|axis| axis.values.contains(&axis.own)));
+            for value in described.iter().flat_map(|each| &each.sweep) {
+                assert!(described.iter().all(|each| each.name != value.to_string()), "{value}");
+            }
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! A sweep: what its points measured, laid out along its axes. Files `sweep.md` and `sweep.csv`; the charts show the same.
+
+mod csv;
+mod page;
+#[cfg(test)]
+pub(in crate::report) mod tests;
+
+use std::borrow::Cow;
+
+use super::ReportError;
+use super::group::{Group, RaySet};
+use crate::results::{Run, TraceRecord, TracerRun};
+use crate::sweep::{AxisRecord, PointRecord, RESOLUTION, SweepRecord};
+
+/// The page of a sweep.
+pub const SWEEP_PAGE: &str = "sweep.md";
+
+/// What the names of a sweep's charts begin with.
+pub(in crate::report) const STEM: &str = "sweep_";
+
+/// One parameter over one ray set of one scene.
+#[derive(Debug)]
+pub(in crate::report) struct View<'a> {
+    /// The scene with its viewpoint.
+    pub group: &'a Group<'a>,
+    /// The rays.
+    pub set: &'a RaySet<'a>,
+    /// What changes along it.
+    pub axis: &'a AxisRecord,
+    /// What tells the curves apart, if there are several.
+    pub other: Option<&'a AxisRecord>,
+    /// One, or one a value of the other axis of a grid.
+    pub curves: Vec<Curve<'a>>,
+}
+
+/// Points along an axis.
+#[derive(Debug)]
+pub(in crate::report) struct Curve<'a> {
+    /// Its value on the other axis of a grid.
+    pub other: Option<&'a str>,
+    /// In the order of the axis.
+    pub cells: Vec<Cell<'a>>,
+}
+
+/// A point in a scene and ray set.
+#[derive(Debug)]
+pub(in crate::report) struct Cell<'a> {
+    /// Its value on the axis.
+    pub value: &'a str,
+    /// Its record.
+    pub point: &'a PointRecord,
+    /// What was measured.
+    pub measured: Option<(&'a TracerRun, &'a TraceRecord)>,
+}
+
+impl View<'_> {
+    /// The part of file names that tells views apart.
+    pub(in crate::report) fn stem(&self) -> String {
+        let name = |text: &str| super::format::file_stem(text);
+        format!("{STEM}{}_{}_{}", self.group.stem, name(&self.axis.name), name(&self.set.title))
+    }
+}
+
+/// Every view of a sweep: of every scene every axis (of a grid the first), of every axis every ray set.
+pub(in crate::report) fn views<'a>(sweep: &'a SweepRecord, groups: &'a [Group<'a>]) -> Vec<View<'a>> {
+    let axes = if sweep.grid { &sweep.axes[..sweep.axes.len().min(1)] } else { &sweep.axes[..] };
+    let other = sweep.axes.get(1).filter(|_| sweep.grid);
+    let mut views = Vec::new();
+    for group in groups {
+        for axis in axes {
+            for set in &group.ray_sets {
+                let curve = |value: Option<&'a str>| Curve {
+                    other: value,
+                    cells: cells(sweep, group, set, axis, other.zip(value).map(|(other, value)| (&*other.name, value))),
+                };
+                let curves: Vec<Curve<'_>> = match other {
+                    Some(other) => other.values.iter().map(|value| curve(Some(value))).collect(),
+                    None => vec![curve(None)],
+                };
+                // A file may name axes that no point is on.
+                if curves.iter().any(|curve| !curve.cells.is_empty()) {
+                    views.push(View { group, set, axis, other, curves });
+                }
+            }
+        }
+    }
+    views
+}
+
+fn cells<'a>(
+    sweep: &'a SweepRecord,
+    group: &Group<'a>,
+    set: &RaySet<'_>,
+    axis: &'a AxisRecord,
+    other: Option<(&str, &str)>,
+) -> Vec<Cell<'a>> {
+    let others: Vec<(&str, &str)> = other.into_iter().collect();
+    let cell = |value: &'a String| {
+        let point = sweep.point(&axis.name, value, &others)?;
+        let mut runs = group.contenders.iter().filter(|run| run.tracer.name == sweep.tracer && point.is_of(run));
+        let measured = runs.find_map(|run| Some((*run, run.traces.iter().find(|trace| set.holds(trace))?)));
+        Some(Cell { value, point, measured })
+    };
+    axis.values.iter().filter_map(cell).collect()
+}
+
+/// The files for readers and for programs: names and contents.
+pub(super) fn files(run: &Run, sweep: &SweepRecord, views: &[View<'_>]) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+    Ok(vec![
+        (SWEEP_PAGE.to_owned(), page::page(run, sweep, views).into_bytes()),
+        (csv::NAME.to_owned(), csv::table(run, sweep, views)?),
+    ])
+}
+
+/// The run as other tables and charts can show it: with the resolution in the labels of what was measured at another one
+/// than the first point, and with controls once that ran again beside points tried alone and scored the same.
+pub(super) fn labelled(run: &Run) -> Cow<'_, Run> {
+    let Some(first) = run.sweep.as_ref().and_then(|sweep| sweep.points.first()) else { return Cow::Borrowed(run) };
+    let mut run = run.clone();
+    let points = run.sweep.as_ref().map(|sweep| sweep.points.clone()).unwrap_or_default();
+    for one in &mut run.runs {
+        let Some(point) = points.iter().find(|point| point.is_of(one)) else { continue };
+        if let Some(value) =
+            point.values.get(RESOLUTION).filter(|_| (point.frame, point.face) != (first.frame, first.face))
+        {
+            one.tracer.parameters.insert(RESOLUTION.to_owned(), serde_json::Value::from(value.clone()));
+            one.tracer.changed.push(RESOLUTION.to_owned());
+        }
+    }
+    let controls = std::mem::take(&mut run.controls);
+    for control in controls {
+        if !run.controls.iter().any(|other| scored_the_same(other, &control)) {
+            run.controls.push(control);
+        }
+    }
+    Cow::Owned(run)
+}
+
+fn scored_the_same(one: &TracerRun, other: &TracerRun) -> bool {
+    let scores = |run: &TracerRun| {
+        let score = |trace: &TraceRecord| (trace.rays_sha256.clone(), trace.query, trace.judgement.clone());
+        run.traces.iter().map(score).collect::<Vec<_>>()
+    };
+    one.scene == other.scene && one.tracer == other.tracer && scores(one) == scores(other)
+}

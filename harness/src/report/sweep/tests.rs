@@ -1,0 +1,188 @@
+//! Sweeps made up for tests, and what is made of them.
+
+use std::collections::BTreeMap;
+
+use tempfile::TempDir;
+use tracebench_api::{ClockKind, Query};
+
+use crate::report::fixture::{self, Quality};
+use crate::report::{read_run, write_derived, write_run};
+use crate::results::{Judgement, Run};
+use crate::sweep::{AxisRecord, PointRecord, RESOLUTION, SweepRecord};
+
+/// An axis: name, own value, values.
+pub(in crate::report) type Swept<'a> = (&'a str, &'a str, &'a [&'a str]);
+
+const BUCKETS: Swept<'_> = ("buckets", "24", &["1", "24", "40"]);
+const RESOLUTIONS: Swept<'_> = (RESOLUTION, "1", &["1/2", "1"]);
+const SETS: [(&str, Query); 2] = [("diffuse", Query::Closest), ("ao", Query::Any)];
+
+/// A sweep of a made-up tracer, each point with bytes, times and errors of its own.
+pub(in crate::report) fn sweep_run(axes: &[Swept<'_>], sets: &[(&str, Query)], grid: bool) -> Run {
+    let own: BTreeMap<String, String> =
+        axes.iter().map(|(name, own, _)| ((*name).to_owned(), (*own).to_owned())).collect();
+    let mut wanted = vec![own.clone()];
+    for (name, _, values) in axes {
+        let from = if grid { wanted.clone() } else { vec![own.clone()] };
+        for values in from.iter().flat_map(|point| {
+            let with = |value: &&str| [((*name).to_owned(), (*value).to_owned())];
+            values.iter().map(move |value| point.clone().into_iter().chain(with(value)).collect::<BTreeMap<_, _>>())
+        }) {
+            if !wanted.contains(&values) {
+                wanted.push(values);
+            }
+        }
+    }
+    let names: Vec<String> = wanted.iter().map(|_| "dirt".to_owned()).collect();
+    let quality = |index: usize| Quality {
+        missed: 0.002 * index as f64,
+        blur: 1e-5 * (index + 1) as f64,
+        speed: 3.0 + index as f64,
+        clock: ClockKind::DeviceTimestamps,
+    };
+    let named: Vec<_> = names.iter().enumerate().map(|(index, name)| (name.as_str(), quality(index))).collect();
+    let mut run = fixture::run(&named, sets);
+    run.skipped.clear();
+    let mut points = Vec::new();
+    for (index, (values, one)) in wanted.into_iter().zip(&mut run.runs).enumerate() {
+        for (name, value) in values.iter().filter(|(name, _)| *name != RESOLUTION) {
+            one.tracer.parameters.insert(name.clone(), serde_json::Value::from(value.clone()));
+            if *value != own[name] {
+                one.tracer.changed.push(name.clone());
+            }
+        }
+        let place = axes.iter().find(|(name, ..)| *name == RESOLUTION);
+        let place = place.and_then(|(name, _, all)| all.iter().position(|value| *value == values[*name]));
+        one.viewpoint.face = 64 << place.unwrap_or(0);
+        one.memory.structure_bytes = (index as u64 + 1) << 20;
+        points.push(PointRecord {
+            values,
+            parameters: one.tracer.parameters.clone(),
+            frame: one.viewpoint.frame,
+            face: one.viewpoint.face,
+            skipped: BTreeMap::new(),
+        });
+    }
+    let axis = |(name, own, values): &Swept<'_>| AxisRecord {
+        name: (*name).to_owned(),
+        unit: String::new(),
+        effect: format!("what {name} does"),
+        own: (*own).to_owned(),
+        values: values.iter().map(|value| (*value).to_owned()).collect(),
+    };
+    let axes = axes.iter().map(axis).collect();
+    run.sweep = Some(SweepRecord { tracer: "dirt".to_owned(), grid, axes, points });
+    run
+}
+
+fn rows(folder: &TempDir) -> Vec<BTreeMap<String, String>> {
+    let mut reader = ::csv::Reader::from_path(folder.path().join("sweep.csv")).unwrap();
+    let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    let row = |record: ::csv::StringRecord| header.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
+    reader.records().map(|record| row(record.unwrap())).collect()
+}
+
+/// Proves that every row has the figures of its own point: bytes that only that point has; that the own value stands on
+/// every axis with the same figures; that a run which is no point of the sweep is shown nowhere; that what is skipped has
+/// its reason and no figures.
+#[test]
+fn rows_are_those_of_their_points() {
+    let mut run = sweep_run(&[BUCKETS, RESOLUTIONS], &SETS, false);
+    let mut other = run.runs[0].clone();
+    other.memory.structure_bytes = 77;
+    other.tracer.parameters.insert("stride".to_owned(), 2.into());
+    run.runs.insert(0, other);
+    let gone = run.runs.iter().position(|one| one.tracer.parameters["buckets"] == "40").unwrap();
+    let gone = run.runs.remove(gone);
+    let points = &mut run.sweep.as_mut().unwrap().points;
+    points
+        .iter_mut()
+        .find(|point| point.is_of(&gone))
+        .unwrap()
+        .skipped
+        .insert("room".to_owned(), "too large".to_owned());
+    let folder = TempDir::new().unwrap();
+    write_run(&run, folder.path()).unwrap();
+    let rows = rows(&folder);
+    let found: Vec<_> = rows
+        .iter()
+        .filter(|row| row["rays"] == "diffuse")
+        .map(|row| {
+            let cell = |name: &str| row[name].as_str();
+            (cell("parameter"), cell("value"), cell("is_own"), cell("structure_bytes"), cell("skipped"))
+        })
+        .collect();
+    let [first, second, fourth] = [1, 2, 4].map(|mib: u64| (mib << 20).to_string());
+    assert_eq!(
+        found,
+        [
+            ("buckets", "1", "false", second.as_str(), ""),
+            ("buckets", "24", "true", &first, ""),
+            ("buckets", "40", "false", "", "too large"),
+            ("resolution", "1/2", "false", &fourth, ""),
+            ("resolution", "1", "true", &first, ""),
+        ]
+    );
+    assert!(rows.iter().filter(|row| row["rays"] == "ao").count() == 5);
+    assert!(rows.iter().all(|row| row["mrays_per_s"].is_empty() != row["skipped"].is_empty()));
+    let page = std::fs::read_to_string(folder.path().join("sweep.md")).unwrap();
+    assert!(page.contains("| 40 | skipped, see below |") && page.contains("| 24 * | 1.000 |"), "{page}");
+    assert!(!page.contains(&crate::report::format::mib(77)));
+}
+
+/// Proves that a sweep read back makes the same files, that other files tell its resolutions apart, and have every control
+/// once unless it scored differently.
+#[test]
+fn files_can_be_made_again() {
+    let mut run = sweep_run(&[BUCKETS, RESOLUTIONS], &SETS, false);
+    run.controls = [run.controls.clone(), run.controls.clone()].concat();
+    let (folder, elsewhere) = (TempDir::new().unwrap(), TempDir::new().unwrap());
+    write_run(&run, folder.path()).unwrap();
+    let again = read_run(folder.path()).unwrap();
+    assert_eq!(again, run);
+    let paths = write_derived(&again, elsewhere.path()).unwrap();
+    // Two axes, two ray sets, two formats.
+    assert_eq!(paths.iter().filter(|path| path.to_string_lossy().contains("sweep_room_")).count(), 8);
+    for path in paths {
+        let name = path.file_name().unwrap();
+        assert!(std::fs::read(&path).unwrap() == std::fs::read(folder.path().join(name)).unwrap(), "{name:?} differs");
+    }
+    let summary = |run: &Run| {
+        write_derived(run, elsewhere.path()).unwrap();
+        std::fs::read_to_string(elsewhere.path().join("summary.md")).unwrap()
+    };
+    let text = summary(&run);
+    assert!(text.contains("| dirt resolution=1/2 |") && text.contains("| dirt buckets=40 |"));
+    // Controls stand at the first resolution and count at every one.
+    assert!(text.contains("Controls: all score what they must"), "{text}");
+    let oracles = |text: &str| text.matches("oracle (control)").count();
+    let once = oracles(&text);
+    if let Judgement::Closest(judgement) = &mut run.controls[3].traces[0].judgement {
+        judgement.ties += 1;
+    }
+    assert_eq!(oracles(&summary(&run)), 2 * once);
+    // Without a sweep nothing of one is left.
+    run.sweep = None;
+    let paths = write_derived(&run, elsewhere.path()).unwrap();
+    assert!(paths.iter().all(|path| !path.to_string_lossy().contains("sweep")));
+    assert!(!elsewhere.path().join("sweep_room_buckets_diffuse.svg").exists());
+}
+
+/// Proves that of rays that are all ties no speed is told.
+#[test]
+fn no_speed_without_accuracy() {
+    let mut run = sweep_run(&[BUCKETS], &SETS[..1], false);
+    let page = |run: &Run| {
+        let groups = crate::report::group::groups(run);
+        let sweep = run.sweep.as_ref().unwrap();
+        super::page::page(run, sweep, &super::views(sweep, &groups))
+    };
+    let speeds = |page: &str| page.lines().filter(|line| line.starts_with("| 1 |") && line.contains("| 4.0")).count();
+    assert_eq!(speeds(&page(&run)), 1, "{}", page(&run));
+    for trace in run.runs.iter_mut().flat_map(|one| &mut one.traces) {
+        if let Judgement::Closest(judgement) = &mut trace.judgement {
+            (judgement.agreement, judgement.interval) = Default::default();
+        }
+    }
+    assert_eq!(speeds(&page(&run)), 0);
+}
