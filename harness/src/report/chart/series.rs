@@ -137,8 +137,11 @@ impl<'a> SeriesFigure<'a> {
                 }
             }
         }
-        if panel.series.iter().all(|series| series.values.iter().all(|value| usable(value).is_none())) {
-            rect.note(canvas, "nothing was measured")?;
+        let values = || panel.series.iter().flat_map(|series| &series.values);
+        if values().all(|value| usable(value).is_none()) {
+            // A logarithm never gets to zero.
+            let zero = values().any(|value| *value == Some(0.0));
+            rect.note(canvas, if zero { "0 throughout" } else { "nothing was measured" })?;
         }
         Ok(())
     }

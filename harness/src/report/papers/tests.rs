@@ -78,9 +78,15 @@ fn series_are_drawn_whatever_they_hold() {
             .map(|dashed| Series { label: "tiles".to_owned(), values: values.clone(), dashed })
             .to_vec(),
     };
-    let odd = [Some(f64::NAN), Some(0.0), Some(-1.0)];
-    for values in [vec![Some(1.0), Some(2.0), Some(30.0)], vec![Some(1.0), None, Some(2.0)], odd.to_vec(), vec![]] {
-        let empty = values.iter().flatten().all(|value| value.partial_cmp(&0.0).is_none_or(|order| order.is_le()));
+    let (nothing, zero) = ("nothing was measured", "0 throughout");
+    for (values, notes) in [
+        (vec![Some(1.0), Some(2.0), Some(30.0)], [false, false]),
+        (vec![Some(1.0), None, Some(2.0)], [false, false]),
+        (vec![Some(0.0), Some(2.0), Some(0.0)], [false, false]),
+        (vec![Some(0.0), None, Some(0.0)], [false, true]),
+        (vec![Some(f64::NAN), None, Some(-1.0)], [true, false]),
+        (vec![], [true, false]),
+    ] {
         let chart = SeriesChart {
             stem: "figure_x".to_owned(),
             title: "Title".to_owned(),
@@ -92,6 +98,6 @@ fn series_are_drawn_whatever_they_hold() {
         assert_eq!(drawn.iter().map(|file| file.name.as_str()).collect::<Vec<_>>(), ["figure_x.svg", "figure_x.png"]);
         let svg = std::str::from_utf8(&drawn[0].contents).unwrap();
         assert!(["tiles", "solid", "broken (dashed)", "24", "bytes (MiB)"].iter().all(|text| svg.contains(text)));
-        assert!(!svg.contains("NaN") && svg.contains("nothing was measured") == empty, "{svg}");
+        assert!(!svg.contains("NaN") && [nothing, zero].map(|note| svg.contains(note)) == notes, "{svg}");
     }
 }
