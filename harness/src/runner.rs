@@ -3,7 +3,7 @@
 mod race;
 
 use tracebench_api::{Geometry, RayBuffer, TracerError};
-use tracebench_scenes::{Camera, Material, Scene, SceneError};
+use tracebench_scenes::{Camera, Material, Mesh, Scene, SceneError};
 
 use crate::machine;
 use crate::plan::{Plan, SceneSource, TracerRequest, ViewRequest};
@@ -148,7 +148,8 @@ pub fn prepare(
     progress.say("  ground truth");
     let mirrors: Vec<bool> = scene.mesh.materials.iter().map(Material::is_mirror).collect();
     let mirrors: Vec<bool> = scene.mesh.triangle_materials.iter().map(|material| mirrors[*material as usize]).collect();
-    let geometry = Geometry::new(scene.mesh.positions, scene.mesh.triangles, gpu.map(AsRef::as_ref))?;
+    let Mesh { positions, triangles, triangle_materials, .. } = scene.mesh;
+    let geometry = Geometry::with_materials(positions, triangles, triangle_materials, gpu.map(AsRef::as_ref))?;
     let truth = Truth::new(&geometry, &scene.sha256);
     let pose = choose_pose(&plan.view, &scene.name, &scene.cameras, &truth)?;
     let viewpoint = pose.viewpoint(&geometry, plan.preset.frame, plan.preset.face);

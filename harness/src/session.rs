@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use tracebench_api::{
-    Description, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Query, Ray, RayBuffer, Structure,
-    Timing, TraceJob, Tracer, TracerError, Update, Viewpoint,
+    Description, EndPoint, Geometry, Gpu, Hit, HitBuffer, MemoryEntry, Parameters, PhaseClock, Query, Ray, RayBuffer,
+    Structure, Timing, TraceJob, Tracer, TracerError, Update, Viewpoint,
 };
 use tracebench_scenes::CameraPath;
 
@@ -351,6 +351,14 @@ impl Session {
             )));
         }
         Ok(counters)
+    }
+
+    /// A trace's own buffers, by name.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] before the first build.
+    pub fn trace_memory(&self, contender: &Contender, rays: &PreparedRays) -> Result<Vec<MemoryEntry>, TracerError> {
+        Ok(contender.structure()?.trace_memory(job(contender, rays)))
     }
 
     /// Judges a contender's answers.

@@ -324,7 +324,11 @@ fn memory_adds_up() {
             names.sort_unstable();
             names.dedup();
             assert_eq!(names.len(), report.structure.len(), "{report:?}");
-            assert_eq!(structure.scratch_bytes(0).min(structure.scratch_bytes(1000)), structure.scratch_bytes(0));
+            let of_trace = |rays: usize| -> u64 {
+                let rays = subject.rays(&scene.rays[..rays], Query::Closest);
+                structure.trace_memory(subject.job(&rays)).iter().map(|entry| entry.allocated_bytes).sum()
+            };
+            assert!(of_trace(0) <= of_trace(scene.rays.len()));
             held.push(sum);
         }
         assert!(held[0] <= held[6], "{}: {held:?}", subject.name);

@@ -292,8 +292,12 @@ pub struct TraceRecord {
     pub times: Times,
     /// Million rays a second at the median.
     pub mrays_per_s: f64,
-    /// Rays, hits and scratch buffers.
+    /// Allocated bytes of all parts of `per_trace`.
     pub per_trace_bytes: u64,
+    /// What a trace takes: rays, hits, surfaces, and the tracer's own buffers by the names of its paper. Empty in files of
+    /// before it was told by parts.
+    #[serde(default)]
+    pub per_trace: Vec<MemoryEntry>,
     /// Hash of the judged hits.
     pub hits_sha256: String,
     /// Counts, from a variant that is not timed.

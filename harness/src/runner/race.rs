@@ -150,8 +150,8 @@ pub(crate) fn sample_traces(
         } else {
             progress.say(&format!("  {}: {} done", rays.set.name, entry.label()));
         }
-        let scratch_bytes = entry.contender.structure()?.scratch_bytes(hits.len());
-        let traced = Traced { rays, timings: &timings, hits: &hits, counters: &counters, scratch_bytes, judgement };
+        let trace_memory = session.trace_memory(&entry.contender, rays)?;
+        let traced = Traced { rays, timings: &timings, hits: &hits, counters: &counters, trace_memory, judgement };
         entry.traces.push(records::trace_record(traced));
     }
     Ok(())

@@ -14,6 +14,8 @@ pub struct Geometry {
     pub positions: Arc<Vec<[f32; 3]>>,
     /// Vertex indices of each triangle; the triangle's index is its identity.
     pub triangles: Arc<Vec<[u32; 3]>>,
+    /// Index of each triangle's material in the scene.
+    pub triangle_materials: Arc<Vec<u32>>,
     /// Least corner of the bounds; known before any build, for all.
     pub bounds_min: Vec3,
     /// Greatest corner of the bounds.
@@ -30,24 +32,49 @@ pub struct DeviceGeometry {
     pub positions: wgpu::Buffer,
     /// Three u32 per triangle.
     pub indices: wgpu::Buffer,
+    /// One u32 per triangle; a storage buffer.
+    pub materials: wgpu::Buffer,
 }
 
 impl Geometry {
-    /// Takes the triangles, which must not be empty, and uploads them if there is a device. That a device cannot hold
-    /// them is said to those who ask for them there.
+    /// Takes the triangles of a scene with one material; see [`Geometry::with_materials`].
     ///
     /// # Errors
     /// [`TracerError::Failed`] for an empty scene.
     pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>, gpu: Option<&Gpu>) -> Result<Self, TracerError> {
+        let materials = vec![0; triangles.len()];
+        Self::with_materials(positions, triangles, materials, gpu)
+    }
+
+    /// Takes the triangles, which must not be empty, each with its material, and uploads them if there is a device. That a
+    /// device cannot hold them is said to those who ask for them there.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] for an empty scene or another number of materials than triangles.
+    pub fn with_materials(
+        positions: Vec<[f32; 3]>,
+        triangles: Vec<[u32; 3]>,
+        triangle_materials: Vec<u32>,
+        gpu: Option<&Gpu>,
+    ) -> Result<Self, TracerError> {
+        if triangle_materials.len() != triangles.len() {
+            return Err(TracerError::Failed(format!(
+                "{} materials for {} triangles",
+                triangle_materials.len(),
+                triangles.len()
+            )));
+        }
         if triangles.is_empty() || positions.is_empty() {
             return Err(TracerError::Failed("the scene has no triangles".to_owned()));
         }
         let (bounds_min, bounds_max) = bounds(&positions);
         let device = match gpu {
             None => Err(TracerError::Unavailable("the scene is not on a device".to_owned())),
-            Some(gpu) => DeviceGeometry::upload(gpu, &positions, &triangles),
+            Some(gpu) => DeviceGeometry::upload(gpu, &positions, &triangles, &triangle_materials),
         };
-        Ok(Self { positions: Arc::new(positions), triangles: Arc::new(triangles), bounds_min, bounds_max, device })
+        let (positions, triangles) = (Arc::new(positions), Arc::new(triangles));
+        let triangle_materials = Arc::new(triangle_materials);
+        Ok(Self { positions, triangles, triangle_materials, bounds_min, bounds_max, device })
     }
 
     /// The same triangles with their vertices moved, on the device in the buffers that are there. The device buffers of
@@ -101,6 +128,11 @@ impl Geometry {
     pub fn bytes(&self) -> u64 {
         size_of_val(self.positions.as_slice()) as u64 + size_of_val(self.triangles.as_slice()) as u64
     }
+
+    /// Bytes of positions, indices and materials: what surfaces are made of.
+    pub fn surface_bytes(&self) -> u64 {
+        self.bytes() + size_of_val(self.triangle_materials.as_slice()) as u64
+    }
 }
 
 fn bounds(positions: &[[f32; 3]]) -> (Vec3, Vec3) {
@@ -111,7 +143,12 @@ fn bounds(positions: &[[f32; 3]]) -> (Vec3, Vec3) {
 }
 
 impl DeviceGeometry {
-    fn upload(gpu: &Gpu, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, TracerError> {
+    fn upload(
+        gpu: &Gpu,
+        positions: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+        triangle_materials: &[u32],
+    ) -> Result<Self, TracerError> {
         let for_building = if gpu.has_ray_queries() { BufferUsages::BLAS_INPUT } else { BufferUsages::empty() };
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST | for_building;
         let positions = gpu.buffer_with(
@@ -126,6 +163,12 @@ impl DeviceGeometry {
             usage | BufferUsages::INDEX,
             "the scene's triangle count",
         )?;
-        Ok(Self { positions, indices })
+        let materials = gpu.buffer_with(
+            "triangle materials",
+            bytemuck::cast_slice(triangle_materials),
+            BufferUsages::STORAGE,
+            "the scene's triangle count",
+        )?;
+        Ok(Self { positions, indices, materials })
     }
 }

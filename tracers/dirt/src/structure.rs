@@ -4,8 +4,8 @@ use std::sync::{Arc, Mutex, Weak};
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    Counter, DeviceGeometry, Geometry, Gpu, HitBuffer, Ledger, MemoryReport, Parameters, PhaseClock, Structure,
-    TraceJob, Tracer, TracerError, Update, View, Viewpoint,
+    Counter, DeviceGeometry, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock,
+    Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_kit::ViewUniform;
 
@@ -224,8 +224,13 @@ impl Structure for DirtStructure {
         ledger.report(self.geometry.bytes)
     }
 
-    fn scratch_bytes(&self, _ray_count: usize) -> u64 {
-        (size_of::<TileGrid>() + size_of::<TraceSettings>() + MOST_VIEWS * size_of::<ViewUniform>()) as u64
+    fn trace_memory(&self, _job: TraceJob<'_>) -> Vec<MemoryEntry> {
+        let uniforms = [
+            ("grid", size_of::<TileGrid>()),
+            ("search", size_of::<TraceSettings>()),
+            ("views", MOST_VIEWS * size_of::<ViewUniform>()),
+        ];
+        uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec()
     }
 
     fn views(&self) -> Vec<View> {

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{BindingResource, BufferUsages, ComputePipeline};
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Gpu, HitBuffer, Ledger, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
-    Tracer, TracerError, Update, View, Viewpoint,
+    Counter, EndPoint, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure,
+    TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_kit::{
     EyeDepthRaster, EyeDepthTarget, NO_SURFACE, ViewUniform, bind_group, compute_pipeline, dispatch_linear,
@@ -203,8 +203,9 @@ impl Structure for ScreenDdaStructure {
         ledger.report(0)
     }
 
-    fn scratch_bytes(&self, _ray_count: usize) -> u64 {
-        (size_of::<ViewUniform>() + size_of::<Settings>()) as u64
+    fn trace_memory(&self, _job: TraceJob<'_>) -> Vec<MemoryEntry> {
+        let uniforms = [("view", size_of::<ViewUniform>()), ("settings", size_of::<Settings>())];
+        uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec()
     }
 
     fn views(&self) -> Vec<View> {

@@ -169,8 +169,8 @@ impl Structure for BvhGpuStructure {
         report
     }
 
-    fn scratch_bytes(&self, ray_count: usize) -> u64 {
-        search::scratch_bytes(&self.resident, ray_count)
+    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
+        search::trace_memory(&self.resident, &job)
     }
 
     fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {

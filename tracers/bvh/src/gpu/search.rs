@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline};
-use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, PhaseClock, Query, TraceJob, TracerError};
+use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
 use tracebench_kit::{bind_group, compute_pipeline, dispatch_linear};
 use tracebench_shaders::{
     BVH_BINARY, BVH_BINARY_COUNTED, BVH_BINARY_DEEP, BVH_BINARY_DEEP_COUNTED, BVH_WIDE, BVH_WIDE_COUNTED,
@@ -90,11 +90,14 @@ impl SearchSettings {
     }
 }
 
-/// Bytes that the dispatches of a trace are told their settings by.
-pub(crate) fn scratch_bytes(resident: &Resident, ray_count: usize) -> u64 {
-    let dispatches = resident.stacks().map_or(1, |(_, lanes)| ray_count.div_ceil(lanes as usize));
-    (dispatches * size_of::<SearchSettings>()) as u64
+/// What the dispatches of a trace are told their settings by.
+pub(crate) fn trace_memory(resident: &Resident, job: &TraceJob<'_>) -> Vec<MemoryEntry> {
+    let dispatches = resident.stacks().map_or(1, |(_, lanes)| job.rays.host.len().div_ceil(lanes as usize));
+    vec![MemoryEntry::whole(SETTINGS, size_of::<SearchSettings>() as u64); dispatches]
 }
+
+/// Label of a dispatch's uniform.
+const SETTINGS: &str = "settings";
 
 /// The variants over one kind of node.
 struct Kernels {
@@ -159,8 +162,7 @@ impl Searches {
         };
         let mut dispatches = Vec::new();
         for settings in SearchSettings::of_dispatches(job, resident, scale) {
-            let uniform =
-                gpu.buffer_with("settings", bytemuck::bytes_of(&settings), BufferUsages::UNIFORM, "nothing")?;
+            let uniform = gpu.buffer_with(SETTINGS, bytemuck::bytes_of(&settings), BufferUsages::UNIFORM, "nothing")?;
             let mut resources = vec![
                 uniform.as_entire_binding(),
                 BindingResource::TextureView(resident.nodes()),

@@ -34,8 +34,8 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 
 use tracebench_api::{
-    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryReport, Parameters, PhaseClock, Structure, TraceJob, Tracer,
-    TracerError, Update, Viewpoint,
+    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
+    Tracer, TracerError, Update, Viewpoint,
 };
 
 pub use description::description;
@@ -43,7 +43,7 @@ pub use kernels::{BuildSettings, ClusterIteration, ConversionLevel, RefitStage};
 
 use crate::gpu::layout::{DeviceTriangle, NodeKind, Tree};
 use crate::gpu::resident::Resident;
-use crate::gpu::search::{Searches, private_stack, scratch_bytes};
+use crate::gpu::search::{Searches, private_stack, trace_memory};
 use crate::input::{check_fits, scale_for};
 use kernels::{CROWDED, FINISHED, Kernels, LEVELS, TAKEN_SLOTS};
 use plan::Plan;
@@ -199,8 +199,8 @@ impl Structure for LbvhStructure {
         ledger.report(0)
     }
 
-    fn scratch_bytes(&self, ray_count: usize) -> u64 {
-        scratch_bytes(&self.resident, ray_count)
+    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
+        trace_memory(&self.resident, &job)
     }
 
     fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {

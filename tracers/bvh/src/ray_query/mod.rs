@@ -21,8 +21,8 @@ use std::sync::Arc;
 
 use tracebench_api::wgpu::BufferUsages;
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, MemoryReport, Parameters, PhaseClock, Query, Ray, RayBuffer,
-    Residency, Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
+    Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, MemoryEntry, MemoryReport, Parameters, PhaseClock, Query, Ray,
+    RayBuffer, Residency, Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
 };
 
 use acceleration::Acceleration;
@@ -187,8 +187,8 @@ impl Structure for RayQueryStructure {
         self.acceleration.memory()
     }
 
-    fn scratch_bytes(&self, _ray_count: usize) -> u64 {
-        size_of::<QuerySettings>() as u64
+    fn trace_memory(&self, _job: TraceJob<'_>) -> Vec<MemoryEntry> {
+        vec![MemoryEntry::whole("settings", size_of::<QuerySettings>() as u64)]
     }
 
     fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
