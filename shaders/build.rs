@@ -13,6 +13,7 @@ const MODULES: &[&str] = &[
     "shared/types.wgsl",
     "shared/view.wgsl",
     "shared/dispatch.wgsl",
+    "shared/surface.wgsl",
     "shared/triangle.wgsl",
     "bvh/search.wgsl",
     "bvh/build.wgsl",
@@ -24,10 +25,15 @@ const MODULES: &[&str] = &[
 /// Every variant: constant's name, file, definitions that are switched on.
 const VARIANTS: &[(&str, &str, &[&str])] = &[
     ("EYE_DEPTH_RASTER", "shared/eye_depth_raster.wgsl", &[]),
+    ("GATHER", "shared/gather.wgsl", &[]),
+    ("GATHER_BY_RAY", "shared/gather.wgsl", &["BY_RAY"]),
     ("PREFIX_SUM", "shared/prefix_sum.wgsl", &[]),
+    ("PRIMITIVE_RASTER", "shared/primitive_raster.wgsl", &[]),
     ("RADIX_SORT", "shared/radix_sort.wgsl", &[]),
     ("SCREEN_DDA_TRACE", "screen-dda/trace.wgsl", &[]),
     ("SCREEN_DDA_TRACE_COUNTED", "screen-dda/trace.wgsl", &["COUNTERS"]),
+    ("SCREEN_DDA_TRACE_SURFACES", "screen-dda/trace.wgsl", &["SURFACES"]),
+    ("SCREEN_DDA_TRACE_SURFACES_COUNTED", "screen-dda/trace.wgsl", &["SURFACES", "COUNTERS"]),
     ("BVH_WIDE", "bvh/cwbvh.wgsl", &[]),
     ("BVH_WIDE_COUNTED", "bvh/cwbvh.wgsl", &["COUNTERS"]),
     ("BVH_WIDE_DEEP", "bvh/cwbvh.wgsl", &["DEEP"]),

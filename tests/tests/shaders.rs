@@ -9,13 +9,13 @@ use naga::{Module, ShaderStage, TypeInner};
 use obvhs::cwbvh::node::CwBvhNode;
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::wgpu::BufferUsages;
-use tracebench_api::{Hit, NO_PRIMITIVE, Ray, Status, View, Viewpoint};
+use tracebench_api::{Hit, NO_PRIMITIVE, Ray, Status, Surface, SurfaceStatus, View, Viewpoint};
 use tracebench_bvh::{
     BINARY_STACK, BinaryNode, BuildSettings, ClusterIteration, ConversionLevel, DeviceTriangle, QuerySettings,
     ROW_BITS, RefitStage, SearchSettings, WIDE_STACK,
 };
 use tracebench_dirt::{FillPass, MipmapLevel, TileGrid, TraceSettings};
-use tracebench_kit::{SortPass, ViewUniform, bind_group, compute_pipeline, dispatch_linear};
+use tracebench_kit::{GatherSettings, SortPass, ViewUniform, bind_group, compute_pipeline, dispatch_linear};
 use tracebench_shaders::{ALL, Shader, TEST_VIEW_FUNCTIONS};
 use tracebench_tests::{Numbers, gpu, viewpoint};
 
@@ -63,6 +63,18 @@ fn shared() -> BTreeMap<&'static str, Layout> {
         ("u", offset_of!(Hit, u)),
         ("v", offset_of!(Hit, v)),
         ("status", offset_of!(Hit, status)),
+    ];
+    let surface = [
+        ("position", offset_of!(Surface, position)),
+        ("material", offset_of!(Surface, material)),
+        ("normal", offset_of!(Surface, normal)),
+        ("status", offset_of!(Surface, status)),
+    ];
+    let gather = [
+        ("ray_count", offset_of!(GatherSettings, ray_count)),
+        ("padding_a", offset_of!(GatherSettings, padding_a)),
+        ("padding_b", offset_of!(GatherSettings, padding_b)),
+        ("padding_c", offset_of!(GatherSettings, padding_c)),
     ];
     let view = [
         ("eye", offset_of!(ViewUniform, eye)),
@@ -194,6 +206,8 @@ fn shared() -> BTreeMap<&'static str, Layout> {
         ("WideNode", layout(&wide_node, size_of::<CwBvhNode>())),
         ("Ray", layout(&ray, size_of::<Ray>())),
         ("Hit", layout(&hit, size_of::<Hit>())),
+        ("Surface", layout(&surface, size_of::<Surface>())),
+        ("GatherSettings", layout(&gather, size_of::<GatherSettings>())),
         ("View", layout(&view, size_of::<ViewUniform>())),
         ("Settings", layout(&settings, 24)),
     ])
@@ -271,6 +285,11 @@ fn entry_points_exist() {
     let raster = vec![("vertex", ShaderStage::Vertex, 0), ("fragment", ShaderStage::Fragment, 0)];
     let expected: BTreeMap<&str, Vec<(&str, ShaderStage, u32)>> = BTreeMap::from([
         ("EYE_DEPTH_RASTER", raster.clone()),
+        ("PRIMITIVE_RASTER", raster.clone()),
+        ("GATHER", vec![("gather", ShaderStage::Compute, 64)]),
+        ("GATHER_BY_RAY", vec![("gather", ShaderStage::Compute, 64)]),
+        ("SCREEN_DDA_TRACE_SURFACES", vec![("trace", ShaderStage::Compute, 64)]),
+        ("SCREEN_DDA_TRACE_SURFACES_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
         ("SCREEN_DDA_TRACE", vec![("trace", ShaderStage::Compute, 64)]),
         ("SCREEN_DDA_TRACE_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
         ("BVH_WIDE", vec![("trace", ShaderStage::Compute, 64)]),
@@ -331,13 +350,17 @@ fn constants(module: &Module) -> BTreeMap<String, u32> {
 /// Rust says it is, and that searches take stacks and textures to be as Rust makes them.
 #[test]
 fn constants_are_those_of_rust() {
-    let (mut statuses, mut row_bits) = (0, 0);
+    let (mut statuses, mut surface_statuses, mut row_bits) = (0, 0, 0);
     for shader in ALL {
         for (name, value) in constants(&parse(shader.source)) {
             if let Some(status) = name.strip_prefix("STATUS_") {
                 let code = Status::ALL.iter().find(|known| known.name().to_uppercase() == status);
                 assert_eq!(code.map(|code| *code as u32), Some(value), "{}: {name}", shader.name);
                 statuses += 1;
+            } else if let Some(status) = name.strip_prefix("SURFACE_") {
+                let code = SurfaceStatus::ALL.iter().find(|known| known.name().to_uppercase() == status);
+                assert_eq!(code.map(|code| *code as u32), Some(value), "{}: {name}", shader.name);
+                surface_statuses += 1;
             } else if name == "NO_PRIMITIVE" {
                 assert_eq!(value, NO_PRIMITIVE);
             } else if name == "ROW_BITS" {
@@ -354,6 +377,7 @@ fn constants_are_those_of_rust() {
         }
     }
     assert!(statuses >= 5, "only {statuses} status constants were found");
+    assert!(surface_statuses >= 3, "only {surface_statuses} statuses of surfaces were found");
     assert!(row_bits >= 8, "only {row_bits} searches tell their textures' width");
     // Negative control: a constant is read as what it is.
     assert_eq!(constants(&parse("const STATUS_MISSX_naga_oil_mod_QX: u32 = 3u;"))["STATUS_MISS"], 3);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use wgpu::BufferUsages;
 
-use crate::{Gpu, TracerError};
+use crate::{Gpu, Hit, Surface, SurfaceStatus, TracerError};
 
 /// Triangles in host memory and, where a device is used, on the device. Opaque and two-sided for everyone.
 #[derive(Clone, Debug)]
@@ -112,6 +112,27 @@ impl Geometry {
         self.triangles[triangle as usize].map(|vertex| Vec3::from(self.positions[vertex as usize]))
     }
 
+    /// The surface at barycentric weights of a triangle's second and third corner, as shaders/shared/surface.wgsl gives it;
+    /// lost for a triangle that does not exist.
+    pub fn surface(&self, triangle: u32, u: f32, v: f32) -> Surface {
+        let Some(material) = self.triangle_materials.get(triangle as usize) else {
+            return Surface::none(SurfaceStatus::Lost);
+        };
+        let [a, b, c] = self.corners(triangle);
+        let (first, second) = (b - a, c - a);
+        Surface {
+            position: (a + first * u + second * v).into(),
+            material: *material,
+            normal: unit_normal(first, second).into(),
+            status: SurfaceStatus::Written as u32,
+        }
+    }
+
+    /// The surface of a hit: what every tracer on the host writes for it.
+    pub fn surface_of(&self, hit: &Hit) -> Surface {
+        if hit.is_hit() { self.surface(hit.primitive, hit.u, hit.v) } else { Surface::none(SurfaceStatus::NoHit) }
+    }
+
     /// Length of the bounds' diagonal, scene units.
     pub fn diagonal(&self) -> f64 {
         (self.bounds_max.as_dvec3() - self.bounds_min.as_dvec3()).length()
@@ -133,6 +154,17 @@ impl Geometry {
     pub fn surface_bytes(&self) -> u64 {
         self.bytes() + size_of_val(self.triangle_materials.as_slice()) as u64
     }
+}
+
+/// The unit normal of the plane that two edges span, 0 if they span none. Every vector is brought to a greatest component of
+/// 1 first: squares of large scenes leave f32's range otherwise, and those of small ones vanish.
+fn unit_normal(first: Vec3, second: Vec3) -> Vec3 {
+    let scaled = |vector: Vec3| {
+        let greatest = vector.abs().max_element();
+        (greatest > 0.0).then(|| vector / greatest)
+    };
+    let normal = scaled(first).zip(scaled(second)).and_then(|(first, second)| scaled(first.cross(second)));
+    normal.map_or(Vec3::ZERO, Vec3::normalize)
 }
 
 fn bounds(positions: &[[f32; 3]]) -> (Vec3, Vec3) {
@@ -170,5 +202,32 @@ impl DeviceGeometry {
             "the scene's triangle count",
         )?;
         Ok(Self { positions, indices, materials })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Surfaces lie where the weights say, have the normal of the winding at every scale, and the triangle's material; a
+    /// triangle without an area has no normal, one that does not exist no surface.
+    #[test]
+    fn surfaces_are_those_of_the_triangle() {
+        for scale in [1e-12_f32, 1.0, 1e12] {
+            let at = |x: f32, y: f32, z: f32| [x * scale, y * scale, z * scale];
+            let positions = vec![at(0.0, 0.0, 1.0), at(2.0, 0.0, 1.0), at(0.0, 4.0, 1.0), at(1.0, 0.0, 1.0)];
+            let triangles = vec![[0, 1, 2], [2, 1, 0], [0, 1, 3]];
+            let geometry = Geometry::with_materials(positions, triangles, vec![5, 6, 7], None).unwrap();
+            let surface = geometry.surface(0, 0.25, 0.5);
+            assert_eq!((surface.position, surface.material), (at(0.5, 2.0, 1.0), 5));
+            assert_eq!((surface.normal, surface.status), ([0.0, 0.0, 1.0], SurfaceStatus::Written as u32));
+            assert_eq!(
+                (geometry.surface(1, 0.0, 0.0).normal, geometry.surface(1, 0.0, 0.0).material),
+                ([0.0, 0.0, -1.0], 6)
+            );
+            assert_eq!(geometry.surface(2, 0.0, 0.0).normal, [0.0; 3]);
+            assert_eq!(geometry.surface(3, 0.0, 0.0), Surface::none(SurfaceStatus::Lost));
+        }
+        assert!(Geometry::with_materials(vec![[0.0; 3]], vec![[0; 3]], Vec::new(), None).is_err());
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use tracebench_api::wgpu::{self, BindGroup, Buffer, BufferUsages, ComputePipeline, RenderPipeline, TextureFormat};
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
-use tracebench_kit::{ViewUniform, bind_group, compute_pipeline, dispatch_linear, shader_module};
+use tracebench_kit::{Gather, ViewUniform, bind_group, compute_pipeline, dispatch_linear, shader_module};
 use tracebench_shaders::{
     DIRT_FILL_DEPTH, DIRT_FILL_DEPTH_CONSERVATIVE, DIRT_FILL_PRIMITIVES, DIRT_FILL_PRIMITIVES_CONSERVATIVE,
     DIRT_FILL_PRIMITIVES_CONSERVATIVE_SPLIT, DIRT_FILL_PRIMITIVES_SPLIT, DIRT_MIPMAP, DIRT_TRACE, DIRT_TRACE_COUNTED,
@@ -35,6 +35,7 @@ pub(crate) struct Pipelines {
     primitives: [RenderPipeline; 2],
     primitives_split: [RenderPipeline; 2],
     mipmap: ComputePipeline,
+    pub gather: Gather,
     trace: [ComputePipeline; 2],
     trace_split: [ComputePipeline; 2],
 }
@@ -80,6 +81,7 @@ impl Pipelines {
             primitives: [raster(DIRT_FILL_PRIMITIVES)?, raster(DIRT_FILL_PRIMITIVES_CONSERVATIVE)?],
             primitives_split: [raster(DIRT_FILL_PRIMITIVES_SPLIT)?, raster(DIRT_FILL_PRIMITIVES_CONSERVATIVE_SPLIT)?],
             mipmap: compute_pipeline(&gpu, DIRT_MIPMAP, "mipmap")?,
+            gather: Gather::new(&gpu)?,
             trace: [trace(DIRT_TRACE)?, trace(DIRT_TRACE_COUNTED)?],
             trace_split: [trace(DIRT_TRACE_SPLIT)?, trace(DIRT_TRACE_SPLIT_COUNTED)?],
             gpu,

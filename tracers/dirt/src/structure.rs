@@ -4,10 +4,10 @@ use std::sync::{Arc, Mutex, Weak};
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    Counter, DeviceGeometry, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock,
-    Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
+    Counter, EndPoint, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure,
+    TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
-use tracebench_kit::ViewUniform;
+use tracebench_kit::{Gather, SurfaceGeometry, ViewUniform};
 
 use crate::build::{ATTACHMENT, Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, Pipelines, nodes_name};
 use crate::layout::{Layout, MOST_VIEWS, TileGrid, TraceSettings};
@@ -30,7 +30,7 @@ struct Counted {
 
 /// What of the scene a structure needs to trace.
 pub(crate) struct Resident {
-    pub device: DeviceGeometry,
+    pub surfaces: SurfaceGeometry,
     pub triangle_count: u32,
     pub bytes: u64,
     /// What was drawn, for validation.
@@ -40,9 +40,8 @@ pub(crate) struct Resident {
 
 impl Resident {
     fn of(geometry: &Geometry) -> Result<Self, TracerError> {
-        let device = geometry.on_device()?.clone();
         Ok(Self {
-            device,
+            surfaces: SurfaceGeometry::of(geometry)?,
             triangle_count: geometry.triangles.len() as u32,
             bytes: geometry.bytes(),
             positions: Arc::clone(&geometry.positions),
@@ -221,16 +220,18 @@ impl Structure for DirtStructure {
         let [width, height] = self.layout.tiles.map(u64::from);
         ledger.keep(ATTACHMENT, buffers.attachment_bytes, width * height);
         ledger.borrow_transient(self.layout.build_uniform_bytes());
-        ledger.report(self.geometry.bytes)
+        ledger.report(self.geometry.bytes).with_surface_geometry(self.geometry.surfaces.bytes)
     }
 
-    fn trace_memory(&self, _job: TraceJob<'_>) -> Vec<MemoryEntry> {
+    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
         let uniforms = [
             ("grid", size_of::<TileGrid>()),
             ("search", size_of::<TraceSettings>()),
             ("views", MOST_VIEWS * size_of::<ViewUniform>()),
         ];
-        uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec()
+        let mut parts = uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec();
+        parts.extend((job.end == EndPoint::Surface).then(Gather::memory));
+        parts
     }
 
     fn views(&self) -> Vec<View> {

@@ -41,9 +41,6 @@ impl DirtStructure {
         counting: Option<&Counting>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        if job.end != EndPoint::Hit {
-            return Err(TracerError::Unsupported("dirt fetches no surfaces yet".to_owned()));
-        }
         let gpu = &*self.pipelines.gpu;
         let uniform = |name, contents: &[u8]| gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing");
         let search = self.search(job);
@@ -53,8 +50,8 @@ impl DirtStructure {
             &uniform("grid", bytemuck::bytes_of(&grid))?,
             &uniform("search", bytemuck::bytes_of(&search))?,
             &uniform("views", bytemuck::bytes_of(&view_uniforms(&self.layout)))?,
-            &self.geometry.device.positions,
-            &self.geometry.device.indices,
+            &self.geometry.surfaces.device.positions,
+            &self.geometry.surfaces.device.indices,
             &self.buffers.bounds,
             &self.buffers.heads,
             &self.buffers.nodes[0],
@@ -67,7 +64,13 @@ impl DirtStructure {
         let bindings = bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources);
         clock.device_phase("trace", |encoder| {
             dispatch_linear(encoder, pipeline, &bindings, search.ray_count, WORKGROUP_SIZE);
-        })
+        })?;
+        match job.end {
+            EndPoint::Hit => Ok(()),
+            EndPoint::Surface => {
+                self.pipelines.gather.record(gpu, &self.geometry.surfaces, job.rays, hits, None, clock)
+            }
+        }
     }
 
     pub(crate) fn trace_hits(

@@ -20,6 +20,8 @@ use tracebench_api::{
     Tracer, TracerError, Update, Viewpoint,
 };
 
+use tracebench_kit::SurfaceGeometry;
+
 pub use description::description;
 pub use layout::DeviceTriangle;
 pub use search::{BINARY_STACK, SearchSettings, WIDE_STACK};
@@ -51,6 +53,7 @@ struct BvhGpuStructure {
     /// Factor from scene units to those of the hierarchy, a power of two.
     scale: f32,
     resident: Resident,
+    geometry: SurfaceGeometry,
     triangle_count: usize,
     memory: MemoryReport,
     /// The hierarchy as it was fitted last; none before the first refit, which reads it back.
@@ -79,7 +82,7 @@ impl BvhGpuStructure {
         clock: &mut PhaseClock<'_>,
     ) -> Result<Self, TracerError> {
         // Rays and hits are on the device, and so must the scene be, though the build reads it in host memory.
-        geometry.on_device()?;
+        let surfaces = SurfaceGeometry::of(geometry)?;
         let scale = scale_for(geometry.diagonal());
         let triangles = gather(geometry, scale, clock);
         let mut ledger = Ledger::new();
@@ -91,8 +94,9 @@ impl BvhGpuStructure {
             searches: Arc::clone(searches),
             scale,
             resident,
+            memory: ledger.report(0).with_surface_geometry(surfaces.bytes),
+            geometry: surfaces,
             triangle_count: triangles.len(),
-            memory: ledger.report(0),
             fitted: None,
         })
     }
@@ -102,6 +106,7 @@ impl BvhGpuStructure {
     fn refit(&mut self, geometry: &Geometry, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
         check_fits(self.triangle_count, geometry)?;
         let gpu = Arc::clone(&self.searches.gpu);
+        let surfaces = SurfaceGeometry::of(geometry)?;
         let mut tree = match self.fitted.take() {
             Some(tree) => tree,
             None => clock.host_phase("read the hierarchy back", || self.resident.read(&gpu))?.0,
@@ -110,7 +115,7 @@ impl BvhGpuStructure {
         let triangles = gather(geometry, scale, clock);
         clock.host_phase("refit boxes", || tree.refit(&triangles));
         self.resident = place(&gpu, &tree, &triangles, Some(&self.resident), &mut Ledger::new(), clock)?;
-        self.scale = scale;
+        (self.scale, self.geometry) = (scale, surfaces);
         self.fitted = Some(tree);
         Ok(())
     }
@@ -151,11 +156,11 @@ impl Structure for BvhGpuStructure {
     }
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        self.searches.record(&self.resident, self.scale, &job, hits, None, clock)
+        self.searches.record(&self.resident, &self.geometry, self.scale, &job, hits, None, clock)
     }
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        self.searches.count(&self.resident, self.scale, &job, hits)
+        self.searches.count(&self.resident, &self.geometry, self.scale, &job, hits)
     }
 
     fn memory(&self) -> MemoryReport {

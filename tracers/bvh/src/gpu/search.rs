@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline};
 use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
-use tracebench_kit::{bind_group, compute_pipeline, dispatch_linear};
+use tracebench_kit::{Gather, SurfaceGeometry, bind_group, compute_pipeline, dispatch_linear};
 use tracebench_shaders::{
     BVH_BINARY, BVH_BINARY_COUNTED, BVH_BINARY_DEEP, BVH_BINARY_DEEP_COUNTED, BVH_WIDE, BVH_WIDE_COUNTED,
     BVH_WIDE_DEEP, BVH_WIDE_DEEP_COUNTED, Shader,
@@ -90,10 +90,12 @@ impl SearchSettings {
     }
 }
 
-/// What the dispatches of a trace are told their settings by.
+/// What the dispatches of a trace are told their settings by, and what gathering surfaces takes.
 pub(crate) fn trace_memory(resident: &Resident, job: &TraceJob<'_>) -> Vec<MemoryEntry> {
     let dispatches = resident.stacks().map_or(1, |(_, lanes)| job.rays.host.len().div_ceil(lanes as usize));
-    vec![MemoryEntry::whole(SETTINGS, size_of::<SearchSettings>() as u64); dispatches]
+    let mut parts = vec![MemoryEntry::whole(SETTINGS, size_of::<SearchSettings>() as u64); dispatches];
+    parts.extend((job.end == EndPoint::Surface).then(Gather::memory));
+    parts
 }
 
 /// Label of a dispatch's uniform.
@@ -122,6 +124,7 @@ impl Kernels {
 /// The device with every variant.
 pub(crate) struct Searches {
     pub(crate) gpu: Arc<Gpu>,
+    gather: Gather,
     wide: Kernels,
     binary: Kernels,
 }
@@ -131,24 +134,21 @@ impl Searches {
     pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         let wide = [BVH_WIDE, BVH_WIDE_COUNTED, BVH_WIDE_DEEP, BVH_WIDE_DEEP_COUNTED];
         let binary = [BVH_BINARY, BVH_BINARY_COUNTED, BVH_BINARY_DEEP, BVH_BINARY_DEEP_COUNTED];
-        Ok(Self { wide: Kernels::new(&gpu, wide)?, binary: Kernels::new(&gpu, binary)?, gpu })
+        let (wide, binary) = (Kernels::new(&gpu, wide)?, Kernels::new(&gpu, binary)?);
+        Ok(Self { gather: Gather::new(&gpu)?, wide, binary, gpu })
     }
 
-    /// Records a trace; with `counts` (two u32 a ray) by a counting variant.
+    /// Records a trace; with `counts` (two u32 a ray) by a counting variant. Surfaces are gathered after it.
     pub(crate) fn record(
         &self,
         resident: &Resident,
+        geometry: &SurfaceGeometry,
         scale: f32,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
         counts: Option<&Buffer>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        if job.end != EndPoint::Hit {
-            return Err(TracerError::Unsupported(
-                "hierarchies on the device store positions alone, no surfaces".to_owned(),
-            ));
-        }
         let gpu = &*self.gpu;
         let kernels = match resident.kind {
             NodeKind::Wide => &self.wide,
@@ -179,13 +179,18 @@ impl Searches {
             for (bindings, lanes) in &dispatches {
                 dispatch_linear(encoder, pipeline, bindings, *lanes, WORKGROUP_SIZE);
             }
-        })
+        })?;
+        match job.end {
+            EndPoint::Hit => Ok(()),
+            EndPoint::Surface => self.gather.record(gpu, geometry, job.rays, hits, None, clock),
+        }
     }
 
     /// Traces by a counting variant.
     pub(crate) fn count(
         &self,
         resident: &Resident,
+        geometry: &SurfaceGeometry,
         scale: f32,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
@@ -195,7 +200,7 @@ impl Searches {
         gpu.check_storage_binding("counts", bytes, "--size")?;
         let counts = gpu.buffer("counts", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?;
         let mut clock = PhaseClock::new(Some(gpu));
-        self.record(resident, scale, job, hits, Some(&counts), &mut clock)?;
+        self.record(resident, geometry, scale, job, hits, Some(&counts), &mut clock)?;
         clock.finish()?;
         let counts: Vec<[u32; 2]> = bytemuck::pod_collect_to_vec(&gpu.read(&counts, bytes)?);
         let counts = &counts[..job.rays.host.len()];

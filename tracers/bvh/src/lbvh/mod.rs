@@ -38,6 +38,8 @@ use tracebench_api::{
     Tracer, TracerError, Update, Viewpoint,
 };
 
+use tracebench_kit::SurfaceGeometry;
+
 pub use description::description;
 pub use kernels::{BuildSettings, ClusterIteration, ConversionLevel, RefitStage};
 
@@ -71,6 +73,7 @@ struct LbvhStructure {
     searches: Arc<Searches>,
     plan: Plan,
     resident: Resident,
+    geometry: SurfaceGeometry,
     /// Factor from scene units to those of the hierarchy, a power of two.
     scale: f32,
     /// Whether many triangles coincide; asked of the device once, before the first trace.
@@ -111,6 +114,7 @@ impl LbvhStructure {
             searches: Arc::clone(searches),
             plan,
             resident,
+            geometry: SurfaceGeometry::of(geometry)?,
             scale,
             crowded: OnceCell::new(),
         })
@@ -172,7 +176,7 @@ impl Structure for LbvhStructure {
                 check_fits(self.plan.triangle_count as usize, geometry)?;
                 let scale = scale_for(geometry.diagonal());
                 self.plan.refit(&self.kernels, geometry, scale, clock)?;
-                self.scale = scale;
+                (self.scale, self.geometry) = (scale, SurfaceGeometry::of(geometry)?);
             }
             Update::Reuse => {}
         }
@@ -181,12 +185,12 @@ impl Structure for LbvhStructure {
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
         let job = TraceJob { parameters: &self.parameters(&job)?, ..job };
-        self.searches.record(&self.resident, self.scale, &job, hits, None, clock)
+        self.searches.record(&self.resident, &self.geometry, self.scale, &job, hits, None, clock)
     }
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let job = TraceJob { parameters: &self.parameters(&job)?, ..job };
-        self.searches.count(&self.resident, self.scale, &job, hits)
+        self.searches.count(&self.resident, &self.geometry, self.scale, &job, hits)
     }
 
     fn memory(&self) -> MemoryReport {
@@ -196,7 +200,7 @@ impl Structure for LbvhStructure {
         self.resident.enter(&mut ledger);
         self.plan.rooms.enter(self.wide_nodes().unwrap_or(room).min(room), &self.plan.sort, &mut ledger);
         ledger.borrow_transient(self.plan.uniform_bytes());
-        ledger.report(0)
+        ledger.report(0).with_surface_geometry(self.geometry.bytes)
     }
 
     fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {

@@ -25,6 +25,8 @@ use tracebench_api::{
     RayBuffer, Residency, Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
 };
 
+use tracebench_kit::{Gather, SurfaceGeometry};
+
 use acceleration::Acceleration;
 pub use description::description;
 pub use search::QuerySettings;
@@ -65,7 +67,8 @@ impl Tracer for RayQuery {
         let mut acceleration = Acceleration::new(gpu, geometry, parameters)?;
         acceleration.record_build(gpu, geometry, clock)?;
         let queries = Arc::clone(&self.queries);
-        Ok(Box::new(RayQueryStructure { queries, acceleration, built_over: Mesh::of(geometry) }))
+        let surfaces = SurfaceGeometry::of(geometry)?;
+        Ok(Box::new(RayQueryStructure { queries, acceleration, built_over: Mesh::of(geometry), geometry: surfaces }))
     }
 }
 
@@ -86,6 +89,7 @@ struct RayQueryStructure {
     queries: Arc<Queries>,
     acceleration: Acceleration,
     built_over: Mesh,
+    geometry: SurfaceGeometry,
 }
 
 impl RayQueryStructure {
@@ -96,6 +100,7 @@ impl RayQueryStructure {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let gpu = &self.queries.gpu;
+        let surfaces = SurfaceGeometry::of(geometry)?;
         if self.acceleration.fits(gpu, geometry, parameters)? {
             self.acceleration.record_build(gpu, geometry, clock)?;
         } else {
@@ -103,8 +108,18 @@ impl RayQueryStructure {
             acceleration.record_build(gpu, geometry, clock)?;
             self.acceleration = acceleration;
         }
-        self.built_over = Mesh::of(geometry);
+        (self.built_over, self.geometry) = (Mesh::of(geometry), surfaces);
         Ok(())
+    }
+
+    /// Surfaces, if the job goes that far.
+    fn gather(&self, job: &TraceJob<'_>, hits: &HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        match job.end {
+            EndPoint::Hit => Ok(()),
+            EndPoint::Surface => {
+                self.queries.gather.record(&self.queries.gpu, &self.geometry, job.rays, hits, None, clock)
+            }
+        }
     }
 
     /// How many triangles were fat enough to be looked for, and that each of them is found. Of large scenes every n-th is
@@ -133,14 +148,8 @@ impl RayQueryStructure {
 const MOST_PROBES: usize = 4096;
 
 /// Whether a job wants the lower primitive of equal hits.
-///
-/// # Errors
-/// [`TracerError::Unsupported`] for an end that is not served.
-fn check(job: &TraceJob<'_>) -> Result<bool, TracerError> {
-    if job.end != EndPoint::Hit {
-        return Err(TracerError::Unsupported("ray-query stores triangles alone, no surfaces".to_owned()));
-    }
-    Ok(job.parameters.choice("equal_t") == "lowest")
+fn wants_lowest(job: &TraceJob<'_>) -> bool {
+    job.parameters.choice("equal_t") == "lowest"
 }
 
 impl Structure for RayQueryStructure {
@@ -164,12 +173,13 @@ impl Structure for RayQueryStructure {
     }
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        let lowest_of_equal = check(&job)?;
-        self.queries.record(Question::Trace { lowest_of_equal }, &self.acceleration, job.rays, hits, clock)
+        let lowest_of_equal = wants_lowest(&job);
+        self.queries.record(Question::Trace { lowest_of_equal }, &self.acceleration, job.rays, hits, clock)?;
+        self.gather(&job, hits, clock)
     }
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        let lowest_of_equal = check(&job)?;
+        let lowest_of_equal = wants_lowest(&job);
         let gpu = &self.queries.gpu;
         let bytes = job.rays.host.len().max(1) as u64 * 4;
         gpu.check_storage_binding("counts", bytes, "--size")?;
@@ -177,6 +187,7 @@ impl Structure for RayQueryStructure {
         let mut clock = PhaseClock::new(Some(gpu));
         let question = Question::TraceCounted { lowest_of_equal, counts: &counts };
         self.queries.record(question, &self.acceleration, job.rays, hits, &mut clock)?;
+        self.gather(&job, hits, &mut clock)?;
         clock.finish()?;
         let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&counts, bytes)?);
         let counts = counts.into_iter().take(job.rays.host.len()).map(u64::from);
@@ -184,11 +195,13 @@ impl Structure for RayQueryStructure {
     }
 
     fn memory(&self) -> MemoryReport {
-        self.acceleration.memory()
+        self.acceleration.memory().with_surface_geometry(self.geometry.bytes)
     }
 
-    fn trace_memory(&self, _job: TraceJob<'_>) -> Vec<MemoryEntry> {
-        vec![MemoryEntry::whole("settings", size_of::<QuerySettings>() as u64)]
+    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
+        let settings = MemoryEntry::whole("settings", size_of::<QuerySettings>() as u64);
+        let gather = (job.end == EndPoint::Surface).then(Gather::memory);
+        [settings].into_iter().chain(gather).collect()
     }
 
     fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
