@@ -59,6 +59,8 @@ const VARIANTS: &[(&str, &str, &[&str])] = &[
     ("DIRT_TRACE_COUNTED", "dirt/trace.wgsl", &["COUNTERS"]),
     ("DIRT_TRACE_SPLIT", "dirt/trace.wgsl", &["SPLIT"]),
     ("DIRT_TRACE_SPLIT_COUNTED", "dirt/trace.wgsl", &["SPLIT", "COUNTERS"]),
+    ("DIRT_TRACE_CENTRES", "dirt/trace.wgsl", &["SPLIT", "CENTRES"]),
+    ("DIRT_TRACE_CENTRES_COUNTED", "dirt/trace.wgsl", &["SPLIT", "CENTRES", "COUNTERS"]),
     ("TEST_TRIANGLE_FUNCTIONS", "test/triangle_functions.wgsl", &[]),
     ("TEST_VIEW_FUNCTIONS", "test/view_functions.wgsl", &[]),
 ];

@@ -72,6 +72,26 @@ struct Best {
     v: f32,
 }
 
+// The ray in a view's eye space.
+struct EyeRay {
+    origin: vec3<f32>,
+    direction: vec3<f32>,
+}
+
+// The state of this lane's ray.
+var<private> ray: Ray;
+var<private> frame: RayFrame;
+var<private> best: Best;
+var<private> found: bool;
+var<private> capped: bool;
+var<private> steps: u32;
+// Loops that were begun and not ended by themselves. Mesa's software driver ends a lane's loops after 65,535 rounds in
+// all; a ray that it cut off is given up like one that ran out of steps.
+var<private> open: u32;
+#ifdef COUNTERS
+var<private> work: vec4<u32>;
+#endif
+
 fn load_node(index: u32) -> Node {
 #ifdef SPLIT
     let within = index % grid.nodes_per_part;
@@ -116,7 +136,9 @@ fn cut(span: Span, value: f32, slope: f32) -> Span {
 }
 
 fn span_in_view(view: View, origin: vec3<f32>, direction: vec3<f32>, whole: Span) -> Span {
-    let at = vec2<f32>(view.tan_half_width, view.tan_half_height);
+    // By distance, a ray along the seam between two views must not be lost by both to rounding.
+    let slack = select(1.0, 1.000002, (search.by_distance == 1u));
+    let at = vec2<f32>(view.tan_half_width, view.tan_half_height) * slack;
     var span = cut(whole, origin.z - view.near, direction.z);
     span = cut(span, view.far - origin.z, -direction.z);
     span = cut(span, origin.z * at.x - origin.x, direction.z * at.x - direction.x);
@@ -143,6 +165,225 @@ fn image_direction(origin: vec3<f32>, direction: vec3<f32>) -> vec2<i32> {
     return vec2<i32>(sign(vec2<f32>(turn.x, -turn.y)));
 }
 
+// Tests the triangle of one node and gives the next link; whether it is the nearest hit so far is noted in `improved`.
+fn test_node(link: u32, view: View, eye_ray: EyeRay, tile: vec2<i32>, improved: ptr<function, bool>) -> u32 {
+    let node = load_node(link - 1u);
+#ifdef COUNTERS
+    work.z += 1u;
+    atomicOr(&touched[(link - 1u) >> 5u], 1u << ((link - 1u) & 31u));
+#endif
+    let corner = node.primitive * 3u;
+    let a = indices[corner] * 3u;
+    let b = indices[corner + 1u] * 3u;
+    let c = indices[corner + 2u] * 3u;
+    let crossed = cross_triangle(
+        frame,
+        vec3<f32>(positions[a], positions[a + 1u], positions[a + 2u]),
+        vec3<f32>(positions[b], positions[b + 1u], positions[b + 2u]),
+        vec3<f32>(positions[c], positions[c + 1u], positions[c + 2u]),
+    );
+    let nearer = crossed.t < best.t || (crossed.t == best.t && node.primitive < best.primitive);
+    if (crossed.t >= ray.t_min && nearer) {
+        let point = eye_ray.origin + eye_ray.direction * crossed.t;
+        let in_tile = point.z > 0.0 && all(vec2<i32>(floor(pixel_position(view, point))) == tile);
+        if (search.by_distance == 1u || in_tile) {
+            best = Best(crossed.t, node.primitive, crossed.u, crossed.v);
+            *improved = true;
+        }
+    }
+    return node.next;
+}
+
+// Tests the triangles of a list; whether one of them is the nearest hit so far.
+fn test_list(first: u32, view: View, eye_ray: EyeRay, tile: vec2<i32>) -> bool {
+    var improved = false;
+    var link = first;
+    if (link == 0u) {
+        return false;
+    }
+    open += 1u;
+    loop {
+        link = test_node(link, view, eye_ray, tile, &improved);
+        if (link == 0u) {
+            open -= 1u;
+            break;
+        }
+    }
+    return improved;
+}
+
+// Bucket tracing: the buckets of a tile between two depths, in the order in which the ray meets them, up to the first with
+// a hit or all.
+fn search_tile(number: u32, view: View, eye_ray: EyeRay, tile: vec2<i32>, depths: vec2<f32>, passed: vec2<f32>) {
+    let first = bucket_of(passed.x, depths, grid.buckets);
+    let last = bucket_of(passed.y, depths, grid.buckets);
+    let backwards = eye_ray.direction.z < 0.0;
+    var opened = first;
+    open += 1u;
+    loop {
+        let bucket = select(opened, last + first - opened, backwards);
+#ifdef COUNTERS
+        work.y += 1u;
+#endif
+        if (test_list(heads[head_index(grid, number, vec2<u32>(tile), bucket)], view, eye_ray, tile)) {
+            found = true;
+        }
+        opened += 1u;
+        if (opened > last || (found && (search.all_buckets == 0u || search.any_hit == 1u))) {
+            open -= 1u;
+            break;
+        }
+    }
+}
+
+// Whether no hit can be nearer than the one found, where every tile before `end` has been searched. By the published rule a
+// hit lies in the tile that was searched; by distance it may lie ahead.
+fn is_final(end: f32) -> bool {
+    return found && (search.by_distance == 0u || search.all_buckets == 0u || search.any_hit == 1u || best.t <= end);
+}
+
+// Hi-Z tracing: walks the tiles of a view that a part of the ray passes, up and down the pyramid.
+fn walk(number: u32, view: View, eye_ray: EyeRay, span: Span) {
+    let origin = eye_ray.origin;
+    let direction = eye_ray.direction;
+    let tangents = vec2<f32>(view.tan_half_width, view.tan_half_height);
+    let last_tile = vec2<i32>(grid.tiles) - 1;
+    let heading = image_direction(origin, direction);
+    var t = span.begin;
+    var tile = clamp(vec2<i32>(floor(pixel_position(view, origin + direction * t))), vec2<i32>(0), last_tile);
+    var level = grid.levels - 1u;
+    open += 1u;
+    loop {
+        if (steps >= search.max_steps) {
+            capped = true;
+            open -= 1u;
+            break;
+        }
+        steps += 1u;
+#ifdef COUNTERS
+        work.x += 1u;
+#endif
+        let cell = tile >> vec2<u32>(level);
+        // Lines of the image at which the ray leaves the cell.
+        let edge = (cell + max(heading, vec2<i32>(0))) << vec2<u32>(level);
+        let line = (vec2<f32>(edge) * 2.0 / view.size - 1.0) * tangents * vec2<f32>(1.0, -1.0);
+        var leaves = vec2<f32>(1e38);
+        if (heading.x != 0) {
+            leaves.x = leaving(line.x, f32(heading.x), origin.x, direction.x, origin.z, direction.z, t);
+        }
+        if (heading.y != 0) {
+            // Rows count downwards, eye space upwards.
+            leaves.y = leaving(line.y, -f32(heading.y), origin.y, direction.y, origin.z, direction.z, t);
+        }
+        let end = min(min(leaves.x, leaves.y), span.end);
+        let depths = depths_of(bounds[bounds_index(grid, number, level, vec2<u32>(cell))]);
+        let z_begin = origin.z + direction.z * t;
+        let z_end = origin.z + direction.z * end;
+        let z_slack = (abs(origin.z) + abs(direction.z) * end) * 4.76837158e-7;
+        let passed = vec2<f32>(min(z_begin, z_end) - z_slack, max(z_begin, z_end) + z_slack);
+        let overlaps = passed.x <= depths.y && passed.y >= depths.x;
+        if (overlaps && level > 0u) {
+            level -= 1u;
+            continue;
+        }
+        if (overlaps) {
+            search_tile(number, view, eye_ray, tile, depths, passed);
+        }
+        if (end >= span.end || (overlaps && is_final(end))) {
+            open -= 1u;
+            break;
+        }
+        // To the next cell across the nearer line; along the other axis to where the ray is, never back.
+        let along_x = leaves.x <= leaves.y;
+        let at = vec2<i32>(floor(pixel_position(view, origin + direction * end)));
+        let low = max(cell << vec2<u32>(level), select(vec2<i32>(-1), tile, (heading > vec2<i32>(0))));
+        let high = min(((cell + 1) << vec2<u32>(level)) - 1, select(last_tile, tile, (heading < vec2<i32>(0))));
+        var next = clamp(at, low, min(high, last_tile));
+        if (along_x) {
+            next.x = select((cell.x << level) - 1, (cell.x + 1) << level, (heading.x > 0));
+        } else {
+            next.y = select((cell.y << level) - 1, (cell.y + 1) << level, (heading.y > 0));
+        }
+        if (any(next < vec2<i32>(0)) || any(next > last_tile)) {
+            open -= 1u;
+            break;
+        }
+        tile = next;
+        t = end;
+        if (!overlaps) {
+            level = min(level + 1u, grid.levels - 1u);
+        }
+    }
+}
+
+fn eye_ray_of(view: View) -> EyeRay {
+    return EyeRay(to_eye_space(view, ray.origin), direction_to_eye_space(view, ray.direction));
+}
+
+#ifdef CENTRES
+// The part of the ray so near a view's centre that f32 does not tell its tile; none is far beyond everything.
+fn near_centre(view: View, eye_ray: EyeRay) -> Span {
+    let radius = centre_radius(view);
+    let middle = -dot(eye_ray.origin, eye_ray.direction);
+    let nearest = eye_ray.origin + eye_ray.direction * middle;
+    let rest = radius * radius - dot(nearest, nearest);
+    if (rest < 0.0) {
+        return Span(1e38, 1e38);
+    }
+    return Span(middle - sqrt(rest), middle + sqrt(rest));
+}
+
+// Points are rounded by about 2^-22 of the coordinates' size, which at this distance is the tiles' margin (2^-10 of a tile,
+// see tile_margin) across half the view.
+fn centre_radius(view: View) -> f32 {
+    let size = abs(ray.origin) + abs(view.eye);
+    return max(size.x, max(size.y, size.z)) * max(view.size.x, view.size.y) * 2.44140625e-4;
+}
+
+// Every second bit of a Morton code.
+fn every_second_bit(code: u32) -> u32 {
+    var bits = code & 0x55555555u;
+    bits = (bits | (bits >> 1u)) & 0x33333333u;
+    bits = (bits | (bits >> 2u)) & 0x0f0f0f0fu;
+    bits = (bits | (bits >> 4u)) & 0x00ff00ffu;
+    return (bits | (bits >> 8u)) & 0x0000ffffu;
+}
+
+// Tests every triangle that is stored up to a depth, wherever in the image: down the pyramid in Morton order.
+fn search_to_depth(number: u32, view: View, eye_ray: EyeRay, depth: f32) {
+    let top = grid.levels - 1u;
+    var level = top;
+    var code = 0u;
+    open += 1u;
+    loop {
+        let cell = vec2<u32>(every_second_bit(code), every_second_bit(code >> 1u));
+        var descend = false;
+        if (all(cell < level_tiles(grid, level))) {
+            let depths = depths_of(bounds[bounds_index(grid, number, level, cell)]);
+            let reached = depths.x <= depth;
+            descend = reached && level > 0u;
+            if (reached && level == 0u) {
+                search_tile(number, view, eye_ray, vec2<i32>(cell), depths, vec2<f32>(depths.x, depth));
+            }
+        }
+        if (descend) {
+            level -= 1u;
+            code <<= 2u;
+            continue;
+        }
+        code += 1u;
+        // Up from the last of four.
+        let up = min(countTrailingZeros(code) >> 1u, top - level);
+        level += up;
+        code >>= 2u * up;
+        if (level == top) {
+            open -= 1u;
+            break;
+        }
+    }
+}
+#endif
+
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace(
     @builtin(workgroup_id) workgroup: vec3<u32>,
@@ -153,30 +394,37 @@ fn trace(
     if (index >= search.ray_count) {
         return;
     }
-    let ray = rays[index];
-    let frame = ray_frame(ray.origin, ray.direction);
-    var best = Best(ray.t_max, NO_PRIMITIVE, 0.0, 0.0);
-    var found = false;
-    var capped = false;
+    ray = rays[index];
+    frame = ray_frame(ray.origin, ray.direction);
+    best = Best(ray.t_max, NO_PRIMITIVE, 0.0, 0.0);
     var visited = 0u;
-    var steps = 0u;
-#ifdef COUNTERS
-    var work = vec4<u32>(0u);
+#ifdef CENTRES
+    for (var each = 0u; each < search.view_count; each++) {
+        let view = views[each];
+        let eye_ray = eye_ray_of(view);
+        let near = near_centre(view, eye_ray);
+        if (near.end >= ray.t_min && near.begin <= ray.t_max) {
+            search_to_depth(each, view, eye_ray, centre_radius(view));
+        }
+    }
 #endif
     // A view is never entered twice (a line meets a view in one piece), so there are at most as many rounds as views.
-    for (var round = 0u; round < search.view_count; round++) {
+    open += 1u;
+    loop {
         // The view that the ray meets next.
         var chosen = search.view_count;
         var span = Span(1e38, -1e38);
         for (var candidate = 0u; candidate < search.view_count; candidate++) {
             let view = views[candidate];
-            let part = span_in_view(view, to_eye_space(view, ray.origin), direction_to_eye_space(view, ray.direction), Span(ray.t_min, best.t));
+            let eye_ray = eye_ray_of(view);
+            let part = span_in_view(view, eye_ray.origin, eye_ray.direction, Span(ray.t_min, best.t));
             if ((visited & (1u << candidate)) == 0u && part.begin <= part.end && part.begin < span.begin) {
                 chosen = candidate;
                 span = part;
             }
         }
         if (chosen == search.view_count) {
+            open -= 1u;
             break;
         }
         visited |= 1u << chosen;
@@ -184,131 +432,29 @@ fn trace(
         work.w += 1u;
 #endif
         let view = views[chosen];
-        let origin = to_eye_space(view, ray.origin);
-        let direction = direction_to_eye_space(view, ray.direction);
-        let tangents = vec2<f32>(view.tan_half_width, view.tan_half_height);
-        let last_tile = vec2<i32>(grid.tiles) - 1;
-        let heading = image_direction(origin, direction);
-        var t = span.begin;
-        var tile = clamp(vec2<i32>(floor(pixel_position(view, origin + direction * t))), vec2<i32>(0), last_tile);
-        var level = grid.levels - 1u;
-        loop {
-            if (steps >= search.max_steps) {
-                capped = true;
-                break;
-            }
-            steps += 1u;
-#ifdef COUNTERS
-            work.x += 1u;
-#endif
-            let cell = tile >> vec2<u32>(level);
-            // Lines of the image at which the ray leaves the cell.
-            let edge = (cell + max(heading, vec2<i32>(0))) << vec2<u32>(level);
-            let line = (vec2<f32>(edge) * 2.0 / view.size - 1.0) * tangents * vec2<f32>(1.0, -1.0);
-            var leaves = vec2<f32>(1e38);
-            if (heading.x != 0) {
-                leaves.x = leaving(line.x, f32(heading.x), origin.x, direction.x, origin.z, direction.z, t);
-            }
-            if (heading.y != 0) {
-                // Rows count downwards, eye space upwards.
-                leaves.y = leaving(line.y, -f32(heading.y), origin.y, direction.y, origin.z, direction.z, t);
-            }
-            let end = min(min(leaves.x, leaves.y), span.end);
-            // (1) Hi-Z tracing.
-            let depths = depths_of(bounds[bounds_index(grid, chosen, level, vec2<u32>(cell))]);
-            let z_begin = origin.z + direction.z * t;
-            let z_end = origin.z + direction.z * end;
-            let z_slack = (abs(origin.z) + abs(direction.z) * end) * 4.76837158e-7;
-            let least = min(z_begin, z_end) - z_slack;
-            let greatest = max(z_begin, z_end) + z_slack;
-            let overlaps = least <= depths.y && greatest >= depths.x;
-            if (overlaps && level > 0u) {
-                level -= 1u;
-                continue;
-            }
-            if (overlaps) {
-                // (2) Bucket tracing, in the order in which the ray meets the buckets.
-                let first = bucket_of(least, depths, grid.buckets);
-                let last = bucket_of(greatest, depths, grid.buckets);
-                let backwards = direction.z < 0.0;
-                for (var opened = first; opened <= last; opened++) {
-                    let bucket = select(opened, last + first - opened, backwards);
-#ifdef COUNTERS
-                    work.y += 1u;
-#endif
-                    var link = heads[head_index(grid, chosen, vec2<u32>(tile), bucket)];
-                    var in_bucket = false;
-                    while (link != 0u) {
-                        let node = load_node(link - 1u);
-#ifdef COUNTERS
-                        work.z += 1u;
-                        atomicOr(&touched[(link - 1u) >> 5u], 1u << ((link - 1u) & 31u));
-#endif
-                        link = node.next;
-                        let corner = node.primitive * 3u;
-                        let a = indices[corner] * 3u;
-                        let b = indices[corner + 1u] * 3u;
-                        let c = indices[corner + 2u] * 3u;
-                        let crossed = cross_triangle(
-                            frame,
-                            vec3<f32>(positions[a], positions[a + 1u], positions[a + 2u]),
-                            vec3<f32>(positions[b], positions[b + 1u], positions[b + 2u]),
-                            vec3<f32>(positions[c], positions[c + 1u], positions[c + 2u]),
-                        );
-                        let nearer = crossed.t < best.t || (crossed.t == best.t && node.primitive < best.primitive);
-                        if (crossed.t >= ray.t_min && nearer) {
-                            let eye_point = origin + direction * crossed.t;
-                            let in_tile = eye_point.z > 0.0 && all(vec2<i32>(floor(pixel_position(view, eye_point))) == tile);
-                            let accepted = search.by_distance == 1u || in_tile;
-                            if (accepted) {
-                                best = Best(crossed.t, node.primitive, crossed.u, crossed.v);
-                                in_bucket = true;
-                            }
-                        }
-                    }
-                    if (in_bucket) {
-                        found = true;
-                        if (search.all_buckets == 0u || search.any_hit == 1u) {
-                            break;
-                        }
-                    }
-                }
-                // By the published rule a hit lies in this tile, so nothing nearer is left; by distance it may lie ahead.
-                if (found && (search.by_distance == 0u || search.all_buckets == 0u || search.any_hit == 1u || best.t <= end)) {
-                    break;
-                }
-            }
-            if (end >= span.end) {
-                break;
-            }
-            // To the next cell across the nearer line; along the other axis to where the ray is, never back.
-            let along_x = leaves.x <= leaves.y;
-            let at = vec2<i32>(floor(pixel_position(view, origin + direction * end)));
-            let low = max(cell << vec2<u32>(level), select(vec2<i32>(-1), tile, (heading > vec2<i32>(0))));
-            let high = min(((cell + 1) << vec2<u32>(level)) - 1, select(last_tile, tile, (heading < vec2<i32>(0))));
-            var next = clamp(at, low, min(high, last_tile));
-            if (along_x) {
-                next.x = select((cell.x << level) - 1, (cell.x + 1) << level, (heading.x > 0));
-            } else {
-                next.y = select((cell.y << level) - 1, (cell.y + 1) << level, (heading.y > 0));
-            }
-            if (any(next < vec2<i32>(0)) || any(next > last_tile)) {
-                break;
-            }
-            tile = next;
-            t = end;
-            if (!overlaps) {
-                level = min(level + 1u, grid.levels - 1u);
+        let eye_ray = eye_ray_of(view);
+#ifdef CENTRES
+        let near = near_centre(view, eye_ray);
+        for (var part = 0u; part < 2u; part++) {
+            let before = Span(span.begin, min(span.end, near.begin));
+            let after = Span(max(span.begin, near.end), span.end);
+            let side = Span(select(after.begin, before.begin, (part == 0u)), select(after.end, before.end, (part == 0u)));
+            if (side.begin <= side.end && !capped) {
+                walk(chosen, view, eye_ray, side);
             }
         }
-        if (capped || (found && (search.by_distance == 0u || search.all_buckets == 0u || search.any_hit == 1u))) {
+#else
+        walk(chosen, view, eye_ray, span);
+#endif
+        if (capped || is_final(-1e38)) {
+            open -= 1u;
             break;
         }
     }
-    if (found) {
-        hits[index] = Hit(best.t, best.primitive, best.u, best.v, STATUS_HIT);
-    } else if (capped) {
+    if (capped || open > 0u) {
         hits[index] = miss(STATUS_STEP_CAP);
+    } else if (found) {
+        hits[index] = Hit(best.t, best.primitive, best.u, best.v, STATUS_HIT);
     } else {
         hits[index] = miss(select(STATUS_MISS, STATUS_LEFT_VIEWS, (visited == 0u || search.view_count < 6u)));
     }

@@ -323,6 +323,8 @@ fn entry_points_exist() {
         ("DIRT_TRACE_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
         ("DIRT_TRACE_SPLIT", vec![("trace", ShaderStage::Compute, 64)]),
         ("DIRT_TRACE_SPLIT_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
+        ("DIRT_TRACE_CENTRES", vec![("trace", ShaderStage::Compute, 64)]),
+        ("DIRT_TRACE_CENTRES_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
         ("TEST_TRIANGLE_FUNCTIONS", vec![("cross_pairs", ShaderStage::Compute, 64)]),
         ("TEST_VIEW_FUNCTIONS", vec![("project", ShaderStage::Compute, 64)]),
     ]);

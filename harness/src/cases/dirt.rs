@@ -42,7 +42,15 @@ pub(super) const EXPECTATIONS: Column = &[
     ("cell-borders", Expectation::Exact),
     ("through-view-centre", Expectation::Exact),
     ("flat-tile", Expectation::Exact),
-    ("equal-triangles", Expectation::Exact),
+    (
+        "equal-triangles",
+        Expectation::Bounded {
+            rule: Rule::HitMiss,
+            most_wrong: 0.02,
+            reason: "thousands of triangles in every list that a ray passes: Mesa's software driver ends a lane's loops after \
+                     65,535 rounds in all, and rays that it cuts off are given up with status step_cap",
+        },
+    ),
     ("stacked-layers", Expectation::Exact),
     ("crowded-pixel", Expectation::Exact),
 ];

@@ -7,8 +7,8 @@ use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
 use tracebench_kit::{Gather, ViewUniform, bind_group, compute_pipeline, dispatch_linear, shader_module};
 use tracebench_shaders::{
     DIRT_FILL_DEPTH, DIRT_FILL_DEPTH_CONSERVATIVE, DIRT_FILL_PRIMITIVES, DIRT_FILL_PRIMITIVES_CONSERVATIVE,
-    DIRT_FILL_PRIMITIVES_CONSERVATIVE_SPLIT, DIRT_FILL_PRIMITIVES_SPLIT, DIRT_MIPMAP, DIRT_TRACE, DIRT_TRACE_COUNTED,
-    DIRT_TRACE_SPLIT, DIRT_TRACE_SPLIT_COUNTED, Shader,
+    DIRT_FILL_PRIMITIVES_CONSERVATIVE_SPLIT, DIRT_FILL_PRIMITIVES_SPLIT, DIRT_MIPMAP, DIRT_TRACE, DIRT_TRACE_CENTRES,
+    DIRT_TRACE_CENTRES_COUNTED, DIRT_TRACE_COUNTED, DIRT_TRACE_SPLIT, DIRT_TRACE_SPLIT_COUNTED, Shader,
 };
 
 use crate::layout::{FillPass, Layout, MipmapLevel, TileGrid};
@@ -28,6 +28,17 @@ pub(crate) struct Filling {
     pub by_plane: bool,
 }
 
+/// Variants of the trace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum TraceKind {
+    /// Over nodes in one buffer.
+    Whole,
+    /// Over nodes in [`NODE_PARTS`] buffers.
+    Split,
+    /// The same, and what lies near views' centres is searched for without the image.
+    Centres,
+}
+
 /// Every pipeline.
 pub(crate) struct Pipelines {
     pub gpu: Arc<Gpu>,
@@ -38,6 +49,7 @@ pub(crate) struct Pipelines {
     pub gather: Gather,
     trace: [ComputePipeline; 2],
     trace_split: [ComputePipeline; 2],
+    trace_centres: [ComputePipeline; 2],
 }
 
 fn raster_pipeline(gpu: &Gpu, shader: Shader) -> Result<RenderPipeline, TracerError> {
@@ -84,13 +96,18 @@ impl Pipelines {
             gather: Gather::new(&gpu)?,
             trace: [trace(DIRT_TRACE)?, trace(DIRT_TRACE_COUNTED)?],
             trace_split: [trace(DIRT_TRACE_SPLIT)?, trace(DIRT_TRACE_SPLIT_COUNTED)?],
+            trace_centres: [trace(DIRT_TRACE_CENTRES)?, trace(DIRT_TRACE_CENTRES_COUNTED)?],
             gpu,
         })
     }
 
-    /// The trace over nodes in one buffer or several, counting or not.
-    pub(crate) fn trace(&self, split: bool, counting: bool) -> &ComputePipeline {
-        let variants = if split { &self.trace_split } else { &self.trace };
+    /// The trace of a kind, counting or not.
+    pub(crate) fn trace(&self, kind: TraceKind, counting: bool) -> &ComputePipeline {
+        let variants = match kind {
+            TraceKind::Whole => &self.trace,
+            TraceKind::Split => &self.trace_split,
+            TraceKind::Centres => &self.trace_centres,
+        };
         &variants[usize::from(counting)]
     }
 }
@@ -135,7 +152,7 @@ fn storage(gpu: &Gpu, name: &str, bytes: u64, turn_down: &str) -> Result<Buffer,
 }
 
 /// Buffers that nodes are split into where one binding does not hold all, as in shaders/dirt.
-const NODE_PARTS: u64 = 8;
+pub(crate) const NODE_PARTS: u64 = 8;
 
 /// Nodes that one binding holds at most.
 fn nodes_per_binding(gpu: &Gpu) -> u64 {

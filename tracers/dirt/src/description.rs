@@ -9,6 +9,7 @@ const NEARS: &[&str] = &["viewpoint", "none"];
 const COVERAGES: &[&str] = &["conservative", "standard"];
 const CLIPS: &[&str] = &["polygon", "plane"];
 const ACCEPTS: &[&str] = &["tile", "distance"];
+const CENTRE_RAYS: &[&str] = &["whole", "split"];
 const SEARCHED: &[&str] = &["until_hit", "all"];
 
 /// What `dirt` is and takes.
@@ -78,7 +79,7 @@ pub fn description() -> Description {
                 Build,
                 NEARS,
                 "viewpoint",
-                "the near plane: the viewpoint's, or as good as none (a proof's aid: a ten-millionth of far)",
+                "the near plane: the viewpoint's, or as good as none (a proof's aid: 1e-15 of far)",
             ),
             choice(
                 "coverage",
@@ -111,6 +112,14 @@ pub fn description() -> Description {
                 "until_hit",
                 "buckets of a tile: up to the first with a hit (Algorithm 1, line 18), or all (a proof's aid)",
             ),
+            choice(
+                "centre_rays",
+                Trace,
+                CENTRE_RAYS,
+                "whole",
+                "rays that pass near a view's centre, where rounding hides their tile: walked like any other, or split \
+                 there, with all that lies near the centre tested (a proof's aid)",
+            ),
             integer(
                 "max_steps",
                 "cells",
@@ -118,7 +127,8 @@ pub fn description() -> Description {
                 1,
                 1 << 20,
                 1 << 14,
-                "cells of the pyramid after which a ray is given up with status step_cap",
+                "cells of the pyramid after which a ray is given up with status step_cap, as one is that the driver's own limit of \
+                 loops cuts off",
                 &[64, 256, 1024, 4096, 16_384],
             ),
         ],

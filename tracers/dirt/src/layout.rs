@@ -13,7 +13,7 @@ const MOST_LEVELS: usize = 16;
 pub(crate) const MOST_VIEWS: usize = 6;
 
 /// Near without a near plane, in far distances.
-const NO_NEAR: f64 = 1e-7;
+const NO_NEAR: f64 = 1e-15;
 
 /// `TileGrid` of shaders/dirt/grid.wgsl.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]

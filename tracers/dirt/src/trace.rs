@@ -4,7 +4,7 @@ use tracebench_api::wgpu::{Buffer, BufferUsages};
 use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, Query, TraceJob, TracerError};
 use tracebench_kit::{bind_group, dispatch_linear};
 
-use crate::build::view_uniforms;
+use crate::build::{NODE_PARTS, TraceKind, view_uniforms};
 use crate::layout::TraceSettings;
 use crate::structure::DirtStructure;
 
@@ -45,7 +45,17 @@ impl DirtStructure {
         let uniform = |name, contents: &[u8]| gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing");
         let search = self.search(job);
         let grid = self.buffers.grid(&self.layout, self.geometry.triangle_count);
-        let pipeline = self.pipelines.trace(self.buffers.is_split(), counting.is_some());
+        let kind = match (job.parameters.choice("centre_rays"), self.buffers.is_split()) {
+            ("split", _) => TraceKind::Centres,
+            (_, true) => TraceKind::Split,
+            _ => TraceKind::Whole,
+        };
+        let pipeline = self.pipelines.trace(kind, counting.is_some());
+        // A variant for several buffers takes one in the place of all.
+        let further = match (kind, self.buffers.is_split()) {
+            (TraceKind::Centres, false) => [&self.buffers.nodes[0]; NODE_PARTS as usize - 1].to_vec(),
+            _ => self.buffers.nodes[1..].iter().collect(),
+        };
         let buffers = [
             &uniform("grid", bytemuck::bytes_of(&grid))?,
             &uniform("search", bytemuck::bytes_of(&search))?,
@@ -59,7 +69,7 @@ impl DirtStructure {
             hits.on_device(job.rays.host.len())?,
         ];
         let more = counting.map(|counting| [&counting.counts, &counting.touched]);
-        let all = buffers.into_iter().chain(more.into_iter().flatten()).chain(&self.buffers.nodes[1..]);
+        let all = buffers.into_iter().chain(more.into_iter().flatten()).chain(further);
         let resources: Vec<_> = all.map(|buffer| buffer.as_entire_binding()).collect();
         let bindings = bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources);
         clock.device_phase("trace", |encoder| {
