@@ -20,6 +20,7 @@ const MODULES: &[&str] = &[
     "shared/tile_clip.wgsl",
     "bvh/search.wgsl",
     "dirt/grid.wgsl",
+    "dirt/hit_buffer.wgsl",
 ];
 
 /// Every variant: constant's name, file, definitions that are switched on.
@@ -54,6 +55,10 @@ const VARIANTS: &[(&str, &str, &[&str])] = &[
     ("DIRT_FILL_PRIMITIVES_CONSERVATIVE", "dirt/fill.wgsl", &["PRIMITIVES", "CONSERVATIVE"]),
     ("DIRT_FILL_PRIMITIVES_SPLIT", "dirt/fill.wgsl", &["PRIMITIVES", "SPLIT"]),
     ("DIRT_FILL_PRIMITIVES_CONSERVATIVE_SPLIT", "dirt/fill.wgsl", &["PRIMITIVES", "CONSERVATIVE", "SPLIT"]),
+    ("DIRT_STORE", "dirt/store.wgsl", &[]),
+    ("DIRT_MASK", "dirt/mask.wgsl", &[]),
+    ("DIRT_FETCH", "dirt/fetch.wgsl", &[]),
+    ("DIRT_FETCH_CONSERVATIVE", "dirt/fetch.wgsl", &["CONSERVATIVE"]),
     ("DIRT_MIPMAP", "dirt/mipmap.wgsl", &[]),
     ("DIRT_TRACE", "dirt/trace.wgsl", &[]),
     ("DIRT_TRACE_COUNTED", "dirt/trace.wgsl", &["COUNTERS"]),

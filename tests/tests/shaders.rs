@@ -14,7 +14,9 @@ use tracebench_bvh::{
     BINARY_STACK, BinaryNode, BuildSettings, ClusterIteration, ConversionLevel, DeviceTriangle, QuerySettings,
     ROW_BITS, RefitStage, SearchSettings, WIDE_STACK,
 };
-use tracebench_dirt::{FillPass, MipmapLevel, TileGrid, TraceSettings};
+use tracebench_dirt::{
+    FetchPass, FillPass, HitNode, MaskSettings, MipmapLevel, StoreSettings, TileGrid, TraceSettings,
+};
 use tracebench_kit::{GatherSettings, SortPass, ViewUniform, bind_group, compute_pipeline, dispatch_linear};
 use tracebench_shaders::{ALL, Shader, TEST_VIEW_FUNCTIONS};
 use tracebench_tests::{Numbers, gpu, viewpoint};
@@ -189,7 +191,31 @@ fn shared() -> BTreeMap<&'static str, Layout> {
         ("max_steps", offset_of!(TraceSettings, max_steps)),
         ("padding", offset_of!(TraceSettings, padding)),
     ];
+    let hit_node = [
+        ("next", offset_of!(HitNode, next)),
+        ("primitive", offset_of!(HitNode, primitive)),
+        ("u", offset_of!(HitNode, u)),
+        ("v", offset_of!(HitNode, v)),
+        ("position", offset_of!(HitNode, position)),
+        ("shading_and_view", offset_of!(HitNode, shading_and_view)),
+    ];
+    let store_settings = [
+        ("ray_count", offset_of!(StoreSettings, ray_count)),
+        ("view_count", offset_of!(StoreSettings, view_count)),
+        ("pixels", offset_of!(StoreSettings, pixels)),
+    ];
+    let mask_settings = [("pixels", offset_of!(MaskSettings, pixels)), ("padding", offset_of!(MaskSettings, padding))];
+    let fetch_pass = [
+        ("view", offset_of!(FetchPass, view)),
+        ("view_index", offset_of!(FetchPass, view_index)),
+        ("padding", offset_of!(FetchPass, padding)),
+        ("pixels", offset_of!(FetchPass, pixels)),
+    ];
     BTreeMap::from([
+        ("HitNode", layout(&hit_node, size_of::<HitNode>())),
+        ("StoreSettings", layout(&store_settings, size_of::<StoreSettings>())),
+        ("MaskSettings", layout(&mask_settings, size_of::<MaskSettings>())),
+        ("FetchPass", layout(&fetch_pass, size_of::<FetchPass>())),
         ("TileGrid", layout(&grid, size_of::<TileGrid>())),
         ("FillPass", layout(&fill_pass, size_of::<FillPass>())),
         ("MipmapLevel", layout(&mipmap_level, size_of::<MipmapLevel>())),
@@ -318,6 +344,10 @@ fn entry_points_exist() {
         ("DIRT_FILL_PRIMITIVES_CONSERVATIVE", raster.clone()),
         ("DIRT_FILL_PRIMITIVES_SPLIT", raster.clone()),
         ("DIRT_FILL_PRIMITIVES_CONSERVATIVE_SPLIT", raster.clone()),
+        ("DIRT_STORE", vec![("store", ShaderStage::Compute, 64)]),
+        ("DIRT_MASK", raster.clone()),
+        ("DIRT_FETCH", raster.clone()),
+        ("DIRT_FETCH_CONSERVATIVE", raster.clone()),
         ("DIRT_MIPMAP", vec![("mipmap", ShaderStage::Compute, 64)]),
         ("DIRT_TRACE", vec![("trace", ShaderStage::Compute, 64)]),
         ("DIRT_TRACE_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),

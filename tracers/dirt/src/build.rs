@@ -11,6 +11,7 @@ use tracebench_shaders::{
     DIRT_TRACE_CENTRES_COUNTED, DIRT_TRACE_COUNTED, DIRT_TRACE_SPLIT, DIRT_TRACE_SPLIT_COUNTED, Shader,
 };
 
+use crate::fetch::Fetch;
 use crate::layout::{FillPass, Layout, MipmapLevel, TileGrid};
 
 /// As `WORKGROUP_SIZE` in shaders/dirt/mipmap.wgsl.
@@ -47,6 +48,7 @@ pub(crate) struct Pipelines {
     primitives_split: [RenderPipeline; 2],
     mipmap: ComputePipeline,
     pub gather: Gather,
+    pub fetch: Fetch,
     trace: [ComputePipeline; 2],
     trace_split: [ComputePipeline; 2],
     trace_centres: [ComputePipeline; 2],
@@ -94,6 +96,7 @@ impl Pipelines {
             primitives_split: [raster(DIRT_FILL_PRIMITIVES_SPLIT)?, raster(DIRT_FILL_PRIMITIVES_CONSERVATIVE_SPLIT)?],
             mipmap: compute_pipeline(&gpu, DIRT_MIPMAP, "mipmap")?,
             gather: Gather::new(&gpu)?,
+            fetch: Fetch::new(&gpu)?,
             trace: [trace(DIRT_TRACE)?, trace(DIRT_TRACE_COUNTED)?],
             trace_split: [trace(DIRT_TRACE_SPLIT)?, trace(DIRT_TRACE_SPLIT_COUNTED)?],
             trace_centres: [trace(DIRT_TRACE_CENTRES)?, trace(DIRT_TRACE_CENTRES_COUNTED)?],

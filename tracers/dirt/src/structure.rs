@@ -4,12 +4,13 @@ use std::sync::{Arc, Mutex, Weak};
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure,
-    TraceJob, Tracer, TracerError, Update, View, Viewpoint,
+    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
+    Tracer, TracerError, Update, View, Viewpoint,
 };
-use tracebench_kit::{Gather, SurfaceGeometry, ViewUniform};
+use tracebench_kit::{SurfaceGeometry, ViewUniform};
 
 use crate::build::{ATTACHMENT, Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, Pipelines, nodes_name};
+use crate::fetch::MaskMemory;
 use crate::layout::{Layout, MOST_VIEWS, TileGrid, TraceSettings};
 
 /// The tracer.
@@ -63,6 +64,7 @@ pub(crate) struct DirtStructure {
     pub filling: Filling,
     pub buffers: Buffers,
     pub geometry: Resident,
+    pub mask_memory: MaskMemory,
 }
 
 impl Dirt {
@@ -135,7 +137,14 @@ impl Dirt {
         self.make_room_for(&mut buffers, geometry, &layout, filling)?;
         self.pipelines.fill(&layout, &buffers, geometry, filling, clock)?;
         let pipelines = Arc::clone(&self.pipelines);
-        Ok(DirtStructure { pipelines, layout, filling, buffers, geometry: resident })
+        Ok(DirtStructure {
+            pipelines,
+            layout,
+            filling,
+            buffers,
+            geometry: resident,
+            mask_memory: MaskMemory::default(),
+        })
     }
 }
 
@@ -230,7 +239,7 @@ impl Structure for DirtStructure {
             ("views", MOST_VIEWS * size_of::<ViewUniform>()),
         ];
         let mut parts = uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec();
-        parts.extend((job.end == EndPoint::Surface).then(Gather::memory));
+        parts.extend(self.surface_memory(&job));
         parts
     }
 

@@ -5,6 +5,7 @@ use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, Query, TraceJob, 
 use tracebench_kit::{bind_group, dispatch_linear};
 
 use crate::build::{NODE_PARTS, TraceKind, view_uniforms};
+use crate::fetch::lost;
 use crate::layout::TraceSettings;
 use crate::structure::DirtStructure;
 
@@ -75,12 +76,7 @@ impl DirtStructure {
         clock.device_phase("trace", |encoder| {
             dispatch_linear(encoder, pipeline, &bindings, search.ray_count, WORKGROUP_SIZE);
         })?;
-        match job.end {
-            EndPoint::Hit => Ok(()),
-            EndPoint::Surface => {
-                self.pipelines.gather.record(gpu, &self.geometry.surfaces, job.rays, hits, None, clock)
-            }
-        }
+        self.record_surfaces(job, hits, clock)
     }
 
     pub(crate) fn trace_hits(
@@ -110,12 +106,16 @@ impl DirtStructure {
         let touched: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&counting.touched, touched_bytes)?);
         let of = |name, index: usize| Counter::of(name, counts[..rays].iter().map(|count| u64::from(count[index])));
         let touched = touched.iter().map(|word| u64::from(word.count_ones())).sum();
-        Ok(vec![
+        let mut counters = vec![
             of("pyramid_steps", 0),
             of("buckets_opened", 1),
             of("triangle_tests", 2),
             of("views_entered", 3),
             Counter::of_set("references_touched", touched),
-        ])
+        ];
+        if job.end == EndPoint::Surface {
+            counters.push(Counter::of_set("fetches_lost", lost(&hits.read_surfaces(Some(gpu))?)));
+        }
+        Ok(counters)
     }
 }

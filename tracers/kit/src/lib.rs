@@ -12,7 +12,9 @@ mod room;
 mod view_uniform;
 
 pub use clip::{TileBounds, clipped_depths, clipped_polygon, eye_space, touched_tiles};
-pub use compute::{bind_group, bind_group_at, compute_pipeline, dispatch_linear, shader_module};
+pub use compute::{
+    bind_group, bind_group_at, compute_pipeline, dispatch_linear, shader_module, shader_module_testing_early,
+};
 pub use eye_depth::{EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
 pub use gather::{Gather, GatherSettings, SurfaceGeometry};
 pub use prefix_sum::{PrefixSum, PrefixSumPlan};
