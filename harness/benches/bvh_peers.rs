@@ -24,6 +24,7 @@ fn plan(preset: RunPreset) -> Result<Plan, common::Failure> {
         view: ViewRequest::Default,
         time_s: 0.0,
         seed: 1,
+        end: EndPoint::Hit,
         table: Some(table),
     })
 }

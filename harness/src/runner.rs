@@ -162,7 +162,7 @@ pub fn prepare(
         mirrors: &mirrors,
     };
     let session = Session::new(&scene.name, truth, viewpoint, request, gpu.cloned(), cache, progress)?;
-    Ok(LoadedScene { record, pose, session })
+    Ok(LoadedScene { record, pose, session: session.ending_at(plan.end) })
 }
 
 /// Runs everything.
@@ -282,11 +282,12 @@ pub(crate) fn tracer_run(
     scene: &SceneRecord,
     viewpoint: &ViewpointRecord,
 ) -> Result<TracerRun, RunError> {
+    let end = entry.traces.first().map(|trace| trace.end).unwrap_or_default();
     Ok(TracerRun {
         scene: scene.clone(),
         viewpoint: viewpoint.clone(),
         tracer: entry.record(),
-        memory: records::memory_record(entry.contender.structure()?.memory()),
+        memory: records::memory_record(entry.contender.structure()?.memory(), end),
         structure_statistics: entry.statistics,
         build: records::build_record(&entry.builds, entry.contender.setup_ms),
         traces: entry.traces,

@@ -244,6 +244,7 @@ fn trace(rays: &str, query: Query, index: usize, quality: Quality) -> TraceRecor
             Query::Closest => Judgement::Closest(closest(quality)),
             Query::Any => Judgement::Any(any(quality)),
         },
+        surfaces: None,
     }
 }
 

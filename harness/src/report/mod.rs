@@ -17,6 +17,7 @@ mod metrics;
 mod peers;
 mod stability;
 mod summary;
+mod surfaces;
 mod tables;
 #[cfg(test)]
 mod tests;

@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 use tracebench_api::{AdapterListing, ClockKind, EndPoint, MemoryEntry, PhaseSample, Query};
 
 pub use judgement::{
-    AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Headline, Judgement, Occlusion, Percentiles, WrongRay,
+    AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Headline, Judgement, Occlusion, Percentiles,
+    SurfaceJudgement, WrongRay,
 };
 
 /// The schema that this program writes and reads.
@@ -306,6 +307,9 @@ pub struct TraceRecord {
     pub statuses: BTreeMap<String, u64>,
     /// The judge's verdict on the last timed output.
     pub judgement: Judgement,
+    /// The verdict on its surfaces, where it has any.
+    #[serde(default)]
+    pub surfaces: Option<SurfaceJudgement>,
 }
 
 impl TraceRecord {

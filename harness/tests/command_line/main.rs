@@ -4,6 +4,7 @@ mod compare;
 mod refusals;
 mod runs;
 mod stability;
+mod surfaces;
 mod tables;
 
 use std::collections::BTreeSet;
