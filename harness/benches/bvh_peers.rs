@@ -5,6 +5,7 @@
 
 mod common;
 
+use tracebench_api::EndPoint;
 use tracebench_harness::peers::{self, Table};
 use tracebench_harness::plan::{Plan, RunPreset, SceneSource, TracerRequest, ViewRequest};
 use tracebench_harness::rays::{RAY_SETS, default_parameters};

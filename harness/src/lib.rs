@@ -4,6 +4,7 @@ pub mod cases;
 pub mod cli;
 pub mod compare;
 pub mod controls;
+pub mod explain;
 pub mod hash;
 pub mod judge;
 pub mod machine;

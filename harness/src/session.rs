@@ -10,7 +10,7 @@ use tracebench_api::{
 use tracebench_scenes::CameraPath;
 
 use crate::controls::{Control, KnownAnswers};
-use crate::judge::{Judge, JudgeError};
+use crate::judge::{Class, Judge, JudgeError, Rule};
 use crate::progress::Progress;
 use crate::rays::{self, RayError, RayScene, RaySet, Starts};
 use crate::results::{Judgement, Skipped, SurfaceJudgement};
@@ -387,7 +387,7 @@ impl Session {
     /// [`SessionError::Judge`] if they are no answers.
     pub fn judge(&self, contender: &Contender, rays: &PreparedRays, hits: &[Hit]) -> Result<Judgement, SessionError> {
         let views = contender.structure()?.views();
-        self.judge_of(contender, rays, &views).judge(hits).map_err(|error| unjudged(contender, rays, error))
+        self.judge_of(contender, rays, &views).judge(hits).map_err(|error| no_answers(contender, rays, error))
     }
 
     /// Judges a contender's surfaces; nothing where traces do not go that far.
@@ -405,7 +405,21 @@ impl Session {
             return Ok(None);
         }
         let judged = self.judge_of(contender, rays, &[]).judge_surfaces(hits, surfaces);
-        judged.map(Some).map_err(|error| unjudged(contender, rays, error))
+        judged.map(Some).map_err(|error| no_answers(contender, rays, error))
+    }
+
+    /// The class of every answer of a contender under a rule, `None` for ties, as [`Judge::classes`].
+    ///
+    /// # Errors
+    /// [`SessionError::Judge`] if they are no answers.
+    pub fn classes(
+        &self,
+        contender: &Contender,
+        rays: &PreparedRays,
+        rule: Rule,
+        hits: &[Hit],
+    ) -> Result<Vec<Option<Class>>, SessionError> {
+        self.judge_of(contender, rays, &[]).classes(rule, hits).map_err(|error| no_answers(contender, rays, error))
     }
 
     fn judge_of<'a>(&'a self, contender: &Contender, rays: &'a PreparedRays, views: &'a [View]) -> Judge<'a> {
@@ -421,6 +435,6 @@ impl Session {
     }
 }
 
-fn unjudged(contender: &Contender, rays: &PreparedRays, error: JudgeError) -> SessionError {
+fn no_answers(contender: &Contender, rays: &PreparedRays, error: JudgeError) -> SessionError {
     SessionError::Judge { tracer: contender.description.name.to_owned(), rays: rays.set.name.to_owned(), error }
 }

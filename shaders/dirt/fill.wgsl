@@ -7,16 +7,18 @@
 
 struct FillPass {
     view: View,
-    view_index: u32,
     // 1: depths by the triangle's plane.
     by_plane: u32,
-    padding: vec2<u32>,
+    padding_a: u32,
+    padding_b: u32,
+    padding_c: u32,
 }
 
 @group(0) @binding(0) var<uniform> grid: TileGrid;
 @group(0) @binding(1) var<uniform> drawn: FillPass;
 @group(0) @binding(2) var<storage, read> positions: array<f32>;
 @group(0) @binding(3) var<storage, read> indices: array<u32>;
+// Of depth bounds and heads, the drawn view's part.
 #ifdef PRIMITIVES
 @group(0) @binding(4) var<storage, read> bounds: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read_write> heads: array<atomic<u32>>;
@@ -132,7 +134,7 @@ fn fragment(in: Corner) -> @location(0) vec4<f32> {
     }
     let least = range.least * (1.0 - DEPTH_SLACK);
     let greatest = range.greatest * (1.0 + DEPTH_SLACK);
-    let index = bounds_index(grid, drawn.view_index, 0u, tile);
+    let index = bounds_index(grid, 0u, 0u, tile);
 #ifdef PRIMITIVES
     let depths = depths_of(bounds[index]);
     let first = bucket_of(least, depths, grid.buckets);
@@ -142,7 +144,7 @@ fn fragment(in: Corner) -> @location(0) vec4<f32> {
         let node = atomicAdd(&taken[0], 1u);
         // Beyond the capacity nothing is stored and the count goes on: the host sees what is missing.
         if (node < grid.node_capacity) {
-            let head = head_index(grid, drawn.view_index, tile, bucket);
+            let head = head_index(grid, 0u, tile, bucket);
             store_node(node, Node(atomicExchange(&heads[head], node + 1u), in.triangle));
         }
     }

@@ -9,7 +9,7 @@ struct TileGrid {
     tiles: vec2<u32>,
     levels: u32,
     buckets: u32,
-    // Entries of one view: pairs of depth bounds, heads.
+    // Entries from one view's part to the next one's: pairs of depth bounds, heads.
     bounds_stride: u32,
     heads_stride: u32,
     // Nodes that there is room for.

@@ -35,26 +35,27 @@ struct TraceSettings {
 @group(0) @binding(10) var<storage, read_write> counts: array<vec4<u32>>;
 // A bit a node: tested by any ray.
 @group(0) @binding(11) var<storage, read_write> touched: array<atomic<u32>>;
-#ifdef SPLIT
-@group(0) @binding(12) var<storage, read> nodes_1: array<Node>;
-@group(0) @binding(13) var<storage, read> nodes_2: array<Node>;
-@group(0) @binding(14) var<storage, read> nodes_3: array<Node>;
-@group(0) @binding(15) var<storage, read> nodes_4: array<Node>;
-@group(0) @binding(16) var<storage, read> nodes_5: array<Node>;
-@group(0) @binding(17) var<storage, read> nodes_6: array<Node>;
-@group(0) @binding(18) var<storage, read> nodes_7: array<Node>;
 #endif
-#else
 #ifdef SPLIT
-// Further nodes, where one binding does not hold all.
-@group(0) @binding(10) var<storage, read> nodes_1: array<Node>;
-@group(0) @binding(11) var<storage, read> nodes_2: array<Node>;
-@group(0) @binding(12) var<storage, read> nodes_3: array<Node>;
-@group(0) @binding(13) var<storage, read> nodes_4: array<Node>;
-@group(0) @binding(14) var<storage, read> nodes_5: array<Node>;
-@group(0) @binding(15) var<storage, read> nodes_6: array<Node>;
-@group(0) @binding(16) var<storage, read> nodes_7: array<Node>;
-#endif
+// Where one binding does not hold all: the other views' parts of depth bounds and heads (the first have the first view's),
+// and further nodes.
+@group(1) @binding(0) var<storage, read> bounds_1: array<vec2<u32>>;
+@group(1) @binding(1) var<storage, read> bounds_2: array<vec2<u32>>;
+@group(1) @binding(2) var<storage, read> bounds_3: array<vec2<u32>>;
+@group(1) @binding(3) var<storage, read> bounds_4: array<vec2<u32>>;
+@group(1) @binding(4) var<storage, read> bounds_5: array<vec2<u32>>;
+@group(1) @binding(5) var<storage, read> heads_1: array<u32>;
+@group(1) @binding(6) var<storage, read> heads_2: array<u32>;
+@group(1) @binding(7) var<storage, read> heads_3: array<u32>;
+@group(1) @binding(8) var<storage, read> heads_4: array<u32>;
+@group(1) @binding(9) var<storage, read> heads_5: array<u32>;
+@group(1) @binding(10) var<storage, read> nodes_1: array<Node>;
+@group(1) @binding(11) var<storage, read> nodes_2: array<Node>;
+@group(1) @binding(12) var<storage, read> nodes_3: array<Node>;
+@group(1) @binding(13) var<storage, read> nodes_4: array<Node>;
+@group(1) @binding(14) var<storage, read> nodes_5: array<Node>;
+@group(1) @binding(15) var<storage, read> nodes_6: array<Node>;
+@group(1) @binding(16) var<storage, read> nodes_7: array<Node>;
 #endif
 
 const WORKGROUP_SIZE: u32 = 64u;
@@ -123,6 +124,69 @@ fn load_node(index: u32) -> Node {
     }
 #else
     return nodes[index];
+#endif
+}
+
+// The depth bounds of a cell.
+fn load_depths(view: u32, level: u32, cell: vec2<u32>) -> vec2<f32> {
+#ifdef SPLIT
+    return depths_of(load_codes(view, bounds_index(grid, 0u, level, cell)));
+#else
+    return depths_of(bounds[bounds_index(grid, view, level, cell)]);
+#endif
+}
+
+#ifdef SPLIT
+fn load_codes(view: u32, within: u32) -> vec2<u32> {
+    switch (view) {
+        case 0u: {
+            return bounds[within];
+        }
+        case 1u: {
+            return bounds_1[within];
+        }
+        case 2u: {
+            return bounds_2[within];
+        }
+        case 3u: {
+            return bounds_3[within];
+        }
+        case 4u: {
+            return bounds_4[within];
+        }
+        default: {
+            return bounds_5[within];
+        }
+    }
+}
+#endif
+
+// The first link of a list.
+fn load_head(view: u32, tile: vec2<u32>, bucket: u32) -> u32 {
+#ifdef SPLIT
+    let within = head_index(grid, 0u, tile, bucket);
+    switch (view) {
+        case 0u: {
+            return heads[within];
+        }
+        case 1u: {
+            return heads_1[within];
+        }
+        case 2u: {
+            return heads_2[within];
+        }
+        case 3u: {
+            return heads_3[within];
+        }
+        case 4u: {
+            return heads_4[within];
+        }
+        default: {
+            return heads_5[within];
+        }
+    }
+#else
+    return heads[head_index(grid, view, tile, bucket)];
 #endif
 }
 
@@ -225,7 +289,7 @@ fn search_tile(number: u32, view: View, eye_ray: EyeRay, tile: vec2<i32>, depths
 #ifdef COUNTERS
         work.y += 1u;
 #endif
-        if (test_list(heads[head_index(grid, number, vec2<u32>(tile), bucket)], view, eye_ray, tile)) {
+        if (test_list(load_head(number, vec2<u32>(tile), bucket), view, eye_ray, tile)) {
             found = true;
         }
         opened += 1u;
@@ -276,7 +340,7 @@ fn walk(number: u32, view: View, eye_ray: EyeRay, span: Span) {
             leaves.y = leaving(line.y, -f32(heading.y), origin.y, direction.y, origin.z, direction.z, t);
         }
         let end = min(min(leaves.x, leaves.y), span.end);
-        let depths = depths_of(bounds[bounds_index(grid, number, level, vec2<u32>(cell))]);
+        let depths = load_depths(number, level, vec2<u32>(cell));
         let z_begin = origin.z + direction.z * t;
         let z_end = origin.z + direction.z * end;
         let z_slack = (abs(origin.z) + abs(direction.z) * end) * 4.76837158e-7;
@@ -359,7 +423,7 @@ fn search_to_depth(number: u32, view: View, eye_ray: EyeRay, depth: f32) {
         let cell = vec2<u32>(every_second_bit(code), every_second_bit(code >> 1u));
         var descend = false;
         if (all(cell < level_tiles(grid, level))) {
-            let depths = depths_of(bounds[bounds_index(grid, number, level, cell)]);
+            let depths = load_depths(number, level, cell);
             let reached = depths.x <= depth;
             descend = reached && level > 0u;
             if (reached && level == 0u) {

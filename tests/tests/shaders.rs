@@ -173,9 +173,10 @@ fn shared() -> BTreeMap<&'static str, Layout> {
     ];
     let fill_pass = [
         ("view", offset_of!(FillPass, view)),
-        ("view_index", offset_of!(FillPass, view_index)),
         ("by_plane", offset_of!(FillPass, by_plane)),
-        ("padding", offset_of!(FillPass, padding)),
+        ("padding_a", offset_of!(FillPass, padding_a)),
+        ("padding_b", offset_of!(FillPass, padding_b)),
+        ("padding_c", offset_of!(FillPass, padding_c)),
     ];
     let mipmap_level = [
         ("level", offset_of!(MipmapLevel, level)),

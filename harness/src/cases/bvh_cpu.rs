@@ -32,6 +32,7 @@ pub(super) const EXPECTATIONS: Column = &[
     ("wide-frame", Expectation::Exact),
     ("surface-starts", Expectation::Exact),
     ("cell-borders", Expectation::Exact),
+    ("face-cell-borders", Expectation::Exact),
     ("through-view-centre", Expectation::Exact),
     ("flat-tile", Expectation::Exact),
     ("equal-triangles", Expectation::Exact),

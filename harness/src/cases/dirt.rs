@@ -40,6 +40,18 @@ pub(super) const EXPECTATIONS: Column = &[
     ("wide-frame", Expectation::Exact),
     ("surface-starts", Expectation::Exact),
     ("cell-borders", Expectation::Exact),
+    (
+        "face-cell-borders",
+        Expectation::KnownFailure {
+            rule: Rule::HitMiss,
+            from: 0.0,
+            below: 0.0,
+            least_wrong: 0.02,
+            reason: "a hit counts only where its own tile is the one that is searched: on a border rounding may place it in the \
+                     neighbour when either is searched, and it is lost (pin-holes)",
+            source: "DIRT, section 4.2.1, Algorithm 1, line 14",
+        },
+    ),
     ("through-view-centre", Expectation::Exact),
     ("flat-tile", Expectation::Exact),
     (

@@ -1,7 +1,7 @@
 //! Cases about what image-space structures are made of: pixels, cells, faces, and rays in special positions to them.
 
 use glam::{DVec3, Vec3};
-use tracebench_api::{Query, TracerError};
+use tracebench_api::{Query, TracerError, View, Viewpoint};
 
 use super::sketch::{Camera, PIXEL, RAYS, Shots, Sketch, Stage};
 use super::{Case, Feature, Knob, Probe, Setup};
@@ -176,6 +176,50 @@ fn cell_borders(off: f64) -> Result<Setup, TracerError> {
         let on =
             |along: f64| if index % 2 == 0 { DVec3::new(line, along, -1.0) } else { DVec3::new(along, line, -1.0) };
         shots.towards(on(along) * start, on(end) * 4.0);
+    }
+    Ok(stage.with(shots, Query::Closest))
+}
+
+pub(super) const FACE_CELL_BORDERS: Case = Case {
+    name: "face-cell-borders",
+    summary: "the same along borders between pairs of pixels of a cube face whose centre is pulled back by near",
+    knob: Knob { name: "off the border", unit: "pixels", values: &[0.8, 0.1, 0.01, 1e-3, 0.0] },
+    make: face_cell_borders,
+    feature: Feature {
+        what: "start on a border",
+        least: 0.9,
+        has: |probe, index| {
+            let on_border = |at: f64| (at / 2.0 - (at / 2.0).round()).abs() < 5e-4;
+            let at = forward_face(&probe.setup.viewpoint).project(probe.ray(index).origin);
+            at.is_some_and(|at| on_border(at.x) || on_border(at.y))
+        },
+    },
+};
+
+/// The face that looks along -z, as image-space methods with pulled-back centres have it (VVP16, section 3.2).
+fn forward_face(viewpoint: &Viewpoint) -> View {
+    let faces = viewpoint.face_views(f64::from(viewpoint.near));
+    let along = |view: &&View| view.forward.dot(DVec3::NEG_Z) > 0.5;
+    faces.iter().find(along).cloned().unwrap_or_else(|| faces[0].clone())
+}
+
+fn face_cell_borders(off: f64) -> Result<Setup, TracerError> {
+    let mut shots = Shots::new(21);
+    let mut sketch = Sketch::default();
+    sketch.plate(DVec3::new(-1.5, -1.5, -4.0), DVec3::X * 3.0, DVec3::Y * 2.0);
+    let stage = sketch.seen_by(Camera { near: Some(0.05), ..Camera::default() })?;
+    let face = forward_face(&stage.viewpoint);
+    let pixel = 2.0 * face.tan_half_width / f64::from(face.size[0]);
+    for index in 0..RAYS {
+        let border = 2.0 * (0.2 * shots.signed() * 128.0).round();
+        let side = if shots.unit() < 0.5 { off } else { -off };
+        let line = (border + side) * pixel;
+        let along = 0.4 * shots.signed();
+        let start = 1.0 + 2.5 * shots.unit();
+        let end = along + 0.3 * shots.signed();
+        let on =
+            |along: f64| if index % 2 == 0 { DVec3::new(line, along, -1.0) } else { DVec3::new(along, line, -1.0) };
+        shots.towards(face.eye + on(along) * start, face.eye + on(end) * 4.2);
     }
     Ok(stage.with(shots, Query::Closest))
 }

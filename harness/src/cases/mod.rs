@@ -107,6 +107,7 @@ pub const CASES: &[Case] = &[
     frames::WIDE_FRAME,
     frames::SURFACE_STARTS,
     frames::CELL_BORDERS,
+    frames::FACE_CELL_BORDERS,
     frames::VIEW_CENTRE,
     surfaces::FLAT_TILE,
     many::EQUAL_TRIANGLES,

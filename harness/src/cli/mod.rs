@@ -1,9 +1,11 @@
-//! The command line: `tracebench adapters | list | run | table | compare | report | picture | stability`.
+//! The command line: `tracebench adapters | list | run | table | compare | report | picture | stability |
+//! explain`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
 
 mod arguments;
 mod compare;
+mod explain;
 mod list;
 mod names;
 mod output;
@@ -52,6 +54,8 @@ enum Verb {
     Picture(arguments::PictureArguments),
     /// Run minimal scenes of one difficulty each and compare what tracers get wrong with what is expected of them.
     Stability(stability::StabilityArguments),
+    /// Tell why a tracer's rays are wrong, by taking its known weaknesses away one after the other.
+    Explain(explain::ExplainArguments),
 }
 
 /// What ends the program early.
@@ -109,6 +113,7 @@ pub fn main() -> ExitCode {
         Verb::Report(arguments) => run::report(arguments, &progress),
         Verb::Picture(arguments) => run::picture(arguments, &progress),
         Verb::Stability(arguments) => stability::stability(arguments, &progress),
+        Verb::Explain(arguments) => explain::explain(arguments, &progress),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

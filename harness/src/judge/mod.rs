@@ -157,6 +157,17 @@ impl Judge<'_> {
         })
     }
 
+    /// The class of every answer under a rule, `None` for ties; of any-hit sets always under `hit_miss`.
+    ///
+    /// # Errors
+    /// [`JudgeError`] if the answers are not answers.
+    pub fn classes(&self, rule: Rule, hits: &[Hit]) -> Result<Vec<Option<Class>>, JudgeError> {
+        self.check(hits)?;
+        let rule = if self.query == Query::Any { Rule::HitMiss } else { rule };
+        let class = |index: usize| (!self.answers[index].tie).then(|| self.class(rule, index, &hits[index]));
+        Ok((0..hits.len()).into_par_iter().map(class).collect())
+    }
+
     fn check(&self, hits: &[Hit]) -> Result<(), JudgeError> {
         if hits.len() != self.rays.len() || self.answers.len() != self.rays.len() {
             return Err(JudgeError::Count { hits: hits.len(), rays: self.rays.len() });

@@ -39,6 +39,14 @@ fn tempfile_beside(path: &Path) -> std::io::Result<tempfile::NamedTempFile> {
     builder().tempfile_in(folder).map_err(|error| error.raw_os_error().map_or(error, std::io::Error::from_raw_os_error))
 }
 
+/// A document as JSON, for people too; `what` is the file's name, for the message.
+pub(crate) fn json(what: &str, document: &impl serde::Serialize) -> Result<Vec<u8>, ReportError> {
+    let made = serde_json::to_vec_pretty(document);
+    let mut json = made.map_err(|error| ReportError::Made { what: what.to_owned(), reason: error.to_string() })?;
+    json.push(b'\n');
+    Ok(json)
+}
+
 /// Writes a file beside its place and renames it, so that readers see the old contents or the new, never a part.
 pub(crate) fn write(path: &Path, contents: &[u8]) -> Result<(), ReportError> {
     let fail = |source| ReportError::Write { path: path.to_owned(), source };

@@ -7,6 +7,7 @@ mod cells;
 mod chart;
 mod compare;
 mod error;
+mod explain;
 pub(crate) mod files;
 #[cfg(test)]
 pub(crate) mod fixture;
@@ -30,6 +31,7 @@ use std::path::{Path, PathBuf};
 
 pub use compare::comparison_text;
 pub use error::ReportError;
+pub use explain::{explanation_page, write_explanation};
 pub use stability::{STABILITY_TABLE, matrix as stability_matrix, write as write_stability};
 pub use updates::{write_updates, write_updates_table};
 
@@ -47,11 +49,8 @@ pub const RUN_FILE: &str = "run.json";
 pub fn write_run(run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
     files::create_directory(directory)?;
     let path = directory.join(RUN_FILE);
-    let mut json = serde_json::to_vec_pretty(run)
-        .map_err(|error| ReportError::Made { what: RUN_FILE.to_owned(), reason: error.to_string() })?;
-    json.push(b'\n');
     // First, so that a failure in a chart costs the chart and not the measurements.
-    files::write(&path, &json)?;
+    files::write(&path, &files::json(RUN_FILE, run)?)?;
     let mut paths = vec![path];
     paths.extend(write_derived(run, directory)?);
     Ok(paths)

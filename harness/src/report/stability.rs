@@ -19,9 +19,7 @@ pub const STABILITY_TABLE: &str = "stability.md";
 /// If the folder or a file cannot be written, or the chart cannot be drawn.
 pub fn write(stability: &Stability, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
     files::create_directory(directory)?;
-    let mut json = serde_json::to_vec_pretty(stability)
-        .map_err(|error| ReportError::Made { what: STABILITY_FILE.to_owned(), reason: error.to_string() })?;
-    json.push(b'\n');
+    let json = files::json(STABILITY_FILE, stability)?;
     let mut paths = Vec::new();
     let mut write = |name: &str, contents: &[u8]| {
         let path = directory.join(name);

@@ -25,10 +25,7 @@ const SAH_COST: &str = "sah_cost";
 pub fn write_updates(updates: &Updates, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
     files::create_directory(directory)?;
     let path = directory.join(UPDATES_FILE);
-    let mut json = serde_json::to_vec_pretty(updates)
-        .map_err(|error| ReportError::Made { what: UPDATES_FILE.to_owned(), reason: error.to_string() })?;
-    json.push(b'\n');
-    files::write(&path, &json)?;
+    files::write(&path, &files::json(UPDATES_FILE, updates)?)?;
     let mut paths = vec![path];
     paths.extend(write_updates_table(updates, directory)?);
     Ok(paths)

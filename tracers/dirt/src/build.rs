@@ -1,8 +1,12 @@
 //! The build's stages on the device: fill depth, mipmap depth, fill primitives.
 
+use std::num::NonZeroU64;
 use std::sync::Arc;
 
-use tracebench_api::wgpu::{self, BindGroup, Buffer, BufferUsages, ComputePipeline, RenderPipeline, TextureFormat};
+use tracebench_api::wgpu::{
+    self, BindGroup, BindingResource, Buffer, BufferBinding, BufferUsages, ComputePipeline, RenderPipeline,
+    TextureFormat,
+};
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
 use tracebench_kit::{Gather, ViewUniform, bind_group, compute_pipeline, dispatch_linear, shader_module};
 use tracebench_shaders::{
@@ -12,7 +16,7 @@ use tracebench_shaders::{
 };
 
 use crate::fetch::Fetch;
-use crate::layout::{FillPass, Layout, MipmapLevel, TileGrid};
+use crate::layout::{FillPass, Layout, MOST_VIEWS, MipmapLevel, TileGrid};
 
 /// As `WORKGROUP_SIZE` in shaders/dirt/mipmap.wgsl.
 const WORKGROUP_SIZE: u32 = 64;
@@ -32,9 +36,9 @@ pub(crate) struct Filling {
 /// Variants of the trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TraceKind {
-    /// Over nodes in one buffer.
+    /// Over buffers that one binding holds each.
     Whole,
-    /// Over nodes in [`NODE_PARTS`] buffers.
+    /// Over nodes in [`NODE_PARTS`] buffers, depth bounds and heads bound by view.
     Split,
     /// The same, and what lies near views' centres is searched for without the image.
     Centres,
@@ -132,6 +136,24 @@ pub(crate) struct Buffers {
     pub node_capacity: u32,
     /// Nodes of each buffer but the last.
     pub nodes_per_part: u32,
+    /// The views' parts of depth bounds and heads.
+    parts: Parts,
+    /// Whether one binding does not hold all depth bounds, or all heads.
+    pub by_view: bool,
+}
+
+/// Bytes of a view's part of the buffers that have one of each view.
+#[derive(Clone, Copy, Debug)]
+struct Parts {
+    views: usize,
+    bounds: u64,
+    heads: u64,
+}
+
+/// A part of a buffer, to be bound.
+fn part_of(buffer: &Buffer, part: usize, bytes: u64) -> BindingResource<'_> {
+    let binding = BufferBinding { buffer, offset: part as u64 * bytes, size: NonZeroU64::new(bytes) };
+    BindingResource::Buffer(binding)
 }
 
 /// What ledgers call the parts, after Table 3.
@@ -148,8 +170,9 @@ pub(crate) fn nodes_name(part: usize) -> String {
 /// Bytes of a node.
 pub(crate) const NODE_BYTES: u64 = 8;
 
-fn storage(gpu: &Gpu, name: &str, bytes: u64, turn_down: &str) -> Result<Buffer, TracerError> {
-    gpu.check_storage_binding(name, bytes, turn_down)?;
+/// A buffer of which `bound` bytes are bound at once.
+fn storage(gpu: &Gpu, name: &str, bytes: u64, bound: u64, turn_down: &str) -> Result<Buffer, TracerError> {
+    gpu.check_storage_binding(name, bound, turn_down)?;
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
     gpu.buffer(name, bytes, usage, turn_down)
 }
@@ -167,7 +190,7 @@ pub(crate) fn node_buffers(gpu: &Gpu, capacity: u32) -> Result<Vec<Buffer>, Trac
     let turn_down = "dirt.buckets or --face, or turn dirt.tile_size up";
     let (name, nodes, per_binding) = (nodes_name(0), u64::from(capacity.max(1)), nodes_per_binding(gpu));
     if nodes <= per_binding {
-        return Ok(vec![storage(gpu, &name, nodes * NODE_BYTES, turn_down)?]);
+        return Ok(vec![storage(gpu, &name, nodes * NODE_BYTES, nodes * NODE_BYTES, turn_down)?]);
     }
     if nodes > per_binding * NODE_PARTS {
         return Err(TracerError::TooLarge {
@@ -179,7 +202,7 @@ pub(crate) fn node_buffers(gpu: &Gpu, capacity: u32) -> Result<Vec<Buffer>, Trac
     }
     let part = |index: u64| {
         let of_part = (nodes - (per_binding * index).min(nodes)).min(per_binding).max(1);
-        storage(gpu, &nodes_name(index as usize), of_part * NODE_BYTES, turn_down)
+        storage(gpu, &nodes_name(index as usize), of_part * NODE_BYTES, of_part * NODE_BYTES, turn_down)
     };
     (0..NODE_PARTS).map(part).collect()
 }
@@ -188,12 +211,19 @@ impl Buffers {
     pub(crate) fn new(gpu: &Gpu, layout: &Layout, node_capacity: u32) -> Result<Self, TracerError> {
         let turn_down = "--face or dirt.buckets, or turn dirt.tile_size up";
         let [width, height] = layout.tiles;
+        let ([bounds_bytes, _], [heads_bytes, _]) = (layout.bounds_bytes(), layout.heads_bytes());
         let before = gpu.allocations();
         let mut buffers = Self {
-            bounds: storage(gpu, DEPTH_BOUNDS, layout.bounds_bytes(), turn_down)?,
-            heads: storage(gpu, HEADS, layout.heads_bytes(), turn_down)?,
+            bounds: storage(gpu, DEPTH_BOUNDS, bounds_bytes, layout.bounds_part_bytes(), turn_down)?,
+            heads: storage(gpu, HEADS, heads_bytes, layout.heads_part_bytes(), turn_down)?,
+            parts: Parts {
+                views: layout.views.len(),
+                bounds: layout.bounds_part_bytes(),
+                heads: layout.heads_part_bytes(),
+            },
+            by_view: bounds_bytes.max(heads_bytes) > gpu.limits.max_storage_buffer_binding_size,
             nodes: node_buffers(gpu, node_capacity)?,
-            taken: storage(gpu, NODE_COUNT, 8, "nothing")?,
+            taken: storage(gpu, NODE_COUNT, 8, 8, "nothing")?,
             attachment_bytes: 0,
             attachment: gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(ATTACHMENT),
@@ -222,9 +252,29 @@ impl Buffers {
         Ok(())
     }
 
-    /// Whether nodes lie in several buffers.
+    /// Whether nodes lie in several buffers, or depth bounds and heads must be bound by view.
     pub(crate) fn is_split(&self) -> bool {
-        self.nodes.len() > 1
+        self.by_view || self.nodes.len() > 1
+    }
+
+    /// A view's depth bounds.
+    pub(crate) fn bounds_of(&self, view: usize) -> BindingResource<'_> {
+        part_of(&self.bounds, view.min(self.parts.views - 1), self.parts.bounds)
+    }
+
+    /// A view's heads.
+    pub(crate) fn heads_of(&self, view: usize) -> BindingResource<'_> {
+        part_of(&self.heads, view.min(self.parts.views - 1), self.parts.heads)
+    }
+
+    /// What variants of shaders for split buffers bind beside the first parts: all places are taken, those of parts that do
+    /// not exist by one that does.
+    pub(crate) fn further_parts(&self) -> Vec<BindingResource<'_>> {
+        let bounds = (1..MOST_VIEWS).map(|view| self.bounds_of(view));
+        let heads = (1..MOST_VIEWS).map(|view| self.heads_of(view));
+        let nodes =
+            (1..NODE_PARTS as usize).map(|part| self.nodes.get(part).unwrap_or(&self.nodes[0]).as_entire_binding());
+        bounds.chain(heads).chain(nodes).collect()
     }
 
     /// The uniform of the shaders.
@@ -261,32 +311,41 @@ impl Pipelines {
         let variant = usize::from(filling.conservative);
         let mut prepared = Prepared { depth: Vec::new(), mipmaps: Vec::new(), primitives: Vec::new() };
         for (index, view) in layout.uniforms().into_iter().enumerate() {
-            let drawn =
-                FillPass { view, view_index: index as u32, by_plane: u32::from(filling.by_plane), padding: [0; 2] };
+            let by_plane = u32::from(filling.by_plane);
+            let drawn = FillPass { view, by_plane, padding_a: 0, padding_b: 0, padding_c: 0 };
             let drawn = uniform("drawn view", bytemuck::bytes_of(&drawn))?;
-            let bind = |pipeline: &RenderPipeline, more: &[&Buffer]| {
+            let bind = |pipeline: &RenderPipeline, more: Vec<BindingResource<'_>>| {
                 let shared = [&grid, &drawn, &geometry.positions, &geometry.indices];
-                let resources: Vec<_> = shared.iter().chain(more).map(|buffer| buffer.as_entire_binding()).collect();
+                let resources: Vec<_> = shared.map(Buffer::as_entire_binding).into_iter().chain(more).collect();
                 bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources)
             };
-            prepared.depth.push(bind(&self.depth[variant], &[&buffers.bounds]));
-            let lists = [&buffers.bounds, &buffers.heads, &buffers.nodes[0], &buffers.taken];
-            let lists: Vec<_> = lists.into_iter().chain(&buffers.nodes[1..]).collect();
-            prepared.primitives.push(bind(self.primitives(variant, buffers), &lists));
+            prepared.depth.push(bind(&self.depth[variant], vec![buffers.bounds_of(index)]));
+            let lists = [&buffers.nodes[0], &buffers.taken].into_iter().chain(&buffers.nodes[1..]);
+            let lists = lists.map(Buffer::as_entire_binding);
+            let lists = [buffers.bounds_of(index), buffers.heads_of(index)].into_iter().chain(lists).collect();
+            prepared.primitives.push(bind(self.primitives(variant, buffers), lists));
         }
+        let views = layout.views.len();
+        // By view where one binding does not hold all, else all at once.
+        let bound: Vec<_> = match buffers.by_view {
+            true => (0..views).map(|view| (buffers.bounds_of(view), 1)).collect(),
+            false => vec![(buffers.bounds.as_entire_binding(), views as u32)],
+        };
         for level in 1..layout.levels() {
-            let made = MipmapLevel { level: level as u32, views: layout.views.len() as u32, padding: [0; 2] };
-            let made = uniform("level", bytemuck::bytes_of(&made))?;
-            let resources = [&grid, &made, &buffers.bounds].map(|buffer| buffer.as_entire_binding());
-            let bindings = bind_group(gpu, &self.mipmap.get_bind_group_layout(0), &resources);
             let [across, down] = layout.level_tiles(level);
-            prepared.mipmaps.push((bindings, across * down * layout.views.len() as u32));
+            let made = MipmapLevel { level: level as u32, views: bound[0].1, padding: [0; 2] };
+            let made = uniform("level", bytemuck::bytes_of(&made))?;
+            for (bounds, views) in &bound {
+                let resources = [grid.as_entire_binding(), made.as_entire_binding(), bounds.clone()];
+                let bindings = bind_group(gpu, &self.mipmap.get_bind_group_layout(0), &resources);
+                prepared.mipmaps.push((bindings, across * down * views));
+            }
         }
         Ok(prepared)
     }
 
     fn primitives(&self, variant: usize, buffers: &Buffers) -> &RenderPipeline {
-        if buffers.is_split() { &self.primitives_split[variant] } else { &self.primitives[variant] }
+        if buffers.nodes.len() > 1 { &self.primitives_split[variant] } else { &self.primitives[variant] }
     }
 
     /// Records the whole build.
@@ -347,9 +406,9 @@ fn draw(
 }
 
 /// The views in the layout of the trace's uniform, unused ones zero.
-pub(crate) fn view_uniforms(layout: &Layout) -> [ViewUniform; crate::layout::MOST_VIEWS] {
+pub(crate) fn view_uniforms(layout: &Layout) -> [ViewUniform; MOST_VIEWS] {
     let mut all = bytemuck::Zeroable::zeroed();
-    let filled: &mut [ViewUniform; crate::layout::MOST_VIEWS] = &mut all;
+    let filled: &mut [ViewUniform; MOST_VIEWS] = &mut all;
     for (slot, view) in filled.iter_mut().zip(layout.uniforms()) {
         *slot = view;
     }

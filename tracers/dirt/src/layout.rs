@@ -12,6 +12,9 @@ const MOST_LEVELS: usize = 16;
 /// Views at most.
 pub(crate) const MOST_VIEWS: usize = 6;
 
+/// A view's part of a buffer may be bound on its own: parts begin at multiples of this, which every adapter allows.
+const PART_ALIGNMENT: u64 = 256;
+
 /// Near without a near plane, in far distances.
 const NO_NEAR: f64 = 1e-15;
 
@@ -51,12 +54,14 @@ pub struct TileGrid {
 pub struct FillPass {
     /// The view that is drawn, its size in tiles.
     pub view: ViewUniform,
-    /// Its number.
-    pub view_index: u32,
     /// 1: depths by the triangle's plane.
     pub by_plane: u32,
     /// Nothing.
-    pub padding: [u32; 2],
+    pub padding_a: u32,
+    /// Nothing.
+    pub padding_b: u32,
+    /// Nothing.
+    pub padding_c: u32,
 }
 
 /// `MipmapLevel` of shaders/dirt/mipmap.wgsl.
@@ -65,7 +70,7 @@ pub struct FillPass {
 pub struct MipmapLevel {
     /// The level to make, from 1.
     pub level: u32,
-    /// Number of views.
+    /// Number of views whose parts are bound.
     pub views: u32,
     /// Nothing.
     pub padding: [u32; 2],
@@ -145,8 +150,8 @@ impl Layout {
             tiles: self.tiles,
             levels: self.levels() as u32,
             buckets: self.buckets,
-            bounds_stride: offset,
-            heads_stride: (self.heads_bytes() / 4 / self.views.len().max(1) as u64) as u32,
+            bounds_stride: (self.bounds_part_bytes() / 8) as u32,
+            heads_stride: (self.heads_part_bytes() / 4) as u32,
             node_capacity,
             triangle_count,
             level_offsets,
@@ -166,20 +171,41 @@ impl Layout {
         self.views.iter().map(uniform).collect()
     }
 
-    /// Bytes of the depth bounds with their mipmaps.
-    pub(crate) fn bounds_bytes(&self) -> u64 {
-        u64::from(self.grid(0, 1, 0).bounds_stride) * self.views.len() as u64 * 8
+    /// Pairs of depth bounds of a view, all levels.
+    fn bounds_of_view(&self) -> u64 {
+        let of_level = |level| self.level_tiles(level).map(u64::from).iter().product::<u64>();
+        (0..self.levels()).map(of_level).sum()
+    }
+
+    /// Heads of a view.
+    pub(crate) fn heads_of_view(&self) -> u64 {
+        let [across, down] = self.tiles.map(u64::from);
+        across * down * u64::from(self.buckets)
+    }
+
+    /// Bytes of a view's part of the depth bounds, from its beginning to the next one's.
+    pub(crate) fn bounds_part_bytes(&self) -> u64 {
+        (self.bounds_of_view() * 8).next_multiple_of(PART_ALIGNMENT)
+    }
+
+    /// Bytes of a view's part of the heads, from its beginning to the next one's.
+    pub(crate) fn heads_part_bytes(&self) -> u64 {
+        (self.heads_of_view() * 4).next_multiple_of(PART_ALIGNMENT)
+    }
+
+    /// Bytes of the depth bounds with their mipmaps, allocated and used.
+    pub(crate) fn bounds_bytes(&self) -> [u64; 2] {
+        [self.bounds_part_bytes(), self.bounds_of_view() * 8].map(|bytes| bytes * self.views.len() as u64)
+    }
+
+    /// Bytes of the lists' heads, allocated and used.
+    pub(crate) fn heads_bytes(&self) -> [u64; 2] {
+        [self.heads_part_bytes(), self.heads_of_view() * 4].map(|bytes| bytes * self.views.len() as u64)
     }
 
     /// Bytes of the uniforms of a build, which are kept until it is done.
     pub(crate) fn build_uniform_bytes(&self) -> u64 {
         let levels = (self.levels() - 1) * size_of::<MipmapLevel>();
         (size_of::<TileGrid>() + self.views.len() * size_of::<FillPass>() + levels) as u64
-    }
-
-    /// Bytes of the lists' heads.
-    pub(crate) fn heads_bytes(&self) -> u64 {
-        let [across, down] = self.tiles.map(u64::from);
-        across * down * u64::from(self.buckets) * self.views.len() as u64 * 4
     }
 }

@@ -218,9 +218,10 @@ impl Structure for DirtStructure {
         let buffers = &self.buffers;
         let used = taken(&self.pipelines.gpu, buffers).map_or(0, |[nodes, _]| nodes).min(buffers.node_capacity);
         let mut used_bytes = u64::from(used) * NODE_BYTES;
-        for (name, buffer) in [(DEPTH_BOUNDS, &buffers.bounds), (HEADS, &buffers.heads), (NODE_COUNT, &buffers.taken)] {
-            ledger.keep(name, buffer.size(), buffer.size());
-        }
+        let ([_, bounds], [_, heads]) = (self.layout.bounds_bytes(), self.layout.heads_bytes());
+        ledger.keep(DEPTH_BOUNDS, buffers.bounds.size(), bounds);
+        ledger.keep(HEADS, buffers.heads.size(), heads);
+        ledger.keep(NODE_COUNT, buffers.taken.size(), buffers.taken.size());
         for (part, buffer) in buffers.nodes.iter().enumerate() {
             let of_part = used_bytes.min(buffer.size());
             ledger.keep(&nodes_name(part), buffer.size(), of_part);

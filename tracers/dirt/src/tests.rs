@@ -117,27 +117,32 @@ pub(crate) fn of_limit(bytes: u64) -> Arc<Gpu> {
     Arc::new(gpu)
 }
 
-/// Nodes in several buffers are stored and searched like nodes in one, and too many even for these are an error that says
-/// what to turn down.
+/// Nodes in several buffers, and depth bounds and heads that are bound by view, are stored and searched like those in one;
+/// too many nodes even for that are an error that says what to turn down.
 #[test]
-fn nodes_are_split_where_a_binding_does_not_hold_them() {
+fn what_a_binding_does_not_hold_is_split() {
     let whole = gpu();
     let geometry = soup(&hostile(), Some(&whole));
     let settings = [("tile_size", "2")];
     let together = built(&whole, &geometry, &settings);
     assert!(!together.buffers.is_split());
     let bytes = together.buffers.node_bytes();
-    let small = of_limit((bytes / 3).max(together.layout.heads_bytes()) / 8 * 8);
-    let geometry = soup(&hostile(), Some(&small));
-    let split = built(&small, &geometry, &settings);
-    assert!(split.buffers.is_split());
-    split.check().unwrap();
+    let layout = &together.layout;
     let mut numbers = Numbers::new(4);
     let rays: Vec<Ray> = (0..600).map(|_| ray(numbers.point() * 5.0, numbers.direction())).collect();
     let hits = answer(&whole, &together, &rays);
-    assert_eq!(hits, answer(&small, &split, &rays));
     assert!(hits.iter().filter(|hit| hit.is_hit()).count() > 100);
-    let tiny = of_limit(together.layout.heads_bytes());
+    let [heads, _] = layout.heads_bytes();
+    for (limit, by_view) in [((bytes / 3).max(heads), false), ((bytes / 7).max(layout.heads_part_bytes()), true)] {
+        let small = of_limit(limit / 8 * 8);
+        let geometry = soup(&hostile(), Some(&small));
+        let split = built(&small, &geometry, &settings);
+        assert!(split.buffers.is_split() && split.buffers.by_view == by_view, "{limit} of {bytes}, {heads}");
+        split.check().unwrap();
+        assert_eq!(hits, answer(&small, &split, &rays));
+        assert_eq!(hits, answer_by(&small, &split, &rays, &[("centre_rays", "split")]), "splitting rays loses some");
+    }
+    let tiny = of_limit(layout.heads_part_bytes());
     let tracer = Dirt::new(Arc::clone(&tiny)).unwrap();
     let geometry = soup(&hostile().repeat(40), Some(&tiny));
     let refused =
@@ -282,7 +287,8 @@ fn a_spoilt_structure_is_noticed() {
     let heads: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&structure.buffers.heads, 16_000).unwrap());
     let list = heads.iter().position(|head| *head > 2).unwrap() as u64;
     let node = u64::from(heads[list as usize] - 1);
-    let bounds_bytes = structure.layout.bounds_bytes();
+    let grid = structure.layout.grid(0, 1, 0);
+    let top = u64::from(5 * grid.bounds_stride + grid.level_offsets[structure.layout.levels() - 1]);
     let buffers = &structure.buffers;
     for (name, buffer, offset, value) in [
         ("another triangle", &buffers.nodes[0], node * 8 + 4, 7_u32),
@@ -290,7 +296,7 @@ fn a_spoilt_structure_is_noticed() {
         ("nowhere", &buffers.nodes[0], node * 8, 1 << 30),
         ("a circle", &buffers.nodes[0], node * 8, node as u32 + 1),
         ("a far bound", &buffers.bounds, 4, 0.2_f32.to_bits()),
-        ("the top", &buffers.bounds, bounds_bytes - 4, 9e9_f32.to_bits()),
+        ("the top", &buffers.bounds, top * 8 + 4, 9e9_f32.to_bits()),
     ] {
         let before = gpu.read(buffer, offset + 4).unwrap()[offset as usize..].to_vec();
         assert_ne!(before, value.to_le_bytes(), "{name} spoils nothing");

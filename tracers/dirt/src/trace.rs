@@ -2,9 +2,9 @@
 
 use tracebench_api::wgpu::{Buffer, BufferUsages};
 use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, Query, TraceJob, TracerError};
-use tracebench_kit::{bind_group, dispatch_linear};
+use tracebench_kit::{bind_group, dispatch_linear_groups};
 
-use crate::build::{NODE_PARTS, TraceKind, view_uniforms};
+use crate::build::{TraceKind, view_uniforms};
 use crate::fetch::lost;
 use crate::layout::TraceSettings;
 use crate::structure::DirtStructure;
@@ -52,29 +52,30 @@ impl DirtStructure {
             _ => TraceKind::Whole,
         };
         let pipeline = self.pipelines.trace(kind, counting.is_some());
-        // A variant for several buffers takes one in the place of all.
-        let further = match (kind, self.buffers.is_split()) {
-            (TraceKind::Centres, false) => [&self.buffers.nodes[0]; NODE_PARTS as usize - 1].to_vec(),
-            _ => self.buffers.nodes[1..].iter().collect(),
+        let (bounds, heads) = match kind {
+            TraceKind::Whole => (self.buffers.bounds.as_entire_binding(), self.buffers.heads.as_entire_binding()),
+            TraceKind::Split | TraceKind::Centres => (self.buffers.bounds_of(0), self.buffers.heads_of(0)),
         };
-        let buffers = [
-            &uniform("grid", bytemuck::bytes_of(&grid))?,
-            &uniform("search", bytemuck::bytes_of(&search))?,
-            &uniform("views", bytemuck::bytes_of(&view_uniforms(&self.layout)))?,
-            &self.geometry.surfaces.device.positions,
-            &self.geometry.surfaces.device.indices,
-            &self.buffers.bounds,
-            &self.buffers.heads,
-            &self.buffers.nodes[0],
-            job.rays.on_device()?,
-            hits.on_device(job.rays.host.len())?,
+        let [grid, search_settings, views] = [
+            uniform("grid", bytemuck::bytes_of(&grid))?,
+            uniform("search", bytemuck::bytes_of(&search))?,
+            uniform("views", bytemuck::bytes_of(&view_uniforms(&self.layout)))?,
         ];
-        let more = counting.map(|counting| [&counting.counts, &counting.touched]);
-        let all = buffers.into_iter().chain(more.into_iter().flatten()).chain(further);
-        let resources: Vec<_> = all.map(|buffer| buffer.as_entire_binding()).collect();
-        let bindings = bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources);
+        let geometry = &self.geometry.surfaces.device;
+        let shared = [&grid, &search_settings, &views, &geometry.positions, &geometry.indices];
+        let answered = [&self.buffers.nodes[0], job.rays.on_device()?, hits.on_device(job.rays.host.len())?];
+        let counted = counting.map(|counting| [&counting.counts, &counting.touched]);
+        let resources: Vec<_> = (shared.into_iter().map(Buffer::as_entire_binding))
+            .chain([bounds, heads])
+            .chain(answered.into_iter().chain(counted.into_iter().flatten()).map(Buffer::as_entire_binding))
+            .collect();
+        let mut bindings = vec![bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources)];
+        if kind != TraceKind::Whole {
+            bindings.push(bind_group(gpu, &pipeline.get_bind_group_layout(1), &self.buffers.further_parts()));
+        }
+        let bindings: Vec<_> = bindings.iter().collect();
         clock.device_phase("trace", |encoder| {
-            dispatch_linear(encoder, pipeline, &bindings, search.ray_count, WORKGROUP_SIZE);
+            dispatch_linear_groups(encoder, pipeline, &bindings, search.ray_count, WORKGROUP_SIZE);
         })?;
         self.record_surfaces(job, hits, clock)
     }

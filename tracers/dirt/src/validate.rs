@@ -70,11 +70,19 @@ impl DirtStructure {
             return Err(wrong(format!("{nodes} nodes were needed, there is room for {}", self.buffers.node_capacity)));
         }
         Ok(ReadBack {
-            codes: bytemuck::pod_collect_to_vec(&gpu.read(&self.buffers.bounds, self.layout.bounds_bytes())?),
-            heads: bytemuck::pod_collect_to_vec(&gpu.read(&self.buffers.heads, self.layout.heads_bytes())?),
+            codes: bytemuck::pod_collect_to_vec(&gpu.read(&self.buffers.bounds, self.buffers.bounds.size())?),
+            heads: self.read_heads()?,
             nodes: self.read_nodes(nodes as usize)?,
             parts,
         })
+    }
+
+    /// The heads of every view, without what lies between views.
+    fn read_heads(&self) -> Result<Vec<u32>, TracerError> {
+        let all: Vec<u32> =
+            bytemuck::pod_collect_to_vec(&self.pipelines.gpu.read(&self.buffers.heads, self.buffers.heads.size())?);
+        let parts = all.chunks(self.layout.heads_part_bytes() as usize / 4);
+        Ok(parts.flat_map(|part| &part[..self.layout.heads_of_view() as usize]).copied().collect())
     }
 
     fn read_nodes(&self, count: usize) -> Result<Vec<[u32; 2]>, TracerError> {

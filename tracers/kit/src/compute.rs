@@ -85,10 +85,23 @@ pub fn dispatch_linear(
     invocations: u32,
     workgroup_size: u32,
 ) {
+    dispatch_linear_groups(encoder, pipeline, &[bindings], invocations, workgroup_size);
+}
+
+/// The same with several bind groups, from group 0 on.
+pub fn dispatch_linear_groups(
+    encoder: &mut wgpu::CommandEncoder,
+    pipeline: &wgpu::ComputePipeline,
+    bindings: &[&wgpu::BindGroup],
+    invocations: u32,
+    workgroup_size: u32,
+) {
     let [across, down] = fold(invocations.div_ceil(workgroup_size));
     let mut pass = encoder.begin_compute_pass(&Default::default());
     pass.set_pipeline(pipeline);
-    pass.set_bind_group(0, bindings, &[]);
+    for (group, bindings) in (0..).zip(bindings) {
+        pass.set_bind_group(group, *bindings, &[]);
+    }
     pass.dispatch_workgroups(across, down, 1);
 }
 

@@ -13,7 +13,8 @@ mod view_uniform;
 
 pub use clip::{TileBounds, clipped_depths, clipped_polygon, eye_space, touched_tiles};
 pub use compute::{
-    bind_group, bind_group_at, compute_pipeline, dispatch_linear, shader_module, shader_module_testing_early,
+    bind_group, bind_group_at, compute_pipeline, dispatch_linear, dispatch_linear_groups, shader_module,
+    shader_module_testing_early,
 };
 pub use eye_depth::{EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
 pub use gather::{Gather, GatherSettings, SurfaceGeometry};

@@ -1,0 +1,72 @@
+//! `explain`.
+
+use clap::Args;
+
+use super::arguments::{Matter, WorkArguments};
+use super::output::print;
+use super::run::{Work, say_skipped};
+use super::{CliError, names};
+use crate::explain::{self, LADDERS};
+use crate::plan::TracerRequest;
+use crate::progress::Progress;
+use crate::report;
+use crate::truth::Cache;
+
+#[derive(Args)]
+pub(super) struct ExplainArguments {
+    /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. `all`: every listed one.
+    #[arg(long, default_value = "all")]
+    scene: String,
+    /// The tracer, NAME or NAME:PRESET: one whose weaknesses can be taken away.
+    #[arg(long, default_value = "dirt")]
+    tracer: String,
+    /// Ray sets: names from `list rays` with commas, or all.
+    #[arg(long, default_value = "all")]
+    rays: String,
+    #[command(flatten)]
+    work: WorkArguments,
+}
+
+impl ExplainArguments {
+    fn request(&self) -> Result<TracerRequest, CliError> {
+        let tracers = names::tracers(&self.tracer, &self.work.common.settings)?;
+        match tracers.as_slice() {
+            [one] => Ok(TracerRequest { required: true, ..one.clone() }),
+            _ => Err(CliError::Argument("explain takes one tracer".to_owned())),
+        }
+    }
+
+    fn matter(&self) -> Result<Matter, CliError> {
+        Ok(Matter {
+            scenes: names::scenes(&self.scene)?,
+            tracers: vec![self.request()?],
+            ray_sets: names::ray_sets(&self.rays)?,
+            table: None,
+        })
+    }
+}
+
+pub(super) fn explain(arguments: &ExplainArguments, progress: &Progress) -> Result<(), CliError> {
+    let request = arguments.request()?;
+    let ladder = explain::ladder_of(request.name()).ok_or_else(|| {
+        let known: Vec<_> = LADDERS.iter().map(|ladder| ladder.tracer).collect();
+        CliError::Argument(format!(
+            "--tracer: {} has no ladder of causes; there is one of: {}",
+            request.name(),
+            known.join(", ")
+        ))
+    })?;
+    if arguments.work.samples.is_some() {
+        return Err(CliError::Argument("--samples: explain takes no times".to_owned()));
+    }
+    let work = Work::prepare(&arguments.work, || arguments.matter(), progress)?;
+    let found = explain::execute(&work.plan, &request, ladder, &work.device, &Cache::of_user(), progress)
+        .inspect_err(|_| work.out.abandon())?;
+    say_skipped(&found.skipped, progress);
+    let page = report::write_explanation(&found, &work.out.path)?;
+    print(&format!("{}\n{}\n", report::explanation_page(&found), page.display()))?;
+    match found.left() {
+        0 => Ok(()),
+        left => Err(CliError::Other(format!("{left} rays are wrong on the last rung: no known cause explains them"))),
+    }
+}
