@@ -30,7 +30,7 @@ pub use texels::ROW_BITS;
 use crate::input::{check_fits, gather, scale_for};
 use layout::Tree;
 use resident::Resident;
-use search::Searches;
+use search::{Searched, Searches};
 
 /// The tracer.
 pub struct BvhGpu {
@@ -73,6 +73,10 @@ impl Tracer for BvhGpu {
 }
 
 impl BvhGpuStructure {
+    fn searched(&self) -> Searched<'_> {
+        Searched { resident: &self.resident, geometry: &self.geometry, scale: self.scale }
+    }
+
     /// Builds, into the textures of `there` where these are large enough.
     fn build(
         searches: &Arc<Searches>,
@@ -156,11 +160,11 @@ impl Structure for BvhGpuStructure {
     }
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        self.searches.record(&self.resident, &self.geometry, self.scale, &job, hits, None, clock)
+        self.searches.record(self.searched(), &job, hits, None, clock)
     }
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        self.searches.count(&self.resident, &self.geometry, self.scale, &job, hits)
+        self.searches.count(self.searched(), &job, hits)
     }
 
     fn memory(&self) -> MemoryReport {

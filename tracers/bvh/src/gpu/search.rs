@@ -121,6 +121,17 @@ impl Kernels {
     }
 }
 
+/// What is searched.
+#[derive(Clone, Copy)]
+pub(crate) struct Searched<'a> {
+    /// The hierarchy.
+    pub(crate) resident: &'a Resident,
+    /// Where surfaces are gathered from.
+    pub(crate) geometry: &'a SurfaceGeometry,
+    /// From scene units to those of the hierarchy, a power of two.
+    pub(crate) scale: f32,
+}
+
 /// The device with every variant.
 pub(crate) struct Searches {
     pub(crate) gpu: Arc<Gpu>,
@@ -141,14 +152,13 @@ impl Searches {
     /// Records a trace; with `counts` (two u32 a ray) by a counting variant. Surfaces are gathered after it.
     pub(crate) fn record(
         &self,
-        resident: &Resident,
-        geometry: &SurfaceGeometry,
-        scale: f32,
+        searched: Searched<'_>,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
         counts: Option<&Buffer>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
+        let Searched { resident, geometry, scale } = searched;
         let gpu = &*self.gpu;
         let kernels = match resident.kind {
             NodeKind::Wide => &self.wide,
@@ -189,9 +199,7 @@ impl Searches {
     /// Traces by a counting variant.
     pub(crate) fn count(
         &self,
-        resident: &Resident,
-        geometry: &SurfaceGeometry,
-        scale: f32,
+        searched: Searched<'_>,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
     ) -> Result<Vec<Counter>, TracerError> {
@@ -200,7 +208,7 @@ impl Searches {
         gpu.check_storage_binding("counts", bytes, "--size")?;
         let counts = gpu.buffer("counts", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?;
         let mut clock = PhaseClock::new(Some(gpu));
-        self.record(resident, geometry, scale, job, hits, Some(&counts), &mut clock)?;
+        self.record(searched, job, hits, Some(&counts), &mut clock)?;
         clock.finish()?;
         let counts: Vec<[u32; 2]> = bytemuck::pod_collect_to_vec(&gpu.read(&counts, bytes)?);
         let counts = &counts[..job.rays.host.len()];

@@ -45,7 +45,7 @@ pub use kernels::{BuildSettings, ClusterIteration, ConversionLevel, RefitStage};
 
 use crate::gpu::layout::{DeviceTriangle, NodeKind, Tree};
 use crate::gpu::resident::Resident;
-use crate::gpu::search::{Searches, private_stack, trace_memory};
+use crate::gpu::search::{Searched, Searches, private_stack, trace_memory};
 use crate::input::{check_fits, scale_for};
 use kernels::{CROWDED, FINISHED, Kernels, LEVELS, TAKEN_SLOTS};
 use plan::Plan;
@@ -93,6 +93,10 @@ impl Tracer for LbvhGpu {
 }
 
 impl LbvhStructure {
+    fn searched(&self) -> Searched<'_> {
+        Searched { resident: &self.resident, geometry: &self.geometry, scale: self.scale }
+    }
+
     /// Builds, in the buffers of `there` where these are large enough.
     fn build(
         kernels: &Arc<Kernels>,
@@ -185,12 +189,12 @@ impl Structure for LbvhStructure {
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
         let job = TraceJob { parameters: &self.parameters(&job)?, ..job };
-        self.searches.record(&self.resident, &self.geometry, self.scale, &job, hits, None, clock)
+        self.searches.record(self.searched(), &job, hits, None, clock)
     }
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let job = TraceJob { parameters: &self.parameters(&job)?, ..job };
-        self.searches.count(&self.resident, &self.geometry, self.scale, &job, hits)
+        self.searches.count(self.searched(), &job, hits)
     }
 
     fn memory(&self) -> MemoryReport {
