@@ -5,6 +5,7 @@
 
 mod common;
 
+use tracebench_api::EndPoint;
 use tracebench_harness::peers::{self, Table};
 use tracebench_harness::plan::{Plan, RunPreset, SceneSource, TracerRequest, ViewRequest};
 use tracebench_harness::rays::{RAY_SETS, default_parameters};
@@ -24,6 +25,7 @@ fn plan(preset: RunPreset) -> Result<Plan, common::Failure> {
         view: ViewRequest::Default,
         time_s: 0.0,
         seed: 1,
+        end: EndPoint::Hit,
         table: Some(table.name),
     })
 }

@@ -5,7 +5,7 @@
 
 mod common;
 
-use tracebench_api::Preset;
+use tracebench_api::{EndPoint, Preset};
 use tracebench_harness::plan::{Plan, RunPreset, SceneSource, TracerRequest, ViewRequest};
 use tracebench_harness::rays::{RAY_SETS, default_parameters};
 use tracebench_harness::registry::TRACERS;
@@ -24,6 +24,7 @@ fn plan(preset: RunPreset) -> Result<Plan, common::Failure> {
         view: ViewRequest::Default,
         time_s: 0.0,
         seed: 1,
+        end: EndPoint::Hit,
         table: None,
     })
 }

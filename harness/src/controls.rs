@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use glam::Vec3;
 use tracebench_api::{
-    Counter, Description, Geometry, Hit, HitBuffer, MemoryReport, NO_PRIMITIVE, Parameters, PhaseClock, Ray, Residency,
-    Status, Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
+    Counter, Description, EndPoint, Geometry, Hit, HitBuffer, MemoryReport, NO_PRIMITIVE, Parameters, PhaseClock, Ray,
+    Residency, Status, Structure, Surface, SurfaceStatus, TraceJob, Tracer, TracerError, Update, Viewpoint,
 };
 
-use crate::results::{AnyJudgement, Classes, ClosestJudgement, Judgement};
-use crate::truth::Answer;
+use crate::results::{AnyJudgement, Classes, ClosestJudgement, Judgement, SurfaceJudgement};
+use crate::truth::{Answer, Ray64};
 
 /// A control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +49,7 @@ impl Control {
 
     /// As a tracer, with the truth of every ray set that it will be given.
     pub fn tracer(self, known: KnownAnswers, diagonal: f64) -> Box<dyn Tracer> {
-        Box::new(Answering { control: self, known: Arc::new(known), diagonal })
+        Box::new(Answering { control: self, known: Arc::new(known), diagonal, geometry: None })
     }
 
     /// Checks what the judge made of the control. `occluded` and `free` are the numbers of rays, without ties, that
@@ -66,6 +67,30 @@ impl Control {
         }
         let name = self.description().name;
         Err(format!("control '{name}' scored what it must not over {occluded} hits and {free} misses: {judgement:?}"))
+    }
+
+    /// Checks what the judge made of the control's surfaces, as [`Control::check`] does of its hits.
+    ///
+    /// # Errors
+    /// What the control scored wrongly; the run is void then.
+    pub fn check_surfaces(self, judgement: &SurfaceJudgement, occluded: u64, free: u64) -> Result<(), String> {
+        let SurfaceJudgement { judged, lost, agreement, material, normal, position, .. } = judgement;
+        let all_right = (occluded > 0).then_some(1.0);
+        let passed = match self {
+            Self::Oracle => {
+                *judged == occluded
+                    && *lost == 0
+                    && [*agreement, *material, *position] == [all_right; 3]
+                    && normal.is_none_or(|share| share == 1.0)
+            }
+            Self::AlwaysMiss => *judged + *lost == 0 && agreement.is_none(),
+            Self::AlwaysHit => *lost == occluded + free && agreement.is_none_or(|share| share == 0.0),
+        };
+        if passed {
+            return Ok(());
+        }
+        let name = self.description().name;
+        Err(format!("control '{name}' has surfaces that it must not have over {occluded} hits: {judgement:?}"))
     }
 
     fn passes_closest(self, judgement: &ClosestJudgement, occluded: u64, free: u64) -> bool {
@@ -117,18 +142,20 @@ struct Answering {
     control: Control,
     known: Arc<KnownAnswers>,
     diagonal: f64,
+    /// The scene; none before the build.
+    geometry: Option<Geometry>,
 }
 
 impl Tracer for Answering {
     fn build(
         &self,
-        _geometry: &Geometry,
+        geometry: &Geometry,
         _viewpoint: &Viewpoint,
         _parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Box<dyn Structure>, TracerError> {
         clock.host_phase("nothing", || ());
-        Ok(Box::new(self.clone()))
+        Ok(Box::new(Self { geometry: Some(geometry.clone()), ..self.clone() }))
     }
 }
 
@@ -139,6 +166,25 @@ impl Answering {
             (Control::AlwaysMiss, _) | (Control::Oracle, None) => Hit::miss(Status::Miss),
             (Control::Oracle, Some(truth)) => hit(truth.t as f32, truth.primitive),
             (Control::AlwaysHit, _) => hit(ray.t_max.min((self.diagonal / 2.0) as f32), NO_PRIMITIVE),
+        }
+    }
+}
+
+impl Answering {
+    /// The surface that goes with an answer: the oracle's is computed in f64, the others know none.
+    fn surface(&self, ray: &Ray, truth: &Answer, hit: &Hit) -> Surface {
+        match (self.control, truth.hit, &self.geometry) {
+            _ if !hit.is_hit() => Surface::none(SurfaceStatus::NoHit),
+            (Control::Oracle, Some(truth), Some(geometry)) => {
+                let [a, b, c] = geometry.corners(truth.primitive).map(Vec3::as_dvec3);
+                Surface {
+                    position: Ray64::from(ray).at(truth.t).as_vec3().into(),
+                    material: geometry.triangle_materials[truth.primitive as usize],
+                    normal: (b - a).cross(c - a).normalize_or_zero().as_vec3().into(),
+                    status: SurfaceStatus::Written as u32,
+                }
+            }
+            _ => Surface::none(SurfaceStatus::Lost),
         }
     }
 }
@@ -159,12 +205,20 @@ impl Structure for Answering {
         let known = self.known.iter().find(|(rays, _)| Arc::ptr_eq(rays, &job.rays.host));
         let (rays, answers) =
             known.ok_or_else(|| TracerError::Failed("a control was given rays that it does not know".to_owned()))?;
-        let hits = hits.host_mut(rays.len())?;
+        let of_hits = hits.host_mut(rays.len())?;
         clock.host_phase("answer", || {
-            for ((hit, ray), truth) in hits.iter_mut().zip(rays.iter()).zip(answers.iter()) {
+            for ((hit, ray), truth) in of_hits.iter_mut().zip(rays.iter()).zip(answers.iter()) {
                 *hit = self.answer(ray, truth);
             }
         });
+        if job.end == EndPoint::Surface {
+            let (hits, surfaces) = hits.host_surfaces_mut(rays.len())?;
+            clock.host_phase("answer", || {
+                for (index, surface) in surfaces.iter_mut().enumerate() {
+                    *surface = self.surface(&rays[index], &answers[index], &hits[index]);
+                }
+            });
+        }
         Ok(())
     }
 

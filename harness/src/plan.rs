@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use tracebench_api::{ParameterError, Parameters, Preset};
+use tracebench_api::{EndPoint, ParameterError, Parameters, Preset};
 
 use crate::rays::RaySet;
 use crate::registry::Registration;
@@ -145,6 +145,8 @@ pub struct Plan {
     pub time_s: f64,
     /// Seed of the ray sets.
     pub seed: u64,
+    /// How far traces go.
+    pub end: EndPoint,
     /// Name of the table that the run is made for, if it is made for one.
     pub table: Option<&'static str>,
 }

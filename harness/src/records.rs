@@ -3,14 +3,15 @@
 use std::collections::BTreeMap;
 
 use tracebench_api::{
-    ClockKind, Counter, Description, EndPoint, Hit, MemoryReport, Parameters, Ray, Residency, Status, Timing, Value,
+    ClockKind, Counter, Description, EndPoint, Hit, HitBuffer, MemoryEntry, MemoryReport, Parameters, Residency,
+    Status, Timing, Value,
 };
 use tracebench_scenes::{Origin, Scene};
 
 use crate::plan::{Plan, TracerRequest};
 use crate::results::{
-    BuildRecord, CounterRecord, Judgement, MemoryRecord, PhaseRecord, SceneRecord, Times, TraceRecord, TracerRecord,
-    ViewpointRecord,
+    BuildRecord, CounterRecord, Judgement, MemoryRecord, PhaseRecord, SceneRecord, SurfaceJudgement, Times,
+    TraceRecord, TracerRecord, ViewpointRecord,
 };
 use crate::session::{Contender, PreparedRays, Session};
 use crate::statistics::{median, median_interval};
@@ -35,34 +36,56 @@ pub(crate) struct Traced<'a> {
     pub hits: &'a [Hit],
     /// The counts.
     pub counters: &'a [Counter],
-    /// Bytes beside rays and hits.
-    pub scratch_bytes: u64,
+    /// The trace's own buffers.
+    pub trace_memory: Vec<MemoryEntry>,
+    /// How far they went.
+    pub end: EndPoint,
     /// The verdict.
     pub judgement: Judgement,
+    /// The verdict on surfaces.
+    pub surfaces: Option<SurfaceJudgement>,
 }
 
 pub(crate) fn trace_record(traced: Traced<'_>) -> TraceRecord {
-    let Traced { rays, timings, hits, counters, scratch_bytes, judgement } = traced;
+    let Traced { rays, timings, hits, counters, trace_memory, end, judgement, surfaces } = traced;
     let times = times(timings);
     let mut statuses = BTreeMap::new();
     for hit in hits {
         let name = Status::from_code(hit.status).unwrap_or(Status::Unwritten).name();
         *statuses.entry(name.to_owned()).or_insert(0) += 1;
     }
+    let per_trace = by_name(HitBuffer::memory(end, hits.len()).into_iter().chain(trace_memory));
     TraceRecord {
         rays: rays.set.name.to_owned(),
         rays_sha256: rays.sha256.clone(),
         query: rays.set.query,
         count: hits.len() as u64,
-        end: EndPoint::Hit,
+        end,
+        per_trace_bytes: per_trace.iter().map(|entry| entry.allocated_bytes).sum(),
+        per_trace,
         mrays_per_s: hits.len() as f64 / times.median_ms.max(LEAST_MS) / 1e3,
         times,
-        per_trace_bytes: (hits.len() * (size_of::<Ray>() + size_of::<Hit>())) as u64 + scratch_bytes,
         hits_sha256: crate::hash::sha256_of(hits),
         counters: counters.iter().map(|counter| counter_record(counter, hits.len())).collect(),
         statuses,
         judgement,
+        surfaces,
     }
+}
+
+/// Parts of the same name as one, in the order of their first.
+fn by_name(parts: impl IntoIterator<Item = MemoryEntry>) -> Vec<MemoryEntry> {
+    let mut joined: Vec<MemoryEntry> = Vec::new();
+    for part in parts {
+        match joined.iter_mut().find(|known| known.name == part.name) {
+            Some(known) => {
+                known.allocated_bytes += part.allocated_bytes;
+                known.used_bytes += part.used_bytes;
+            }
+            None => joined.push(part),
+        }
+    }
+    joined
 }
 
 fn times(timings: &[Timing]) -> Times {
@@ -95,11 +118,12 @@ pub(crate) fn build_record(timings: &[Timing], setup_ms: f64) -> BuildRecord {
     BuildRecord { times: times(timings), setup_ms }
 }
 
-pub(crate) fn memory_record(memory: MemoryReport) -> MemoryRecord {
+/// Memory of a structure that is traced to an end.
+pub(crate) fn memory_record(memory: MemoryReport, end: EndPoint) -> MemoryRecord {
     MemoryRecord {
         structure_bytes: memory.structure_bytes(),
+        geometry_bytes: memory.geometry_bytes_to(end),
         structure: memory.structure,
-        geometry_bytes: memory.geometry_bytes,
         build_peak_bytes: memory.build_peak_bytes,
     }
 }

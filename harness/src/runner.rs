@@ -3,7 +3,7 @@
 mod race;
 
 use tracebench_api::{Geometry, RayBuffer, TracerError};
-use tracebench_scenes::{Camera, Material, Scene, SceneError};
+use tracebench_scenes::{Camera, Material, Mesh, Scene, SceneError};
 
 use crate::machine;
 use crate::plan::{Plan, Resolution, SceneSource, TracerRequest, ViewRequest};
@@ -148,7 +148,8 @@ pub fn prepare(
     progress.say("  ground truth");
     let mirrors: Vec<bool> = scene.mesh.materials.iter().map(Material::is_mirror).collect();
     let mirrors: Vec<bool> = scene.mesh.triangle_materials.iter().map(|material| mirrors[*material as usize]).collect();
-    let geometry = Geometry::new(scene.mesh.positions, scene.mesh.triangles, gpu.map(AsRef::as_ref))?;
+    let Mesh { positions, triangles, triangle_materials, .. } = scene.mesh;
+    let geometry = Geometry::with_materials(positions, triangles, triangle_materials, gpu.map(AsRef::as_ref))?;
     let truth = Truth::new(&geometry, &scene.sha256);
     let pose = choose_pose(&plan.view, &scene.name, &scene.cameras, &truth)?;
     let viewpoint = pose.viewpoint(&geometry, plan.preset.frame, plan.preset.face);
@@ -161,7 +162,7 @@ pub fn prepare(
         mirrors: &mirrors,
     };
     let session = Session::new(&scene.name, truth, viewpoint, request, gpu.cloned(), cache, progress)?;
-    Ok(LoadedScene { record, pose, session })
+    Ok(LoadedScene { record, pose, session: session.ending_at(plan.end) })
 }
 
 /// Runs everything.
@@ -345,11 +346,12 @@ pub(crate) fn tracer_run(
     if let Some(Resolution { frame, face }) = entry.request.as_ref().and_then(|request| request.resolution) {
         (viewpoint.frame, viewpoint.face) = (frame, face);
     }
+    let end = entry.traces.first().map(|trace| trace.end).unwrap_or_default();
     Ok(TracerRun {
         scene: scene.clone(),
         viewpoint,
         tracer: entry.record(),
-        memory: records::memory_record(entry.contender.structure()?.memory()),
+        memory: records::memory_record(entry.contender.structure()?.memory(), end),
         structure_statistics: entry.statistics,
         build: records::build_record(&entry.builds, entry.contender.setup_ms),
         traces: entry.traces,

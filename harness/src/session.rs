@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use tracebench_api::{
-    Description, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Query, Ray, RayBuffer, Structure,
-    Timing, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
+    Description, EndPoint, Geometry, Gpu, Hit, HitBuffer, MemoryEntry, Parameters, PhaseClock, Query, Ray, RayBuffer,
+    Structure, Surface, Timing, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_scenes::CameraPath;
 
@@ -13,7 +13,7 @@ use crate::controls::{Control, KnownAnswers};
 use crate::judge::{Class, Judge, JudgeError, Rule};
 use crate::progress::Progress;
 use crate::rays::{self, RayError, RayScene, RaySet, Starts};
-use crate::results::{Judgement, Skipped};
+use crate::results::{Judgement, Skipped, SurfaceJudgement};
 use crate::truth::{Answer, Cache, Truth, TruthError};
 
 /// Why a scene could not be measured.
@@ -167,6 +167,7 @@ pub struct Session {
     gpu: Option<Arc<Gpu>>,
     truth: Truth,
     viewpoint: Viewpoint,
+    end: EndPoint,
     /// The ray sets that are not empty.
     pub rays: Vec<PreparedRays>,
     /// The ray sets that are, with the reason.
@@ -241,7 +242,7 @@ impl Session {
             };
             prepared.push(PreparedRays::new(*set, made, answers, gpu.as_deref()));
         }
-        Ok(Self { gpu, truth, viewpoint, rays: prepared, skipped })
+        Ok(Self { gpu, truth, viewpoint, end: EndPoint::Hit, rays: prepared, skipped })
     }
 
     /// Takes rays that were made elsewhere, uploads them and tells their truth.
@@ -258,7 +259,18 @@ impl Session {
         let rays = Arc::new(rays);
         let answers = Arc::new(truth.answer(&rays, set.query, &Cache::none(), &Progress::new(true))?);
         let rays = vec![PreparedRays::new(set, rays, answers, gpu.as_deref())];
-        Ok(Self { gpu, truth, viewpoint, rays, skipped: Vec::new() })
+        Ok(Self { gpu, truth, viewpoint, end: EndPoint::Hit, rays, skipped: Vec::new() })
+    }
+
+    /// The same session with traces to another end than hits.
+    #[must_use]
+    pub fn ending_at(self, end: EndPoint) -> Self {
+        Self { end, ..self }
+    }
+
+    /// How far traces go.
+    pub fn end(&self) -> EndPoint {
+        self.end
     }
 
     /// The scene's triangles.
@@ -311,7 +323,7 @@ impl Session {
     /// # Errors
     /// [`TracerError::TooLarge`] if the device cannot hold them.
     pub fn hit_buffer(&self, contender: &Contender, rays: &PreparedRays) -> Result<HitBuffer, TracerError> {
-        HitBuffer::new(rays.buffer.host.len(), contender.description.residency, self.gpu())
+        HitBuffer::for_end(self.end, rays.buffer.host.len(), contender.description.residency, self.gpu())
     }
 
     /// Poisons the hits, traces once and gives the time.
@@ -326,31 +338,47 @@ impl Session {
     ) -> Result<Timing, TracerError> {
         hits.poison(self.gpu())?;
         let mut clock = PhaseClock::new(self.gpu());
-        contender.structure()?.trace(job(contender, rays), hits, &mut clock)?;
+        contender.structure()?.trace(self.job(contender, rays), hits, &mut clock)?;
         clock.finish()
     }
 
-    /// Traces once by the counting variant, whose hits must be those of the timed one.
+    /// Traces once by the counting variant, whose hits and surfaces must be those of the timed one.
     ///
     /// # Errors
-    /// [`TracerError::Failed`] if the hits differ, or what the tracer says.
+    /// [`TracerError::Failed`] if they differ, or what the tracer says.
     pub fn count(
         &self,
         contender: &Contender,
         rays: &PreparedRays,
         timed: &[Hit],
+        surfaces: &[Surface],
     ) -> Result<Vec<tracebench_api::Counter>, TracerError> {
         let mut hits = self.hit_buffer(contender, rays)?;
         hits.poison(self.gpu())?;
-        let counters = contender.structure()?.trace_counted(job(contender, rays), &mut hits)?;
-        let counted = hits.read(self.gpu())?;
-        if bytemuck::cast_slice::<Hit, u8>(&counted) != bytemuck::cast_slice::<Hit, u8>(timed) {
+        let counters = contender.structure()?.trace_counted(self.job(contender, rays), &mut hits)?;
+        let (counted, of_counted) = (hits.read(self.gpu())?, hits.read_surfaces(self.gpu())?);
+        let same_hits = bytemuck::cast_slice::<Hit, u8>(&counted) == bytemuck::cast_slice::<Hit, u8>(timed);
+        let same_surfaces =
+            bytemuck::cast_slice::<Surface, u8>(&of_counted) == bytemuck::cast_slice::<Surface, u8>(surfaces);
+        if !same_hits || !same_surfaces {
             return Err(TracerError::Failed(format!(
-                "{} gives other hits to ray set {} when it counts than when it is timed",
+                "{} gives other hits or surfaces to ray set {} when it counts than when it is timed",
                 contender.description.name, rays.set.name
             )));
         }
         Ok(counters)
+    }
+
+    /// A trace's own buffers, by name.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] before the first build.
+    pub fn trace_memory(&self, contender: &Contender, rays: &PreparedRays) -> Result<Vec<MemoryEntry>, TracerError> {
+        Ok(contender.structure()?.trace_memory(self.job(contender, rays)))
+    }
+
+    fn job<'a>(&self, contender: &'a Contender, rays: &'a PreparedRays) -> TraceJob<'a> {
+        TraceJob { rays: &rays.buffer, end: self.end, parameters: &contender.parameters }
     }
 
     /// Judges a contender's answers.
@@ -360,6 +388,24 @@ impl Session {
     pub fn judge(&self, contender: &Contender, rays: &PreparedRays, hits: &[Hit]) -> Result<Judgement, SessionError> {
         let views = contender.structure()?.views();
         self.judge_of(contender, rays, &views).judge(hits).map_err(|error| no_answers(contender, rays, error))
+    }
+
+    /// Judges a contender's surfaces; nothing where traces do not go that far.
+    ///
+    /// # Errors
+    /// [`SessionError::Judge`] if they are not those of the hits.
+    pub fn judge_surfaces(
+        &self,
+        contender: &Contender,
+        rays: &PreparedRays,
+        hits: &[Hit],
+        surfaces: &[Surface],
+    ) -> Result<Option<SurfaceJudgement>, SessionError> {
+        if self.end == EndPoint::Hit {
+            return Ok(None);
+        }
+        let judged = self.judge_of(contender, rays, &[]).judge_surfaces(hits, surfaces);
+        judged.map(Some).map_err(|error| no_answers(contender, rays, error))
     }
 
     /// The class of every answer of a contender under a rule, `None` for ties, as [`Judge::classes`].
@@ -391,8 +437,4 @@ impl Session {
 
 fn no_answers(contender: &Contender, rays: &PreparedRays, error: JudgeError) -> SessionError {
     SessionError::Judge { tracer: contender.description.name.to_owned(), rays: rays.set.name.to_owned(), error }
-}
-
-fn job<'a>(contender: &'a Contender, rays: &'a PreparedRays) -> TraceJob<'a> {
-    TraceJob { rays: &rays.buffer, end: EndPoint::Hit, parameters: &contender.parameters }
 }

@@ -28,6 +28,11 @@ struct Settings {
 // A bit a pixel, row by row: looked at by any ray.
 @group(0) @binding(6) var<storage, read_write> pixels_touched: array<atomic<u32>>;
 #endif
+#ifdef SURFACES
+// The triangle seen at every pixel, and of every ray the one that it hit.
+@group(0) @binding(7) var primitives: texture_2d<u32>;
+@group(0) @binding(8) var<storage, read_write> seen: array<u32>;
+#endif
 
 const WORKGROUP_SIZE: u32 = 64u;
 
@@ -60,6 +65,12 @@ fn clip_to_view(span: vec2<f32>, origin: vec3<f32>, direction: vec3<f32>) -> vec
 struct Answer {
     hit: Hit,
     samples: u32,
+    // Where the view was met; of hits alone.
+    pixel: vec2<i32>,
+}
+
+fn no_hit(status: u32, samples: u32) -> Answer {
+    return Answer(miss(status), samples, vec2<i32>(0));
 }
 
 fn march(ray: Ray) -> Answer {
@@ -67,7 +78,7 @@ fn march(ray: Ray) -> Answer {
     let direction = direction_to_eye_space(view, ray.direction);
     let span = clip_to_view(vec2<f32>(ray.t_min, ray.t_max), origin, direction);
     if (!(span.x < span.y)) {
-        return Answer(miss(STATUS_LEFT_VIEWS), 0u);
+        return no_hit(STATUS_LEFT_VIEWS, 0u);
     }
     let begin = origin + span.x * direction;
     let end = origin + span.y * direction;
@@ -91,7 +102,7 @@ fn march(ray: Ray) -> Answer {
     var s = first;
     while (low < 1.0) {
         if (samples >= settings.max_steps) {
-            return Answer(miss(STATUS_STEP_CAP), samples);
+            return no_hit(STATUS_STEP_CAP, samples);
         }
         // The part of the ray up to half a step ahead; the last step takes what is left.
         let high = select(s + 0.5 * step, 1.0, (s + step > 1.0 || step == 1.0));
@@ -115,17 +126,17 @@ fn march(ray: Ray) -> Answer {
                 t = (stored - origin.z) / direction.z;
             }
             t = clamp(clamp(t, t_low, t_high), ray.t_min, ray.t_max);
-            return Answer(Hit(t, NO_PRIMITIVE, 0.0, 0.0, STATUS_HIT), samples);
+            return Answer(Hit(t, NO_PRIMITIVE, 0.0, 0.0, STATUS_HIT), samples, pixel);
         }
         behind_a_surface = behind_a_surface || (nearest > stored + settings.thickness);
         low = high;
         s = min(first + f32(samples) * step, 1.0);
     }
     if (behind_a_surface) {
-        return Answer(miss(STATUS_THICKNESS_REJECTED), samples);
+        return no_hit(STATUS_THICKNESS_REJECTED, samples);
     }
     let seen_whole = starts_inside && span.y >= ray.t_max;
-    return Answer(miss(select(STATUS_LEFT_VIEWS, STATUS_MISS, seen_whole)), samples);
+    return no_hit(select(STATUS_LEFT_VIEWS, STATUS_MISS, seen_whole), samples);
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
@@ -142,5 +153,8 @@ fn trace(
     hits[index] = answer.hit;
 #ifdef COUNTERS
     depth_samples[index] = answer.samples;
+#endif
+#ifdef SURFACES
+    seen[index] = textureLoad(primitives, answer.pixel, 0).x;
 #endif
 }

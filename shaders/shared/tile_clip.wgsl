@@ -107,9 +107,10 @@ fn polygon_range(frustum: TileFrustum, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>)
     var range = joined(joined(edge_range(frustum, a, b), edge_range(frustum, b, c)), edge_range(frustum, c, a));
     // Corner lines that pierce the triangle: three planes through the eye and its edges have them on the same side.
     let normal = cross(b - a, c - a);
-    let side_a = cross(b, c);
-    let side_b = cross(c, a);
-    let side_c = cross(a, b);
+    // Of the edges, not of their ends: what f32 loses is then small beside the triangle, however far away it is.
+    let side_a = cross(b, c - b);
+    let side_b = cross(c, a - c);
+    let side_c = cross(a, b - a);
     let least_z = min(min(a.z, b.z), c.z);
     let greatest_z = max(max(a.z, b.z), c.z);
     for (var corner = 0u; corner < 4u; corner++) {

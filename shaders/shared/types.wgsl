@@ -1,6 +1,6 @@
 #define_import_path tracebench::types
 
-// The layouts of tracebench-api's Ray and Hit; a test holds the offsets against the Rust structs.
+// The layouts of tracebench-api's Ray, Hit and Surface; a test holds the offsets against the Rust structs.
 
 struct Ray {
     origin: vec3<f32>,
@@ -25,6 +25,22 @@ const STATUS_MISS: u32 = 2u;
 const STATUS_LEFT_VIEWS: u32 = 3u;
 const STATUS_STEP_CAP: u32 = 4u;
 const STATUS_THICKNESS_REJECTED: u32 = 5u;
+
+struct Surface {
+    position: vec3<f32>,
+    material: u32,
+    normal: vec3<f32>,
+    status: u32,
+}
+
+// The codes of tracebench-api's SurfaceStatus.
+const SURFACE_WRITTEN: u32 = 1u;
+const SURFACE_NO_HIT: u32 = 2u;
+const SURFACE_LOST: u32 = 3u;
+
+fn no_surface(status: u32) -> Surface {
+    return Surface(vec3<f32>(0.0), 0u, vec3<f32>(0.0), status);
+}
 
 fn miss(status: u32) -> Hit {
     return Hit(0.0, NO_PRIMITIVE, 0.0, 0.0, status);

@@ -1,155 +1,25 @@
 //! One body for every tracer in the registry: what the contract promises, over tiny hostile scenes.
 
+mod hostile;
+
 use std::sync::Arc;
 
+use hostile::{Subject, scenes, subjects};
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency,
-    Status, Structure, TraceJob, Tracer, TracerError, Viewpoint,
+    Counter, Geometry, Hit, HitBuffer, PhaseClock, Query, Ray, RayBuffer, Residency, Status, Structure,
 };
-use tracebench_harness::registry::{Registration, TRACERS};
-use tracebench_tests::{Numbers, available, gpu, ray, rectangle, soup, viewpoint};
-
-/// A tracer under test.
-struct Subject {
-    name: &'static str,
-    residency: Residency,
-    names_primitives: bool,
-    parameters: Parameters,
-    tracer: Box<dyn Tracer>,
-    gpu: Arc<Gpu>,
-}
+use tracebench_harness::registry::TRACERS;
+use tracebench_tests::{Numbers, gpu, ray, rectangle, soup, viewpoint};
 
 impl Subject {
-    /// Nothing where the adapter cannot run it.
-    fn new(registration: &Registration, preset: Preset) -> Option<Self> {
-        let description = (registration.describe)();
-        let gpu = gpu();
-        let tracer = available(description.name, registration.create(&Ok(Arc::clone(&gpu))), &gpu)?;
-        Some(Self {
-            name: description.name,
-            residency: description.residency,
-            names_primitives: description.names_primitives,
-            parameters: Parameters::preset(&description.parameters, preset),
-            tracer,
-            gpu,
-        })
-    }
-
-    fn build(&self, geometry: &Geometry, viewpoint: &Viewpoint) -> Box<dyn Structure> {
-        let mut clock = PhaseClock::new(Some(&self.gpu));
-        let built = self.tracer.build(geometry, viewpoint, &self.parameters, &mut clock);
-        let structure = built.unwrap_or_else(|error| panic!("{}: {error}", self.name));
-        let timing = clock.finish().unwrap_or_else(|error| panic!("{}: {error}", self.name));
-        assert!(timing.total_ms >= 0.0 && timing.total_ms.is_finite());
-        structure
-    }
-
-    fn rays(&self, rays: &[Ray], query: Query) -> RayBuffer {
-        RayBuffer::new(Arc::new(rays.to_vec()), query, Some(&self.gpu))
-    }
-
-    fn poisoned(&self, count: usize) -> HitBuffer {
-        let mut hits = HitBuffer::new(count, self.residency, Some(&self.gpu)).unwrap();
-        hits.poison(Some(&self.gpu)).unwrap();
-        hits
-    }
-
-    fn job<'a>(&'a self, rays: &'a RayBuffer) -> TraceJob<'a> {
-        TraceJob { rays, end: EndPoint::Hit, parameters: &self.parameters }
-    }
-
-    fn try_trace(&self, structure: &dyn Structure, rays: &RayBuffer, hits: &mut HitBuffer) -> Result<(), TracerError> {
-        let mut clock = PhaseClock::new(Some(&self.gpu));
-        structure.trace(self.job(rays), hits, &mut clock)?;
-        clock.finish().map(|_| ())
-    }
-
-    fn trace(&self, structure: &dyn Structure, rays: &RayBuffer) -> Vec<Hit> {
-        let mut hits = self.poisoned(rays.host.len());
-        self.try_trace(structure, rays, &mut hits).unwrap_or_else(|error| panic!("{}: {error}", self.name));
-        hits.read(Some(&self.gpu)).unwrap()
-    }
-
+    /// Hits and counters, by the counting variant.
     fn count(&self, structure: &dyn Structure, rays: &RayBuffer) -> (Vec<Hit>, Vec<Counter>) {
         let mut hits = self.poisoned(rays.host.len());
         let counted = structure.trace_counted(self.job(rays), &mut hits);
         let counters = counted.unwrap_or_else(|error| panic!("{}: {error}", self.name));
         (hits.read(Some(&self.gpu)).unwrap(), counters)
     }
-}
-
-/// Every tracer with every preset, but for those that the adapter cannot run, which are named on standard error.
-fn subjects() -> Vec<Subject> {
-    let presets = |registration| Preset::ALL.into_iter().filter_map(move |preset| Subject::new(registration, preset));
-    TRACERS.iter().flat_map(presets).collect()
-}
-
-/// A scene with two viewpoints and rays that suit it.
-struct Hostile {
-    name: &'static str,
-    geometry: Geometry,
-    viewpoints: [Viewpoint; 2],
-    rays: Vec<Ray>,
-}
-
-fn hostile(name: &'static str, geometry: Geometry, eyes: [Vec3; 2], target: Vec3, seed: u64) -> Hostile {
-    let diagonal = geometry.diagonal();
-    let view = |eye: Vec3| viewpoint(eye, target, (1e-3 * diagonal) as f32, (4.0 * diagonal) as f32, [48, 32]);
-    let mut numbers = Numbers::new(seed);
-    let centre = target.as_dvec3();
-    let mut rays = Vec::new();
-    for index in 0..300 {
-        let origin = eyes[index % 2].as_dvec3() + numbers.point() * (1e-3 * diagonal);
-        let aim = centre + numbers.point() * (0.3 * diagonal);
-        rays.push(ray(origin, if index % 3 == 0 { numbers.direction() } else { aim - origin }));
-    }
-    // Through the eye, along axes, from a surface, bounded, empty in span, and far from everything.
-    rays.push(ray(eyes[0].as_dvec3(), centre - eyes[0].as_dvec3()));
-    for axis in [DVec3::X, DVec3::NEG_Y, DVec3::Z] {
-        rays.push(ray(centre, axis));
-        rays.push(ray(centre + axis * diagonal, -axis));
-    }
-    rays.push(Ray { t_max: (0.01 * diagonal) as f32, ..rays[1] });
-    rays.push(Ray { t_min: (0.4 * diagonal) as f32, ..rays[1] });
-    rays.push(Ray { t_max: 0.0, ..rays[1] });
-    rays.push(ray(centre + DVec3::splat(50.0 * diagonal), DVec3::ONE));
-    Hostile { name, geometry, viewpoints: eyes.map(view), rays }
-}
-
-fn scenes() -> Vec<Hostile> {
-    let gpu = gpu();
-    let make = |triangles: &[[[f32; 3]; 3]]| soup(triangles, Some(&gpu));
-    let one = make(&[[[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.25]]]);
-    let two = make(&rectangle([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.5]));
-    let mut numbers = Numbers::new(31);
-    let needles: Vec<_> = (0..200)
-        .map(|_| {
-            let (start, along) = (numbers.point(), numbers.point());
-            [start, start + along, start + along * 0.5 + numbers.direction() * 1e-5].map(|at| at.as_vec3().into())
-        })
-        .collect();
-    let far = |scale: f32, shift: f32| -> Vec<[[f32; 3]; 3]> {
-        let [first, second] = rectangle([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.5]);
-        let third = [[-0.5, -0.5, 0.5], [0.5, -0.5, 0.5], [0.0, 0.5, 0.75]];
-        [first, second, third].map(|triangle| triangle.map(|corner| corner.map(|x| x * scale + shift))).to_vec()
-    };
-    let room = tracebench_scenes::procedural("room", 0.02).unwrap();
-    let camera = &room.cameras[0];
-    let (eye, target) = (Vec3::from(camera.eye), Vec3::from(camera.target));
-    let room = Geometry::new(room.mesh.positions, room.mesh.triangles, Some(&gpu)).unwrap();
-    let eyes = [Vec3::new(0.3, 0.2, 3.0), Vec3::new(-2.0, 1.0, 2.0)];
-    vec![
-        hostile("one triangle", one, eyes, Vec3::ZERO, 41),
-        hostile("two triangles", two, eyes, Vec3::ZERO, 42),
-        hostile("needles", make(&needles), eyes, Vec3::ZERO, 43),
-        hostile("huge", make(&far(1e12, 0.0)), eyes.map(|eye| eye * 1e12), Vec3::ZERO, 44),
-        hostile("tiny", make(&far(1e-6, 0.0)), eyes.map(|eye| eye * 1e-6), Vec3::ZERO, 45),
-        hostile("far away", make(&far(8.0, 40_000.0)), eyes.map(|eye| eye * 8.0 + 40_000.0), Vec3::splat(40_000.0), 46),
-        // Hierarchies over equal boxes grow deep.
-        hostile("equal triangles", make(&vec![far(1.0, 0.0)[0]; 2000]), eyes, Vec3::ZERO, 48),
-        hostile("room", room, [eye, eye.lerp(target, 0.3)], target, 47),
-    ]
 }
 
 fn bytes(hits: &[Hit]) -> &[u8] {
@@ -324,7 +194,11 @@ fn memory_adds_up() {
             names.sort_unstable();
             names.dedup();
             assert_eq!(names.len(), report.structure.len(), "{report:?}");
-            assert_eq!(structure.scratch_bytes(0).min(structure.scratch_bytes(1000)), structure.scratch_bytes(0));
+            let of_trace = |rays: usize| -> u64 {
+                let rays = subject.rays(&scene.rays[..rays], Query::Closest);
+                structure.trace_memory(subject.job(&rays)).iter().map(|entry| entry.allocated_bytes).sum()
+            };
+            assert!(of_trace(0) <= of_trace(scene.rays.len()));
             held.push(sum);
         }
         assert!(held[0] <= held[6], "{}: {held:?}", subject.name);

@@ -12,8 +12,8 @@ use std::sync::Arc;
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::wgpu::BufferUsages;
 use tracebench_api::{
-    EndPoint, Geometry, Gpu, HitBuffer, MemoryReport, ParameterScope, Parameters, PhaseClock, Preset, Query, RayBuffer,
-    Residency, Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
+    EndPoint, Geometry, Gpu, HitBuffer, MemoryEntry, MemoryReport, ParameterScope, Parameters, PhaseClock, Preset,
+    Query, RayBuffer, Residency, Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
 };
 use tracebench_harness::registry::TRACERS;
 use tracebench_scenes::procedural;
@@ -156,21 +156,22 @@ impl Subject {
         (structure, recorded)
     }
 
-    /// Traces that many rays, and gives what was allocated for it when the work had been recorded.
-    fn trace(&self, structure: &dyn Structure, count: usize) -> Vec<Allocation> {
+    /// Traces that many rays, and gives what was allocated for it when the work had been recorded, and what the structure
+    /// says that it takes.
+    fn trace(&self, structure: &dyn Structure, count: usize, end: EndPoint) -> (Vec<Allocation>, Vec<MemoryEntry>) {
         // They meet nothing: what is traced does not matter here.
         let rays = vec![ray(DVec3::new(0.1, 0.2, 500.0), DVec3::Z); count];
         let rays = RayBuffer::new(Arc::new(rays), Query::Closest, Some(&self.gpu));
-        let mut hits = HitBuffer::new(count, Residency::Device, Some(&self.gpu)).unwrap();
+        let mut hits = HitBuffer::for_end(end, count, Residency::Device, Some(&self.gpu)).unwrap();
         hits.poison(Some(&self.gpu)).unwrap();
         let before = allocations(&self.gpu, true);
         let mut clock = PhaseClock::new(Some(&self.gpu));
-        let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters: &self.parameters };
+        let job = TraceJob { rays: &rays, end, parameters: &self.parameters };
         structure.trace(job, &mut hits, &mut clock).unwrap();
         let recorded = allocations(&self.gpu, false);
         clock.finish().unwrap();
         assert_eq!(allocations(&self.gpu, true), before, "{}: a trace leaves something", self.name);
-        added(&before, recorded)
+        (added(&before, recorded), structure.trace_memory(job))
     }
 }
 
@@ -220,7 +221,9 @@ fn ledgers_are_the_devices() {
             let context = format!("{} over scene {index}", subject.name);
             // What is made once, with the first build and trace, is not the structure's.
             let structure = subject.build(geometry, &view([48, 32])).0;
-            subject.trace(&*structure, 1);
+            for end in EndPoint::ALL {
+                subject.trace(&*structure, 1, end);
+            }
             drop(structure);
             let before = allocations(&gpu, true);
             let (mut structure, recorded) = subject.build(geometry, &view([48, 32]));
@@ -235,11 +238,10 @@ fn ledgers_are_the_devices() {
             let held: u64 = added(&before, recorded).iter().map(|each| smallest(&rules, each)).sum();
             let peak = structure.memory().build_peak_bytes;
             assert!(peak >= held, "{context}: a peak of {peak}, {held} were held");
-            for count in [1, 1000, 70_000] {
-                let told = structure.scratch_bytes(count);
-                let traced = subject.trace(&*structure, count);
-                let smallest: u64 = traced.iter().map(|each| smallest(&rules, each)).sum();
-                assert_eq!(told, smallest, "{context}, {count} rays: {traced:?}");
+            for (count, end) in [1, 1000, 70_000].into_iter().flat_map(|count| EndPoint::ALL.map(|end| (count, end))) {
+                let (traced, told) = subject.trace(&*structure, count, end);
+                let told = MemoryReport { structure: told, ..Default::default() };
+                assert_eq!(wrong(&rules, &told, &traced), Vec::<String>::new(), "{context}, {count} rays to {end:?}");
             }
             for update in Update::ALL {
                 for frame in [[48, 32], [100, 37]] {

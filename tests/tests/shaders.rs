@@ -9,13 +9,15 @@ use naga::{Module, ShaderStage, TypeInner};
 use obvhs::cwbvh::node::CwBvhNode;
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::wgpu::BufferUsages;
-use tracebench_api::{Hit, NO_PRIMITIVE, Ray, Status, View, Viewpoint};
+use tracebench_api::{Hit, NO_PRIMITIVE, Ray, Status, Surface, SurfaceStatus, View, Viewpoint};
 use tracebench_bvh::{
     BINARY_STACK, BinaryNode, BuildSettings, ClusterIteration, ConversionLevel, DeviceTriangle, QuerySettings,
     ROW_BITS, RefitStage, SearchSettings, WIDE_STACK,
 };
-use tracebench_dirt::{FillPass, MipmapLevel, TileGrid, TraceSettings};
-use tracebench_kit::{SortPass, ViewUniform, bind_group, compute_pipeline, dispatch_linear};
+use tracebench_dirt::{
+    FetchPass, FillPass, HitNode, MaskSettings, MipmapLevel, StoreSettings, TileGrid, TraceSettings,
+};
+use tracebench_kit::{GatherSettings, SortPass, ViewUniform, bind_group, compute_pipeline, dispatch_linear};
 use tracebench_shaders::{ALL, Shader, TEST_VIEW_FUNCTIONS};
 use tracebench_tests::{Numbers, gpu, viewpoint};
 
@@ -63,6 +65,18 @@ fn shared() -> BTreeMap<&'static str, Layout> {
         ("u", offset_of!(Hit, u)),
         ("v", offset_of!(Hit, v)),
         ("status", offset_of!(Hit, status)),
+    ];
+    let surface = [
+        ("position", offset_of!(Surface, position)),
+        ("material", offset_of!(Surface, material)),
+        ("normal", offset_of!(Surface, normal)),
+        ("status", offset_of!(Surface, status)),
+    ];
+    let gather = [
+        ("ray_count", offset_of!(GatherSettings, ray_count)),
+        ("padding_a", offset_of!(GatherSettings, padding_a)),
+        ("padding_b", offset_of!(GatherSettings, padding_b)),
+        ("padding_c", offset_of!(GatherSettings, padding_c)),
     ];
     let view = [
         ("eye", offset_of!(ViewUniform, eye)),
@@ -178,7 +192,31 @@ fn shared() -> BTreeMap<&'static str, Layout> {
         ("max_steps", offset_of!(TraceSettings, max_steps)),
         ("padding", offset_of!(TraceSettings, padding)),
     ];
+    let hit_node = [
+        ("next", offset_of!(HitNode, next)),
+        ("primitive", offset_of!(HitNode, primitive)),
+        ("u", offset_of!(HitNode, u)),
+        ("v", offset_of!(HitNode, v)),
+        ("position", offset_of!(HitNode, position)),
+        ("shading_and_view", offset_of!(HitNode, shading_and_view)),
+    ];
+    let store_settings = [
+        ("ray_count", offset_of!(StoreSettings, ray_count)),
+        ("view_count", offset_of!(StoreSettings, view_count)),
+        ("pixels", offset_of!(StoreSettings, pixels)),
+    ];
+    let mask_settings = [("pixels", offset_of!(MaskSettings, pixels)), ("padding", offset_of!(MaskSettings, padding))];
+    let fetch_pass = [
+        ("view", offset_of!(FetchPass, view)),
+        ("view_index", offset_of!(FetchPass, view_index)),
+        ("padding", offset_of!(FetchPass, padding)),
+        ("pixels", offset_of!(FetchPass, pixels)),
+    ];
     BTreeMap::from([
+        ("HitNode", layout(&hit_node, size_of::<HitNode>())),
+        ("StoreSettings", layout(&store_settings, size_of::<StoreSettings>())),
+        ("MaskSettings", layout(&mask_settings, size_of::<MaskSettings>())),
+        ("FetchPass", layout(&fetch_pass, size_of::<FetchPass>())),
         ("TileGrid", layout(&grid, size_of::<TileGrid>())),
         ("FillPass", layout(&fill_pass, size_of::<FillPass>())),
         ("MipmapLevel", layout(&mipmap_level, size_of::<MipmapLevel>())),
@@ -195,6 +233,8 @@ fn shared() -> BTreeMap<&'static str, Layout> {
         ("WideNode", layout(&wide_node, size_of::<CwBvhNode>())),
         ("Ray", layout(&ray, size_of::<Ray>())),
         ("Hit", layout(&hit, size_of::<Hit>())),
+        ("Surface", layout(&surface, size_of::<Surface>())),
+        ("GatherSettings", layout(&gather, size_of::<GatherSettings>())),
         ("View", layout(&view, size_of::<ViewUniform>())),
         ("Settings", layout(&settings, 24)),
     ])
@@ -272,6 +312,11 @@ fn entry_points_exist() {
     let raster = vec![("vertex", ShaderStage::Vertex, 0), ("fragment", ShaderStage::Fragment, 0)];
     let expected: BTreeMap<&str, Vec<(&str, ShaderStage, u32)>> = BTreeMap::from([
         ("EYE_DEPTH_RASTER", raster.clone()),
+        ("PRIMITIVE_RASTER", raster.clone()),
+        ("GATHER", vec![("gather", ShaderStage::Compute, 64)]),
+        ("GATHER_BY_RAY", vec![("gather", ShaderStage::Compute, 64)]),
+        ("SCREEN_DDA_TRACE_SURFACES", vec![("trace", ShaderStage::Compute, 64)]),
+        ("SCREEN_DDA_TRACE_SURFACES_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
         ("SCREEN_DDA_TRACE", vec![("trace", ShaderStage::Compute, 64)]),
         ("SCREEN_DDA_TRACE_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
         ("BVH_WIDE", vec![("trace", ShaderStage::Compute, 64)]),
@@ -300,6 +345,10 @@ fn entry_points_exist() {
         ("DIRT_FILL_PRIMITIVES_CONSERVATIVE", raster.clone()),
         ("DIRT_FILL_PRIMITIVES_SPLIT", raster.clone()),
         ("DIRT_FILL_PRIMITIVES_CONSERVATIVE_SPLIT", raster.clone()),
+        ("DIRT_STORE", vec![("store", ShaderStage::Compute, 64)]),
+        ("DIRT_MASK", raster.clone()),
+        ("DIRT_FETCH", raster.clone()),
+        ("DIRT_FETCH_CONSERVATIVE", raster.clone()),
         ("DIRT_MIPMAP", vec![("mipmap", ShaderStage::Compute, 64)]),
         ("DIRT_TRACE", vec![("trace", ShaderStage::Compute, 64)]),
         ("DIRT_TRACE_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
@@ -334,13 +383,17 @@ fn constants(module: &Module) -> BTreeMap<String, u32> {
 /// Rust says it is, and that searches take stacks and textures to be as Rust makes them.
 #[test]
 fn constants_are_those_of_rust() {
-    let (mut statuses, mut row_bits) = (0, 0);
+    let (mut statuses, mut surface_statuses, mut row_bits) = (0, 0, 0);
     for shader in ALL {
         for (name, value) in constants(&parse(shader.source)) {
             if let Some(status) = name.strip_prefix("STATUS_") {
                 let code = Status::ALL.iter().find(|known| known.name().to_uppercase() == status);
                 assert_eq!(code.map(|code| *code as u32), Some(value), "{}: {name}", shader.name);
                 statuses += 1;
+            } else if let Some(status) = name.strip_prefix("SURFACE_") {
+                let code = SurfaceStatus::ALL.iter().find(|known| known.name().to_uppercase() == status);
+                assert_eq!(code.map(|code| *code as u32), Some(value), "{}: {name}", shader.name);
+                surface_statuses += 1;
             } else if name == "NO_PRIMITIVE" {
                 assert_eq!(value, NO_PRIMITIVE);
             } else if name == "ROW_BITS" {
@@ -357,6 +410,7 @@ fn constants_are_those_of_rust() {
         }
     }
     assert!(statuses >= 5, "only {statuses} status constants were found");
+    assert!(surface_statuses >= 3, "only {surface_statuses} statuses of surfaces were found");
     assert!(row_bits >= 8, "only {row_bits} searches tell their textures' width");
     // Negative control: a constant is read as what it is.
     assert_eq!(constants(&parse("const STATUS_MISSX_naga_oil_mod_QX: u32 = 3u;"))["STATUS_MISS"], 3);

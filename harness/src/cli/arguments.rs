@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use tracebench_api::EndPoint;
 use tracebench_scenes::{SCALE_MAX, SCALE_MIN};
 
 use super::{CliError, names};
@@ -80,6 +81,10 @@ pub(super) struct WorkArguments {
     /// Seed of the ray sets.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// How far traces go: hit (t, triangle and status of every ray) or surface (position, normal and material of what it
+    /// hit, too).
+    #[arg(long, value_name = "hit|surface", default_value = "hit", value_parser = end)]
+    pub end: EndPoint,
     /// Folder for the results; a new one below tracebench-out/ if not given.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -157,6 +162,10 @@ fn ray_image(text: &str) -> Result<[u32; 2], String> {
     Ok([width, height])
 }
 
+fn end(text: &str) -> Result<EndPoint, String> {
+    EndPoint::named(text).ok_or_else(|| "hit or surface".to_owned())
+}
+
 fn seconds(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|time: &f64| time.is_finite()).ok_or_else(|| "a number of seconds".to_owned())
 }
@@ -230,6 +239,17 @@ impl WorkArguments {
         };
         let ray_parameters = names::ray_values(&self.common.settings)?;
         let time_s = self.common.time;
-        Ok(Plan { scenes, tracers, ray_sets, ray_parameters, preset, view, time_s, seed: self.seed, table })
+        Ok(Plan {
+            scenes,
+            tracers,
+            ray_sets,
+            ray_parameters,
+            preset,
+            view,
+            time_s,
+            seed: self.seed,
+            end: self.end,
+            table,
+        })
     }
 }

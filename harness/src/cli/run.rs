@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use tracebench_api::EndPoint;
 
 use super::arguments::{Matter, PictureArguments, RunArguments, WorkArguments};
 use super::output::print;
@@ -182,6 +183,7 @@ pub(super) fn picture(arguments: &PictureArguments, progress: &Progress) -> Resu
         view: arguments.common.view()?,
         time_s: arguments.common.time,
         seed: 1,
+        end: EndPoint::Hit,
         table: None,
     };
     let needed = tracer.registration.needs_device();

@@ -5,7 +5,7 @@ use super::*;
 use crate::plan::{RunPreset, SceneSource, ViewRequest};
 use crate::rays::{RAY_SETS, default_parameters};
 use crate::registry;
-use tracebench_api::{AdapterChoice, Gpu, Preset};
+use tracebench_api::{AdapterChoice, EndPoint, Gpu, Preset};
 
 /// Every ladder is of a tracer that there is, and its remedies are parameters with such values, none the published one.
 #[test]
@@ -47,6 +47,7 @@ fn the_ladder_of_dirt_explains_every_wrong_ray() {
         view: ViewRequest::Default,
         time_s: 0.0,
         seed: 1,
+        end: EndPoint::Hit,
         table: None,
     };
     let explain =

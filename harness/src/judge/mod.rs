@@ -2,14 +2,16 @@
 
 mod causes;
 mod scores;
+mod surfaces;
 
 use std::collections::BTreeMap;
 
 use glam::DVec3;
 use rayon::prelude::*;
-use tracebench_api::{Hit, NO_PRIMITIVE, Query, Ray, Status, View};
+use tracebench_api::{Hit, NO_PRIMITIVE, Query, Ray, Status, Surface, View};
 
 pub use scores::CURVE_TOLERANCES;
+pub use surfaces::NORMAL_TOLERANCE_DEGREES;
 
 use crate::results::{Judgement, WrongRay};
 use crate::truth::{Answer, Ray64, Truth, tight_tolerance};
@@ -126,6 +128,19 @@ pub enum JudgeError {
         first: usize,
         /// Its content.
         hit: Hit,
+    },
+    /// A surface that was never written, has an unknown status or one that its ray's answer cannot have, or is no number.
+    #[error(
+        "{count} surfaces are not those of their rays' answers (unwritten, a hit without or a miss with one, not finite); \
+         the first is that of ray {first}: {surface:?}"
+    )]
+    Surface {
+        /// How many.
+        count: usize,
+        /// The first.
+        first: usize,
+        /// Its content.
+        surface: Surface,
     },
 }
 

@@ -117,7 +117,7 @@ impl Judge<'_> {
 
     /// Whether a triangle is the one that a ray truly hits, or one that lies in its place: where two overlap in a plane,
     /// which of them f64's rounding puts in front means nothing.
-    fn names(&self, index: usize, truth: TrueHit, primitive: u32) -> bool {
+    pub(super) fn names(&self, index: usize, truth: TrueHit, primitive: u32) -> bool {
         if primitive == truth.primitive {
             return true;
         }

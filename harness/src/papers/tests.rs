@@ -172,6 +172,7 @@ fn steps_scale_the_resolution() {
         view: crate::plan::ViewRequest::Default,
         time_s: 0.0,
         seed: 1,
+        end: tracebench_api::EndPoint::Hit,
         table: None,
     };
     let steps = experiment.requests();

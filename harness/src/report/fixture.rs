@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use tracebench_api::{AdapterListing, ClockKind, EndPoint, MemoryEntry, Query};
+use tracebench_api::{AdapterListing, ClockKind, EndPoint, HitBuffer, MemoryEntry, Query};
 
 use crate::results::{
     AnyJudgement, BuildRecord, ByRule, Classes, ClosestJudgement, CounterRecord, Headline, Judgement, Machine,
@@ -237,6 +237,7 @@ fn trace(rays: &str, query: Query, index: usize, quality: Quality) -> TraceRecor
         times: times(quality, &samples, Vec::new()),
         mrays_per_s: COUNT as f64 / (median(&samples) * 1e3),
         per_trace_bytes: COUNT * 52,
+        per_trace: HitBuffer::memory(EndPoint::Hit, COUNT as usize),
         hits_sha256: format!("{:064x}", index + 7),
         counters: BTreeMap::from([("nodes".to_owned(), counter)]),
         statuses: BTreeMap::from([("hit".to_owned(), HITS), ("miss".to_owned(), COUNT - HITS)]),
@@ -244,6 +245,7 @@ fn trace(rays: &str, query: Query, index: usize, quality: Quality) -> TraceRecor
             Query::Closest => Judgement::Closest(closest(quality)),
             Query::Any => Judgement::Any(any(quality)),
         },
+        surfaces: None,
     }
 }
 

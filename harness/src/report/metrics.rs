@@ -102,6 +102,9 @@ pub(super) const BALANCED: Metric =
     metric("balanced_accuracy_share", "balanced accuracy", "", Better::Higher, |_, trace| {
         any(trace)?.occlusion.balanced_accuracy
     });
+/// Surfaces that are right.
+pub(super) const SURFACES: Metric =
+    metric("surface_agreement_share", "surfaces", "", Better::Higher, |_, trace| trace.surfaces.as_ref()?.agreement);
 /// Allocated bytes of the structure.
 pub(super) const STRUCTURE: Metric =
     metric("structure_bytes", "structure", "MiB", Better::Lower, |run, _| Some(run.memory.structure_bytes as f64));
@@ -164,6 +167,20 @@ pub(super) const COLUMNS: &[Column] = &[
     column("true_free_rays", |_, trace| Some(any(trace)?.occlusion.true_free as f64)),
     column("false_occluded_rays", |_, trace| Some(any(trace)?.occlusion.false_occluded as f64)),
     column("false_free_rays", |_, trace| Some(any(trace)?.occlusion.false_free as f64)),
+    SURFACES.column,
+    column("surface_agreement_low_share", |_, trace| Some(trace.surfaces.as_ref()?.interval?[0])),
+    column("surface_agreement_high_share", |_, trace| Some(trace.surfaces.as_ref()?.interval?[1])),
+    column("surface_judged_rays", |_, trace| Some(trace.surfaces.as_ref()?.judged as f64)),
+    column("surface_lost_rays", |_, trace| Some(trace.surfaces.as_ref()?.lost as f64)),
+    column("surface_material_share", |_, trace| trace.surfaces.as_ref()?.material),
+    column("surface_normal_share", |_, trace| trace.surfaces.as_ref()?.normal),
+    column("surface_position_share", |_, trace| trace.surfaces.as_ref()?.position),
+    column("surface_normal_error_p50_degrees", |_, trace| trace.surfaces.as_ref()?.normal_error_degrees.p50),
+    column("surface_normal_error_p95_degrees", |_, trace| trace.surfaces.as_ref()?.normal_error_degrees.p95),
+    column("surface_normal_error_p99_degrees", |_, trace| trace.surfaces.as_ref()?.normal_error_degrees.p99),
+    column("surface_position_error_p50_scene_units", |_, trace| trace.surfaces.as_ref()?.position_error.p50),
+    column("surface_position_error_p95_scene_units", |_, trace| trace.surfaces.as_ref()?.position_error.p95),
+    column("surface_position_error_p99_scene_units", |_, trace| trace.surfaces.as_ref()?.position_error.p99),
 ];
 
 /// The verdict, if it is one on a closest-hit set.

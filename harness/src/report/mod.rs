@@ -19,6 +19,7 @@ mod papers;
 mod peers;
 mod stability;
 mod summary;
+mod surfaces;
 mod sweep;
 mod tables;
 #[cfg(test)]

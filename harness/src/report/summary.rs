@@ -9,6 +9,7 @@ use super::format::{self, NONE, clock_of, mib, optional, percent, significant, s
 use super::group::{Group, RaySet, Role};
 use super::markdown::{Table, inline};
 use super::metrics::{self, Metric};
+use super::surfaces;
 use super::verdict;
 use crate::results::{AnyJudgement, Causes, Classes, Judgement, Run, Skipped};
 
@@ -168,8 +169,13 @@ fn build_table(group: &Group<'_>) -> String {
 
 fn ray_set(group: &Group<'_>, set: &RaySet<'_>) -> String {
     let rows = group.traces(set);
-    let mut text =
-        format!("\n### {}: {}, {} rays\n", inline(&set.title), format::query(set.query), thousands(set.count));
+    let mut text = format!(
+        "\n### {}: {}, {} rays{}\n",
+        inline(&set.title),
+        format::query(set.query),
+        thousands(set.count),
+        surfaces::heading(&rows)
+    );
     if rows.iter().any(|(_, _, trace)| many_ties(&trace.judgement)) {
         text += "\n**More than one ray in a thousand is a tie.**\n";
     }
@@ -178,6 +184,7 @@ fn ray_set(group: &Group<'_>, set: &RaySet<'_>) -> String {
         Query::Closest => closest_tables(&mut text, &rows),
         Query::Any => any_tables(&mut text, &rows),
     }
+    text += &surfaces::tables(&rows);
     text += &causes(&rows);
     text += &counters(&rows);
     text += &statuses(&rows);

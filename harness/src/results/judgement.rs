@@ -134,6 +134,30 @@ pub struct Percentiles {
     pub p99: Option<f64>,
 }
 
+/// The verdict on a ray set's surfaces.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SurfaceJudgement {
+    /// Rays whose surfaces were judged: true hits under `footprint`, of an any-hit set the rightly occluded rays.
+    pub judged: u64,
+    /// Hits, judged or not, whose surfaces the tracer did not find; without ties.
+    pub lost: u64,
+    /// Share of the judged whose surface was found and is right: its position within a pixel of the common reference camera,
+    /// its normal within a degree, its material. `None` if none was judged.
+    pub agreement: Option<f64>,
+    /// 95 % Wilson interval of the agreement.
+    pub interval: Option<[f64; 2]>,
+    /// Of the judged surfaces that were found the share with the right material; `None` where none is known to be right.
+    pub material: Option<f64>,
+    /// The share whose normal is off by no more than a degree.
+    pub normal: Option<f64>,
+    /// The share whose position is off by no more than a pixel.
+    pub position: Option<f64>,
+    /// Angles between normals and the triangles' own, degrees.
+    pub normal_error_degrees: Percentiles,
+    /// Distances from the point that was truly hit, of an any-hit set from the ray's point at the answered t, scene units.
+    pub position_error: Percentiles,
+}
+
 /// A ray that was answered wrongly.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WrongRay {

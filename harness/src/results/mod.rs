@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 use tracebench_api::{AdapterListing, ClockKind, EndPoint, MemoryEntry, PhaseSample, Query};
 
 pub use judgement::{
-    AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Headline, Judgement, Occlusion, Percentiles, WrongRay,
+    AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Headline, Judgement, Occlusion, Percentiles,
+    SurfaceJudgement, WrongRay,
 };
 
 use crate::sweep::SweepRecord;
@@ -297,8 +298,12 @@ pub struct TraceRecord {
     pub times: Times,
     /// Million rays a second at the median.
     pub mrays_per_s: f64,
-    /// Rays, hits and scratch buffers.
+    /// Allocated bytes of all parts of `per_trace`.
     pub per_trace_bytes: u64,
+    /// What a trace takes: rays, hits, surfaces, and the tracer's own buffers by the names of its paper. Empty in files of
+    /// before it was told by parts.
+    #[serde(default)]
+    pub per_trace: Vec<MemoryEntry>,
     /// Hash of the judged hits.
     pub hits_sha256: String,
     /// Counts, from a variant that is not timed.
@@ -307,6 +312,9 @@ pub struct TraceRecord {
     pub statuses: BTreeMap<String, u64>,
     /// The judge's verdict on the last timed output.
     pub judgement: Judgement,
+    /// The verdict on its surfaces, where it has any.
+    #[serde(default)]
+    pub surfaces: Option<SurfaceJudgement>,
 }
 
 impl TraceRecord {

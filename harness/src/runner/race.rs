@@ -146,22 +146,28 @@ pub(crate) fn sample_traces(
         bar.inc(1);
         let Some(Sampled { hits, timings }) = sampled else { continue };
         let answered = entry.attempt(|entry| {
-            let hits = hits.read(session.gpu())?;
-            let counters = session.count(&entry.contender, rays, &hits)?;
-            Ok((hits, counters))
+            let (hits, surfaces) = (hits.read(session.gpu())?, hits.read_surfaces(session.gpu())?);
+            let counters = session.count(&entry.contender, rays, &hits, &surfaces)?;
+            Ok((hits, surfaces, counters))
         });
-        let Some((hits, counters)) = answered else { continue };
+        let Some((hits, surfaces, counters)) = answered else { continue };
         let mut judgement = session.judge(&entry.contender, rays, &hits)?;
+        let surfaces = session.judge_surfaces(&entry.contender, rays, &hits, &surfaces)?;
         if let Some(control) = entry.control {
             let (occluded, free) = rays.hits_and_misses();
             control.check(&judgement, occluded, free).map_err(RunError::Control)?;
+            if let Some(surfaces) = &surfaces {
+                control.check_surfaces(surfaces, occluded, free).map_err(RunError::Control)?;
+            }
             // What a control gets wrong it gets wrong by design.
             judgement.wrong_rays_mut().clear();
         } else {
             progress.say(&format!("  {}: {} done", rays.set.name, entry.label()));
         }
-        let scratch_bytes = entry.contender.structure()?.scratch_bytes(hits.len());
-        let traced = Traced { rays, timings: &timings, hits: &hits, counters: &counters, scratch_bytes, judgement };
+        let trace_memory = session.trace_memory(&entry.contender, rays)?;
+        let end = session.end();
+        let (timings, hits, counters) = (&timings[..], &hits[..], &counters[..]);
+        let traced = Traced { rays, timings, hits, counters, trace_memory, end, judgement, surfaces };
         entry.traces.push(records::trace_record(traced));
     }
     Ok(())

@@ -197,6 +197,6 @@ fn answer(session: &Session, rays: &PreparedRays, contender: &mut Contender) -> 
     let mut hits = session.hit_buffer(contender, rays)?;
     session.sample_trace(contender, rays, &mut hits)?;
     let hits = hits.read(session.gpu())?;
-    session.count(contender, rays, &hits)?;
+    session.count(contender, rays, &hits, &[])?;
     session.judge(contender, rays, &hits)
 }

@@ -99,6 +99,7 @@ fn plan(own: &str) -> Plan {
         view: ViewRequest::Default,
         time_s: 0.0,
         seed: 1,
+        end: tracebench_api::EndPoint::Hit,
         table: None,
     }
 }

@@ -157,7 +157,7 @@ fn measure_scene(
 ) -> Result<(), RunError> {
     let Film { scene, times_s, positions } = film;
     let plan = &Plan { time_s: scene.time_s, ..plan.clone() };
-    let triangles = scene.mesh.triangles.clone();
+    let (triangles, materials) = (scene.mesh.triangles.clone(), scene.mesh.triangle_materials.clone());
     let LoadedScene { record: scene, pose, session } = runner::prepare(plan, scene, device, cache, progress)?;
     updates.skipped.extend(session.skipped.iter().cloned());
     let skip = |request: &TracerRequest, way: &str, error: &TracerError| Skipped {
@@ -194,7 +194,8 @@ fn measure_scene(
             }
         }
     }
-    let moving = Moving { positions: &positions, triangles, gpu: session.gpu_handle(), passes: updates.passes };
+    let moving =
+        Moving { positions: &positions, triangles, materials, gpu: session.gpu_handle(), passes: updates.passes };
     moving.follow(&mut followers, session.viewpoint(), progress)?;
     let samples = plan.preset.samples;
     runner::sample_builds(&session, &mut entries, samples, progress);
@@ -253,6 +254,7 @@ fn row(run: TracerRun, way: &str, request: &TracerRequest) -> UpdateRow {
 struct Moving<'a> {
     positions: &'a [Vec<[f32; 3]>],
     triangles: Vec<[u32; 3]>,
+    materials: Vec<u32>,
     gpu: Option<Arc<Gpu>>,
     passes: u32,
 }
@@ -267,7 +269,7 @@ impl Moving<'_> {
         progress: &Progress,
     ) -> Result<(), RunError> {
         let gpu = self.gpu.as_deref();
-        let mut geometry = Geometry::new(self.positions[0].clone(), self.triangles, gpu)?;
+        let mut geometry = Geometry::with_materials(self.positions[0].clone(), self.triangles, self.materials, gpu)?;
         let steps = self.positions.len() as u64 * followers.len() as u64;
         let bar = progress.bar("updates", steps * (u64::from(self.passes) + 1));
         for pass in 0..=self.passes {

@@ -5,6 +5,7 @@ mod papers;
 mod refusals;
 mod runs;
 mod stability;
+mod surfaces;
 mod sweeps;
 mod tables;
 

@@ -4,6 +4,7 @@
 mod causes;
 mod classes;
 mod controls;
+mod surfaces;
 
 use std::sync::Arc;
 

@@ -77,7 +77,8 @@ pub struct Gpu {
 const TIMESTAMP_FEATURES: Features = Features::TIMESTAMP_QUERY.union(Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
 
 /// What tracers use where the adapter has it.
-const WANTED_FEATURES: Features = TIMESTAMP_FEATURES.union(Features::EXPERIMENTAL_RAY_QUERY);
+const WANTED_FEATURES: Features =
+    TIMESTAMP_FEATURES.union(Features::EXPERIMENTAL_RAY_QUERY).union(Features::SHADER_EARLY_DEPTH_TEST);
 
 /// wgpu's leave to use what it calls experimental, which ray queries are.
 #[allow(unsafe_code, reason = "the leave can be had in no other way")]

@@ -26,7 +26,7 @@ pub use geometry::{DeviceGeometry, Geometry};
 pub use gpu::{AdapterChoice, AdapterListing, Gpu, list_adapters};
 pub use memory::{Ledger, MemoryEntry, MemoryReport};
 pub use parameters::{Domain, ParameterDescription, ParameterError, ParameterScope, Parameters, Preset, Value};
-pub use ray::{EndPoint, Hit, NO_PRIMITIVE, Query, Ray, Status};
+pub use ray::{EndPoint, Hit, NO_PRIMITIVE, Query, Ray, Status, Surface, SurfaceStatus};
 pub use tracer::{Counter, Description, Invalidation, Residency, Structure, TraceJob, Tracer, Update};
 pub use transfer::{HitBuffer, RayBuffer};
 pub use viewpoint::{Projected, View, ViewSet, Viewpoint};

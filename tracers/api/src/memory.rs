@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::EndPoint;
+
 /// One buffer, texture or host allocation.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MemoryEntry {
@@ -13,19 +15,42 @@ pub struct MemoryEntry {
     pub used_bytes: u64,
 }
 
+impl MemoryEntry {
+    /// A part that is in use whole.
+    pub fn whole(name: &str, bytes: u64) -> Self {
+        Self { name: name.to_owned(), allocated_bytes: bytes, used_bytes: bytes }
+    }
+}
+
 /// What a structure holds and needs.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MemoryReport {
     /// The structure's own parts.
     pub structure: Vec<MemoryEntry>,
-    /// Bytes of scene geometry (positions, indices) that must stay resident to trace.
+    /// Bytes of scene geometry (positions, indices) that must stay resident to trace to hits.
     pub geometry_bytes: u64,
+    /// Bytes of scene geometry (positions, indices, materials) that must stay resident to trace to surfaces.
+    pub surface_geometry_bytes: u64,
     /// The most that the build held at once: the structure and what it needed only while building; without the
     /// scene's geometry.
     pub build_peak_bytes: u64,
 }
 
 impl MemoryReport {
+    /// The same report of a structure that needs so much of the scene's geometry to trace to surfaces.
+    #[must_use]
+    pub fn with_surface_geometry(self, surface_geometry_bytes: u64) -> Self {
+        Self { surface_geometry_bytes, ..self }
+    }
+
+    /// Bytes of scene geometry that must stay resident to trace to an end.
+    pub fn geometry_bytes_to(&self, end: EndPoint) -> u64 {
+        match end {
+            EndPoint::Hit => self.geometry_bytes,
+            EndPoint::Surface => self.surface_geometry_bytes,
+        }
+    }
+
     /// Allocated bytes of all parts.
     pub fn structure_bytes(&self) -> u64 {
         self.structure.iter().map(|entry| entry.allocated_bytes).sum()
@@ -63,9 +88,15 @@ impl Ledger {
         self.transient_bytes = self.transient_bytes.saturating_sub(bytes);
     }
 
-    /// Closes the ledger. `geometry_bytes` is what of the scene must stay resident to trace.
+    /// Closes the ledger. `geometry_bytes` is what of the scene must stay resident to trace, to hits and, unless
+    /// [`MemoryReport::with_surface_geometry`] says otherwise, to surfaces.
     pub fn report(self, geometry_bytes: u64) -> MemoryReport {
-        MemoryReport { structure: self.entries, geometry_bytes, build_peak_bytes: self.peak_bytes }
+        MemoryReport {
+            structure: self.entries,
+            geometry_bytes,
+            surface_geometry_bytes: geometry_bytes,
+            build_peak_bytes: self.peak_bytes,
+        }
     }
 
     fn note_peak(&mut self) {
@@ -90,5 +121,8 @@ mod tests {
         assert_eq!(report.structure_bytes(), 120);
         assert_eq!(report.build_peak_bytes, 150);
         assert_eq!(report.geometry_bytes, 7);
+        assert_eq!(EndPoint::ALL.map(|end| report.geometry_bytes_to(end)), [7, 7]);
+        let with_surfaces = report.with_surface_geometry(9);
+        assert_eq!(EndPoint::ALL.map(|end| with_surfaces.geometry_bytes_to(end)), [7, 9]);
     }
 }

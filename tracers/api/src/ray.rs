@@ -106,12 +106,90 @@ pub enum Query {
 }
 
 /// How far a trace goes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[non_exhaustive]
 pub enum EndPoint {
     /// `t`, identity and status are resident.
+    #[default]
     Hit,
+    /// Position, normal and material of what was hit are resident too, as [`Surface`]s.
+    Surface,
+}
+
+impl EndPoint {
+    /// Every end point.
+    pub const ALL: [EndPoint; 2] = [Self::Hit, Self::Surface];
+
+    /// The name used on the command line and in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hit => "hit",
+            Self::Surface => "surface",
+        }
+    }
+
+    /// The end point of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|end| end.name() == name)
+    }
+}
+
+/// What a ray hit, for shading. 32 bytes, the same layout on the device. All zeros is "not written" (poison).
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Surface {
+    /// Where the triangle was hit, scene units: by the hit's barycentric weights where the method knows them, else the
+    /// ray's point at the hit's `t`. 0 where nothing was hit.
+    pub position: [f32; 3],
+    /// Index of the scene's material.
+    pub material: u32,
+    /// The triangle's geometric normal, of unit length, on the side from which its corners run counter-clockwise: scenes
+    /// have no normals of their own. 0 where nothing was hit, and of a triangle without an area.
+    pub normal: [f32; 3],
+    /// A [`SurfaceStatus`] code.
+    pub status: u32,
+}
+
+impl Surface {
+    /// A record without a surface.
+    pub const fn none(status: SurfaceStatus) -> Self {
+        Self { position: [0.0; 3], material: 0, normal: [0.0; 3], status: status as u32 }
+    }
+}
+
+/// How a [`Surface`] came about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+#[repr(u32)]
+pub enum SurfaceStatus {
+    /// The poison: nothing was written.
+    Unwritten = 0,
+    /// The surface that the ray hit.
+    Written = 1,
+    /// The ray has no hit.
+    NoHit = 2,
+    /// The ray has a hit, and what fetches surfaces did not find it.
+    Lost = 3,
+}
+
+impl SurfaceStatus {
+    /// Every status, by code.
+    pub const ALL: [SurfaceStatus; 4] = [Self::Unwritten, Self::Written, Self::NoHit, Self::Lost];
+
+    /// The status of a code, `None` for a code that does not exist.
+    pub fn from_code(code: u32) -> Option<Self> {
+        Self::ALL.get(code as usize).copied()
+    }
+
+    /// The name used in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unwritten => "unwritten",
+            Self::Written => "written",
+            Self::NoHit => "no_hit",
+            Self::Lost => "lost",
+        }
+    }
 }
 
 #[cfg(test)]
@@ -126,5 +204,17 @@ mod tests {
             assert_eq!(Status::from_code(code as u32), Some(*status));
         }
         assert_eq!(Status::from_code(99), None);
+        for (code, status) in SurfaceStatus::ALL.iter().enumerate() {
+            assert_eq!(*status as u32, code as u32);
+            assert_eq!(SurfaceStatus::from_code(code as u32), Some(*status));
+        }
+        assert_eq!(SurfaceStatus::from_code(4), None);
+    }
+
+    /// Names of end points lead back to them.
+    #[test]
+    fn end_points_are_found_by_name() {
+        assert_eq!(EndPoint::ALL.map(|end| EndPoint::named(end.name())), EndPoint::ALL.map(Some));
+        assert_eq!(EndPoint::named("shade"), None);
     }
 }

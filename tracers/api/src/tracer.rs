@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use crate::{
-    EndPoint, Geometry, HitBuffer, MemoryReport, ParameterDescription, Parameters, PhaseClock, RayBuffer, TracerError,
-    View, Viewpoint,
+    EndPoint, Geometry, HitBuffer, MemoryEntry, MemoryReport, ParameterDescription, Parameters, PhaseClock, RayBuffer,
+    TracerError, View, Viewpoint,
 };
 
 /// Where a tracer's triangles, rays and hits live.
@@ -155,7 +155,8 @@ pub trait Structure {
         Ok(false)
     }
 
-    /// Answers every ray of the job into `hits`; complete only when the clock has been finished.
+    /// Answers every ray of the job into `hits`, which has room for surfaces where the job ends there; complete only when
+    /// the clock has been finished.
     ///
     /// # Errors
     /// [`TracerError::Unsupported`] for a query or end that the method does not serve, others as they say.
@@ -170,10 +171,11 @@ pub trait Structure {
     /// What the structure holds.
     fn memory(&self) -> MemoryReport;
 
-    /// Bytes of a trace's own buffers, beside rays and hits.
-    fn scratch_bytes(&self, ray_count: usize) -> u64 {
-        let _ = ray_count;
-        0
+    /// A trace's own buffers and textures, beside rays, hits and surfaces: what the job takes while it runs, each by its
+    /// name. Of textures, which drivers pad as they like, what the last such job took.
+    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
+        let _ = job;
+        Vec::new()
     }
 
     /// The views that the structure sees the scene through; empty for one that does not depend on a view.

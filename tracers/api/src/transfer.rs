@@ -1,10 +1,11 @@
-//! Rays and hits where the tracer wants them: in host memory, or on the device.
+//! Rays, hits and surfaces where the tracer wants them: in host memory, or on the device.
 
 use std::sync::Arc;
 
+use bytemuck::Pod;
 use wgpu::BufferUsages;
 
-use crate::{Gpu, Hit, Query, Ray, Residency, TracerError};
+use crate::{EndPoint, Gpu, Hit, MemoryEntry, Query, Ray, Residency, Surface, TracerError};
 
 /// One ray set; made once, uploaded once, the same for every tracer.
 #[derive(Clone, Debug)]
@@ -55,42 +56,42 @@ fn upload(gpu: &Gpu, contents: &[u8]) -> Result<wgpu::Buffer, TracerError> {
     gpu.buffer_with("the ray buffer", contents, BufferUsages::STORAGE, TURN_DOWN)
 }
 
-/// Where a tracer writes its answers, one per ray.
+/// Where a tracer writes its answers, one per ray: hits, and surfaces where the job ends there.
 #[derive(Debug)]
-pub enum HitBuffer {
-    /// In host memory.
-    Host(Vec<Hit>),
-    /// In a storage buffer, with the count.
-    Device(wgpu::Buffer, usize),
+pub struct HitBuffer {
+    count: usize,
+    hits: Records<Hit>,
+    surfaces: Option<Records<Surface>>,
 }
 
-impl HitBuffer {
-    /// Room for `count` poisoned hits.
-    ///
-    /// # Errors
-    /// [`TracerError::TooLarge`] if the device cannot hold or bind them, [`TracerError::Unavailable`] without one.
-    pub fn new(count: usize, residency: Residency, gpu: Option<&Gpu>) -> Result<Self, TracerError> {
+/// Records of one kind, one per ray.
+#[derive(Debug)]
+enum Records<T> {
+    /// In host memory.
+    Host(Vec<T>),
+    /// In a storage buffer.
+    Device(wgpu::Buffer),
+}
+
+impl<T: Pod> Records<T> {
+    fn new(name: &str, count: usize, residency: Residency, gpu: Option<&Gpu>) -> Result<Self, TracerError> {
         match (residency, gpu) {
-            (Residency::Host, _) => Ok(Self::Host(vec![bytemuck::Zeroable::zeroed(); count])),
+            (Residency::Host, _) => Ok(Self::Host(vec![T::zeroed(); count])),
             (Residency::Device, None) => Err(TracerError::Unavailable("no device".to_owned())),
             (Residency::Device, Some(gpu)) => {
-                let bytes = (count.max(1) * size_of::<Hit>()) as u64;
-                gpu.check_storage_binding("the hit buffer", bytes, TURN_DOWN)?;
+                let bytes = (count.max(1) * size_of::<T>()) as u64;
+                gpu.check_storage_binding(name, bytes, TURN_DOWN)?;
                 let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-                Ok(Self::Device(gpu.buffer("the hit buffer", bytes, usage, TURN_DOWN)?, count))
+                Ok(Self::Device(gpu.buffer(name, bytes, usage, TURN_DOWN)?))
             }
         }
     }
 
-    /// Overwrites every hit with the poison (all zeros, status "unwritten").
-    ///
-    /// # Errors
-    /// [`TracerError::Failed`] if the device fails.
-    pub fn poison(&mut self, gpu: Option<&Gpu>) -> Result<(), TracerError> {
+    fn poison(&mut self, gpu: Option<&Gpu>) -> Result<(), TracerError> {
         match (self, gpu) {
-            (Self::Host(hits), _) => hits.fill(bytemuck::Zeroable::zeroed()),
+            (Self::Host(records), _) => records.fill(T::zeroed()),
             (Self::Device(..), None) => return Err(TracerError::Unavailable("no device".to_owned())),
-            (Self::Device(buffer, _), Some(gpu)) => {
+            (Self::Device(buffer), Some(gpu)) => {
                 let mut encoder = gpu.device.create_command_encoder(&Default::default());
                 encoder.clear_buffer(buffer, 0, None);
                 gpu.queue.submit([encoder.finish()]);
@@ -100,42 +101,133 @@ impl HitBuffer {
         Ok(())
     }
 
-    /// The answers, in ray order.
-    ///
-    /// # Errors
-    /// [`TracerError::Failed`] if the device fails.
-    pub fn read(&self, gpu: Option<&Gpu>) -> Result<Vec<Hit>, TracerError> {
+    fn read(&self, count: usize, gpu: Option<&Gpu>) -> Result<Vec<T>, TracerError> {
         match (self, gpu) {
-            (Self::Host(hits), _) => Ok(hits.clone()),
+            (Self::Host(records), _) => Ok(records.clone()),
             (Self::Device(..), None) => Err(TracerError::Unavailable("no device".to_owned())),
-            (Self::Device(_, 0), Some(_)) => Ok(Vec::new()),
-            (Self::Device(buffer, count), Some(gpu)) => {
-                let bytes = gpu.read(buffer, (count * size_of::<Hit>()) as u64)?;
-                Ok(bytemuck::pod_collect_to_vec(&bytes))
+            (Self::Device(..), Some(_)) if count == 0 => Ok(Vec::new()),
+            (Self::Device(buffer), Some(gpu)) => {
+                Ok(bytemuck::pod_collect_to_vec(&gpu.read(buffer, (count * size_of::<T>()) as u64)?))
             }
         }
     }
 
-    /// The host's slice, for the answers to that many rays.
-    ///
-    /// # Errors
-    /// [`TracerError::Failed`] if the hits are on the device or of another number.
-    pub fn host_mut(&mut self, rays: usize) -> Result<&mut [Hit], TracerError> {
+    fn on_host(&mut self) -> Result<&mut [T], TracerError> {
         match self {
-            Self::Host(hits) => check_count(hits.len(), rays).map(|()| hits.as_mut_slice()),
+            Self::Host(records) => Ok(records),
             Self::Device(..) => Err(TracerError::Failed("a host tracer was given device hits".to_owned())),
         }
     }
 
-    /// The device's buffer, for the answers to that many rays.
+    fn on_device(&self) -> Result<&wgpu::Buffer, TracerError> {
+        match self {
+            Self::Device(buffer) => Ok(buffer),
+            Self::Host(_) => Err(TracerError::Failed("a device tracer was given host hits".to_owned())),
+        }
+    }
+}
+
+/// Name of the device's buffer of surfaces.
+const SHADING_BUFFER: &str = "shading buffer";
+
+fn without_surfaces() -> TracerError {
+    TracerError::Failed(
+        "surfaces are asked for, and there is no room for them: make the hit buffer for that end".into(),
+    )
+}
+
+impl HitBuffer {
+    /// Room for `count` poisoned hits.
+    ///
+    /// # Errors
+    /// [`TracerError::TooLarge`] if the device cannot hold or bind them, [`TracerError::Unavailable`] without one.
+    pub fn new(count: usize, residency: Residency, gpu: Option<&Gpu>) -> Result<Self, TracerError> {
+        Self::for_end(EndPoint::Hit, count, residency, gpu)
+    }
+
+    /// Room for what `count` rays traced to an end leave, poisoned.
+    ///
+    /// # Errors
+    /// As [`HitBuffer::new`].
+    pub fn for_end(end: EndPoint, count: usize, residency: Residency, gpu: Option<&Gpu>) -> Result<Self, TracerError> {
+        let hits = Records::new("the hit buffer", count, residency, gpu)?;
+        let surfaces = match end {
+            EndPoint::Hit => None,
+            EndPoint::Surface => Some(Records::new(SHADING_BUFFER, count, residency, gpu)?),
+        };
+        Ok(Self { count, hits, surfaces })
+    }
+
+    /// Names and bytes of what `count` rays take that are traced to an end: the rays themselves, hits, surfaces.
+    pub fn memory(end: EndPoint, count: usize) -> Vec<MemoryEntry> {
+        let of = |name, bytes: usize| MemoryEntry::whole(name, (count * bytes) as u64);
+        let mut parts = vec![of("rays", size_of::<Ray>()), of("hits", size_of::<Hit>())];
+        if end == EndPoint::Surface {
+            parts.push(of(SHADING_BUFFER, size_of::<Surface>()));
+        }
+        parts
+    }
+
+    /// Overwrites everything with the poison (all zeros, status "unwritten").
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the device fails.
+    pub fn poison(&mut self, gpu: Option<&Gpu>) -> Result<(), TracerError> {
+        self.hits.poison(gpu)?;
+        self.surfaces.as_mut().map_or(Ok(()), |surfaces| surfaces.poison(gpu))
+    }
+
+    /// The hits, in ray order.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the device fails.
+    pub fn read(&self, gpu: Option<&Gpu>) -> Result<Vec<Hit>, TracerError> {
+        self.hits.read(self.count, gpu)
+    }
+
+    /// The surfaces, in ray order; none where there is no room for any.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the device fails.
+    pub fn read_surfaces(&self, gpu: Option<&Gpu>) -> Result<Vec<Surface>, TracerError> {
+        self.surfaces.as_ref().map_or(Ok(Vec::new()), |surfaces| surfaces.read(self.count, gpu))
+    }
+
+    /// The host's hits, for the answers to that many rays.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the hits are on the device or of another number.
+    pub fn host_mut(&mut self, rays: usize) -> Result<&mut [Hit], TracerError> {
+        check_count(self.count, rays)?;
+        self.hits.on_host()
+    }
+
+    /// The host's hits and surfaces, for the answers to that many rays.
+    ///
+    /// # Errors
+    /// As [`HitBuffer::host_mut`]; [`TracerError::Failed`] without room for surfaces.
+    pub fn host_surfaces_mut(&mut self, rays: usize) -> Result<(&mut [Hit], &mut [Surface]), TracerError> {
+        check_count(self.count, rays)?;
+        let surfaces = self.surfaces.as_mut().ok_or_else(without_surfaces)?;
+        Ok((self.hits.on_host()?, surfaces.on_host()?))
+    }
+
+    /// The device's buffer of hits, for the answers to that many rays.
     ///
     /// # Errors
     /// [`TracerError::Failed`] if the hits are in host memory or of another number.
     pub fn on_device(&self, rays: usize) -> Result<&wgpu::Buffer, TracerError> {
-        match self {
-            Self::Device(buffer, count) => check_count(*count, rays).map(|()| buffer),
-            Self::Host(_) => Err(TracerError::Failed("a device tracer was given host hits".to_owned())),
-        }
+        check_count(self.count, rays)?;
+        self.hits.on_device()
+    }
+
+    /// The device's buffer of surfaces, for the answers to that many rays.
+    ///
+    /// # Errors
+    /// As [`HitBuffer::on_device`]; [`TracerError::Failed`] without room for surfaces.
+    pub fn surfaces_on_device(&self, rays: usize) -> Result<&wgpu::Buffer, TracerError> {
+        check_count(self.count, rays)?;
+        self.surfaces.as_ref().ok_or_else(without_surfaces)?.on_device()
     }
 }
 

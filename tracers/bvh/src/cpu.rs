@@ -12,9 +12,9 @@ use obvhs::rt_triangle::RtTriangle;
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 use tracebench_api::{
-    Counter, Description, Domain, Geometry, Hit, HitBuffer, Invalidation, Ledger, MemoryReport, ParameterDescription,
-    ParameterScope, Parameters, PhaseClock, Query, Ray, Residency, Status, Structure, TraceJob, Tracer, TracerError,
-    Update, Value, Viewpoint,
+    Counter, Description, Domain, EndPoint, Geometry, Hit, HitBuffer, Invalidation, Ledger, MemoryReport,
+    ParameterDescription, ParameterScope, Parameters, PhaseClock, Query, Ray, Residency, Status, Structure, Surface,
+    TraceJob, Tracer, TracerError, Update, Value, Viewpoint,
 };
 
 use crate::hierarchy;
@@ -73,6 +73,8 @@ struct BvhCpuStructure {
     /// In the order of the leaves, so that a leaf's triangles are neighbours.
     triangles: Vec<RtTriangle>,
     triangle_count: usize,
+    /// What it was built or fitted over, shared with the scene: surfaces come from it.
+    geometry: Geometry,
     /// Refits since the build.
     refits: u64,
     memory: MemoryReport,
@@ -124,8 +126,9 @@ impl BvhCpuStructure {
             depth,
             triangles: ordered,
             triangle_count: triangles.len(),
+            geometry: geometry.clone(),
             refits: 0,
-            memory: ledger.report(0),
+            memory: ledger.report(0).with_surface_geometry(geometry.surface_bytes()),
         })
     }
 
@@ -148,7 +151,7 @@ impl BvhCpuStructure {
         let triangles = gather(geometry, scale, clock);
         clock.host_phase("refit boxes", || refit(&mut self.bvh, &triangles));
         self.triangles = order(&self.bvh, &triangles, clock);
-        self.scale = scale;
+        (self.scale, self.geometry) = (scale, geometry.clone());
         Ok(())
     }
 }
@@ -223,6 +226,15 @@ impl BvhCpuStructure {
         } else {
             self.search(ray, any, HeapStack::<UVec2>::new_with_capacity(self.depth + 1), listener)
         }
+    }
+
+    /// The surface of every hit.
+    fn gather(&self, hits: &[Hit], surfaces: &mut [Surface]) {
+        surfaces.par_chunks_mut(RAYS_PER_TASK).zip(hits.par_chunks(RAYS_PER_TASK)).for_each(|(surfaces, hits)| {
+            for (surface, hit) in surfaces.iter_mut().zip(hits) {
+                *surface = self.geometry.surface_of(hit);
+            }
+        });
     }
 
     fn search<S: FastStack<UVec2>>(&self, ray: &Ray, any: bool, stack: S, listener: &mut impl Listener) -> Hit {
@@ -310,14 +322,25 @@ impl Structure for BvhCpuStructure {
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
         let any = job.rays.query == Query::Any;
-        let hits = hits.host_mut(job.rays.host.len())?;
+        let count = job.rays.host.len();
+        // What there is no room for is refused before the work.
+        if job.end == EndPoint::Surface {
+            hits.host_surfaces_mut(count)?;
+        }
+        let found = hits.host_mut(count)?;
         clock.host_phase("traverse", || {
-            hits.par_chunks_mut(RAYS_PER_TASK).zip(job.rays.host.par_chunks(RAYS_PER_TASK)).for_each(|(hits, rays)| {
-                for (hit, ray) in hits.iter_mut().zip(rays) {
-                    *hit = self.answer(ray, any, &mut ());
-                }
-            });
+            found.par_chunks_mut(RAYS_PER_TASK).zip(job.rays.host.par_chunks(RAYS_PER_TASK)).for_each(
+                |(hits, rays)| {
+                    for (hit, ray) in hits.iter_mut().zip(rays) {
+                        *hit = self.answer(ray, any, &mut ());
+                    }
+                },
+            );
         });
+        if job.end == EndPoint::Surface {
+            let (hits, surfaces) = hits.host_surfaces_mut(count)?;
+            clock.host_phase("gather", || self.gather(hits, surfaces));
+        }
         Ok(())
     }
 
@@ -331,6 +354,10 @@ impl Structure for BvhCpuStructure {
         let found: Vec<(Hit, [u64; 2])> = job.rays.host.par_iter().map(answer).collect();
         for (slot, (hit, _)) in hits.host_mut(found.len())?.iter_mut().zip(&found) {
             *slot = *hit;
+        }
+        if job.end == EndPoint::Surface {
+            let (hits, surfaces) = hits.host_surfaces_mut(found.len())?;
+            self.gather(hits, surfaces);
         }
         Ok(vec![
             Counter::of("nodes_visited", found.iter().map(|(_, [nodes, _])| *nodes)),

@@ -8,13 +8,14 @@ use tracebench_api::wgpu::{
     TextureFormat,
 };
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
-use tracebench_kit::{ViewUniform, bind_group, compute_pipeline, dispatch_linear, shader_module};
+use tracebench_kit::{Gather, ViewUniform, bind_group, compute_pipeline, dispatch_linear, shader_module};
 use tracebench_shaders::{
     DIRT_FILL_DEPTH, DIRT_FILL_DEPTH_CONSERVATIVE, DIRT_FILL_PRIMITIVES, DIRT_FILL_PRIMITIVES_CONSERVATIVE,
     DIRT_FILL_PRIMITIVES_CONSERVATIVE_SPLIT, DIRT_FILL_PRIMITIVES_SPLIT, DIRT_MIPMAP, DIRT_TRACE, DIRT_TRACE_CENTRES,
     DIRT_TRACE_CENTRES_COUNTED, DIRT_TRACE_COUNTED, DIRT_TRACE_SPLIT, DIRT_TRACE_SPLIT_COUNTED, Shader,
 };
 
+use crate::fetch::Fetch;
 use crate::layout::{FillPass, Layout, MOST_VIEWS, MipmapLevel, TileGrid};
 
 /// As `WORKGROUP_SIZE` in shaders/dirt/mipmap.wgsl.
@@ -50,6 +51,8 @@ pub(crate) struct Pipelines {
     primitives: [RenderPipeline; 2],
     primitives_split: [RenderPipeline; 2],
     mipmap: ComputePipeline,
+    pub gather: Gather,
+    pub fetch: Fetch,
     trace: [ComputePipeline; 2],
     trace_split: [ComputePipeline; 2],
     trace_centres: [ComputePipeline; 2],
@@ -96,6 +99,8 @@ impl Pipelines {
             primitives: [raster(DIRT_FILL_PRIMITIVES)?, raster(DIRT_FILL_PRIMITIVES_CONSERVATIVE)?],
             primitives_split: [raster(DIRT_FILL_PRIMITIVES_SPLIT)?, raster(DIRT_FILL_PRIMITIVES_CONSERVATIVE_SPLIT)?],
             mipmap: compute_pipeline(&gpu, DIRT_MIPMAP, "mipmap")?,
+            gather: Gather::new(&gpu)?,
+            fetch: Fetch::new(&gpu)?,
             trace: [trace(DIRT_TRACE)?, trace(DIRT_TRACE_COUNTED)?],
             trace_split: [trace(DIRT_TRACE_SPLIT)?, trace(DIRT_TRACE_SPLIT_COUNTED)?],
             trace_centres: [trace(DIRT_TRACE_CENTRES)?, trace(DIRT_TRACE_CENTRES_COUNTED)?],

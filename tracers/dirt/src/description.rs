@@ -10,6 +10,7 @@ const COVERAGES: &[&str] = &["conservative", "standard"];
 const CLIPS: &[&str] = &["polygon", "plane"];
 const ACCEPTS: &[&str] = &["tile", "distance"];
 const CENTRE_RAYS: &[&str] = &["whole", "split"];
+const FETCHES: &[&str] = &["raster", "gather"];
 const SEARCHED: &[&str] = &["until_hit", "all"];
 
 /// What `dirt` is and takes.
@@ -119,6 +120,14 @@ pub fn description() -> Description {
                 "whole",
                 "rays that pass near a view's centre, where rounding hides their tile: walked like any other, or split \
                  there, with all that lies near the centre tested (a proof's aid)",
+            ),
+            choice(
+                "fetch",
+                Trace,
+                FETCHES,
+                "raster",
+                "how surfaces are fetched where a trace ends at them: by drawing the scene into every view once more and looking \
+                 hits up at their pixels (sections 4.2.1, 4.2.2), which may lose some, or from the vertices by triangle",
             ),
             integer(
                 "max_steps",

@@ -15,6 +15,9 @@
 
 mod build;
 mod description;
+mod fetch;
+#[cfg(test)]
+mod fetch_tests;
 mod layout;
 mod structure;
 #[cfg(test)]
@@ -23,5 +26,6 @@ mod trace;
 mod validate;
 
 pub use description::description;
+pub use fetch::{FetchPass, HitNode, MaskSettings, StoreSettings};
 pub use layout::{FillPass, MipmapLevel, TileGrid, TraceSettings};
 pub use structure::Dirt;

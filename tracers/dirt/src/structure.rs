@@ -4,12 +4,13 @@ use std::sync::{Arc, Mutex, Weak};
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    Counter, DeviceGeometry, Geometry, Gpu, HitBuffer, Ledger, MemoryReport, Parameters, PhaseClock, Structure,
-    TraceJob, Tracer, TracerError, Update, View, Viewpoint,
+    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
+    Tracer, TracerError, Update, View, Viewpoint,
 };
-use tracebench_kit::ViewUniform;
+use tracebench_kit::{SurfaceGeometry, ViewUniform};
 
 use crate::build::{ATTACHMENT, Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, Pipelines, nodes_name};
+use crate::fetch::MaskMemory;
 use crate::layout::{Layout, MOST_VIEWS, TileGrid, TraceSettings};
 
 /// The tracer.
@@ -30,7 +31,7 @@ struct Counted {
 
 /// What of the scene a structure needs to trace.
 pub(crate) struct Resident {
-    pub device: DeviceGeometry,
+    pub surfaces: SurfaceGeometry,
     pub triangle_count: u32,
     pub bytes: u64,
     /// What was drawn, for validation.
@@ -40,9 +41,8 @@ pub(crate) struct Resident {
 
 impl Resident {
     fn of(geometry: &Geometry) -> Result<Self, TracerError> {
-        let device = geometry.on_device()?.clone();
         Ok(Self {
-            device,
+            surfaces: SurfaceGeometry::of(geometry)?,
             triangle_count: geometry.triangles.len() as u32,
             bytes: geometry.bytes(),
             positions: Arc::clone(&geometry.positions),
@@ -64,6 +64,7 @@ pub(crate) struct DirtStructure {
     pub filling: Filling,
     pub buffers: Buffers,
     pub geometry: Resident,
+    pub mask_memory: MaskMemory,
 }
 
 impl Dirt {
@@ -136,7 +137,14 @@ impl Dirt {
         self.make_room_for(&mut buffers, geometry, &layout, filling)?;
         self.pipelines.fill(&layout, &buffers, geometry, filling, clock)?;
         let pipelines = Arc::clone(&self.pipelines);
-        Ok(DirtStructure { pipelines, layout, filling, buffers, geometry: resident })
+        Ok(DirtStructure {
+            pipelines,
+            layout,
+            filling,
+            buffers,
+            geometry: resident,
+            mask_memory: MaskMemory::default(),
+        })
     }
 }
 
@@ -222,11 +230,18 @@ impl Structure for DirtStructure {
         let [width, height] = self.layout.tiles.map(u64::from);
         ledger.keep(ATTACHMENT, buffers.attachment_bytes, width * height);
         ledger.borrow_transient(self.layout.build_uniform_bytes());
-        ledger.report(self.geometry.bytes)
+        ledger.report(self.geometry.bytes).with_surface_geometry(self.geometry.surfaces.bytes)
     }
 
-    fn scratch_bytes(&self, _ray_count: usize) -> u64 {
-        (size_of::<TileGrid>() + size_of::<TraceSettings>() + MOST_VIEWS * size_of::<ViewUniform>()) as u64
+    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
+        let uniforms = [
+            ("grid", size_of::<TileGrid>()),
+            ("search", size_of::<TraceSettings>()),
+            ("views", MOST_VIEWS * size_of::<ViewUniform>()),
+        ];
+        let mut parts = uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec();
+        parts.extend(self.surface_memory(&job));
+        parts
     }
 
     fn views(&self) -> Vec<View> {

@@ -13,7 +13,7 @@ use super::description;
 use super::structure::{Dirt, DirtStructure};
 
 /// Round the origin, near a tenth, 48 pixels along a face's edge.
-fn viewpoint() -> Viewpoint {
+pub(crate) fn viewpoint() -> Viewpoint {
     Viewpoint {
         eye: Vec3::new(0.3, -0.2, 0.1),
         forward: Vec3::NEG_Z,
@@ -27,7 +27,7 @@ fn viewpoint() -> Viewpoint {
     }
 }
 
-fn parameters(settings: &[(&str, &str)]) -> Parameters {
+pub(crate) fn parameters(settings: &[(&str, &str)]) -> Parameters {
     let descriptions = description().parameters;
     let mut parameters = Parameters::preset(&descriptions, Preset::Published);
     for (name, value) in settings {
@@ -36,7 +36,7 @@ fn parameters(settings: &[(&str, &str)]) -> Parameters {
     parameters
 }
 
-fn built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> DirtStructure {
+pub(crate) fn built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> DirtStructure {
     let tracer = Dirt::new(Arc::clone(gpu)).unwrap();
     let mut clock = PhaseClock::new(Some(gpu));
     let structure = tracer.build_structure(geometry, &viewpoint(), &parameters(settings), &mut clock).unwrap();
@@ -47,7 +47,7 @@ fn built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> Dirt
 /// Triangles that are hard to store: random ones of every size, huge ones, needles, some through and behind the eye,
 /// across the borders and edges of faces, edge-on, without area, with corners and edges on tile borders, in the planes
 /// between faces, and before near.
-fn hostile() -> Vec<[[f32; 3]; 3]> {
+pub(crate) fn hostile() -> Vec<[[f32; 3]; 3]> {
     let mut numbers = Numbers::new(20);
     let eye = viewpoint().eye.as_dvec3();
     let mut triangles: Vec<[DVec3; 3]> = Vec::new();
@@ -110,6 +110,13 @@ fn what_is_stored_is_what_brute_force_finds() {
     }
 }
 
+/// A device that binds no more bytes at once.
+pub(crate) fn of_limit(bytes: u64) -> Arc<Gpu> {
+    let mut gpu = Gpu::open(&AdapterChoice::default()).unwrap();
+    gpu.limits.max_storage_buffer_binding_size = bytes;
+    Arc::new(gpu)
+}
+
 /// Nodes in several buffers, and depth bounds and heads that are bound by view, are stored and searched like those in one;
 /// too many nodes even for that are an error that says what to turn down.
 #[test]
@@ -119,11 +126,6 @@ fn what_a_binding_does_not_hold_is_split() {
     let settings = [("tile_size", "2")];
     let together = built(&whole, &geometry, &settings);
     assert!(!together.buffers.is_split());
-    let of_device = |bytes: u64| {
-        let mut gpu = Gpu::open(&AdapterChoice::default()).unwrap();
-        gpu.limits.max_storage_buffer_binding_size = bytes;
-        Arc::new(gpu)
-    };
     let bytes = together.buffers.node_bytes();
     let layout = &together.layout;
     let mut numbers = Numbers::new(4);
@@ -132,7 +134,7 @@ fn what_a_binding_does_not_hold_is_split() {
     assert!(hits.iter().filter(|hit| hit.is_hit()).count() > 100);
     let [heads, _] = layout.heads_bytes();
     for (limit, by_view) in [((bytes / 3).max(heads), false), ((bytes / 7).max(layout.heads_part_bytes()), true)] {
-        let small = of_device(limit / 8 * 8);
+        let small = of_limit(limit / 8 * 8);
         let geometry = soup(&hostile(), Some(&small));
         let split = built(&small, &geometry, &settings);
         assert!(split.buffers.is_split() && split.buffers.by_view == by_view, "{limit} of {bytes}, {heads}");
@@ -140,7 +142,7 @@ fn what_a_binding_does_not_hold_is_split() {
         assert_eq!(hits, answer(&small, &split, &rays));
         assert_eq!(hits, answer_by(&small, &split, &rays, &[("centre_rays", "split")]), "splitting rays loses some");
     }
-    let tiny = of_device(layout.heads_part_bytes());
+    let tiny = of_limit(layout.heads_part_bytes());
     let tracer = Dirt::new(Arc::clone(&tiny)).unwrap();
     let geometry = soup(&hostile().repeat(40), Some(&tiny));
     let refused =

@@ -5,6 +5,7 @@ use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, Query, TraceJob, 
 use tracebench_kit::{bind_group, dispatch_linear_groups};
 
 use crate::build::{TraceKind, view_uniforms};
+use crate::fetch::lost;
 use crate::layout::TraceSettings;
 use crate::structure::DirtStructure;
 
@@ -41,9 +42,6 @@ impl DirtStructure {
         counting: Option<&Counting>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        if job.end != EndPoint::Hit {
-            return Err(TracerError::Unsupported("dirt fetches no surfaces yet".to_owned()));
-        }
         let gpu = &*self.pipelines.gpu;
         let uniform = |name, contents: &[u8]| gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing");
         let search = self.search(job);
@@ -63,7 +61,7 @@ impl DirtStructure {
             uniform("search", bytemuck::bytes_of(&search))?,
             uniform("views", bytemuck::bytes_of(&view_uniforms(&self.layout)))?,
         ];
-        let geometry = &self.geometry.device;
+        let geometry = &self.geometry.surfaces.device;
         let shared = [&grid, &search_settings, &views, &geometry.positions, &geometry.indices];
         let answered = [&self.buffers.nodes[0], job.rays.on_device()?, hits.on_device(job.rays.host.len())?];
         let counted = counting.map(|counting| [&counting.counts, &counting.touched]);
@@ -78,7 +76,8 @@ impl DirtStructure {
         let bindings: Vec<_> = bindings.iter().collect();
         clock.device_phase("trace", |encoder| {
             dispatch_linear_groups(encoder, pipeline, &bindings, search.ray_count, WORKGROUP_SIZE);
-        })
+        })?;
+        self.record_surfaces(job, hits, clock)
     }
 
     pub(crate) fn trace_hits(
@@ -108,12 +107,16 @@ impl DirtStructure {
         let touched: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&counting.touched, touched_bytes)?);
         let of = |name, index: usize| Counter::of(name, counts[..rays].iter().map(|count| u64::from(count[index])));
         let touched = touched.iter().map(|word| u64::from(word.count_ones())).sum();
-        Ok(vec![
+        let mut counters = vec![
             of("pyramid_steps", 0),
             of("buckets_opened", 1),
             of("triangle_tests", 2),
             of("views_entered", 3),
             Counter::of_set("references_touched", touched),
-        ])
+        ];
+        if job.end == EndPoint::Surface {
+            counters.push(Counter::of_set("fetches_lost", lost(&hits.read_surfaces(Some(gpu))?)));
+        }
+        Ok(counters)
     }
 }

@@ -20,6 +20,25 @@ pub fn shader_module(gpu: &Gpu, shader: Shader) -> Result<wgpu::ShaderModule, Tr
     Ok(module)
 }
 
+/// Compiles a shader whose fragment stage writes to buffers and is to run for nothing that its depth test rejects, where the
+/// device can be told so; elsewhere it may run for all, as WebGPU allows.
+///
+/// # Errors
+/// [`TracerError::Failed`] if the device refuses it.
+pub fn shader_module_testing_early(gpu: &Gpu, shader: Shader) -> Result<wgpu::ShaderModule, TracerError> {
+    if !gpu.device.features().contains(wgpu::Features::SHADER_EARLY_DEPTH_TEST) {
+        return shader_module(gpu, shader);
+    }
+    // Composed shaders are plain WGSL, which has no word for it.
+    let source = shader.source.replacen("@fragment", "@fragment @early_depth_test(force)", 1);
+    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(shader.name),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    });
+    gpu.check()?;
+    Ok(module)
+}
+
 /// Creates a compute pipeline with a layout derived from the shader.
 ///
 /// # Errors

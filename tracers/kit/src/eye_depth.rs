@@ -12,7 +12,7 @@ pub const NO_SURFACE: f32 = 1e30;
 const DEPTH_FORMAT: TextureFormat = TextureFormat::R32Float;
 const EYE_DEPTH: &str = "eye depth buffer";
 const DEPTH_TEST: &str = "depth test buffer";
-const TEST_FORMAT: TextureFormat = TextureFormat::Depth32Float;
+const TEST_FORMAT: TextureFormat = crate::DEPTH_TEST_FORMAT;
 
 /// The pipeline that rasterizes eye depth.
 #[derive(Debug)]
@@ -25,8 +25,8 @@ pub struct EyeDepthRaster {
 pub struct EyeDepthTarget {
     /// One f32 a pixel: linear eye depth at the pixel's centre, or [`NO_SURFACE`].
     pub eye_depth: wgpu::TextureView,
-    /// The depth test's own buffer; needed only while rasterizing.
-    test: wgpu::TextureView,
+    /// The depth test's own buffer, which holds nothing between passes.
+    pub test: wgpu::TextureView,
     /// Pixels.
     pixels: u64,
     /// Bytes allocated for the eye depth and for the depth test.

@@ -1,10 +1,13 @@
 //! Device parts that several tracers share: views as uniforms, pipelines and dispatches, buffers that are kept, prefix sums
-//! and sorts, rasterized eye depth, bits for what is touched; and clipping in f64, which what they rasterize is held against.
+//! and sorts, rasterized eye depth and triangles, surfaces of hits, bits for what is touched; and clipping in f64, which what
+//! they rasterize is held against.
 
 mod clip;
 mod compute;
 mod eye_depth;
+mod gather;
 mod prefix_sum;
+mod primitive_raster;
 mod radix_sort;
 mod room;
 mod touched;
@@ -13,9 +16,12 @@ mod view_uniform;
 pub use clip::{TileBounds, clipped_depths, clipped_polygon, eye_space, touched_tiles};
 pub use compute::{
     bind_group, bind_group_at, compute_pipeline, dispatch_linear, dispatch_linear_groups, shader_module,
+    shader_module_testing_early,
 };
 pub use eye_depth::{EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
+pub use gather::{Gather, GatherSettings, SurfaceGeometry};
 pub use prefix_sum::{PrefixSum, PrefixSumPlan};
+pub use primitive_raster::{DEPTH_TEST_FORMAT, PrimitiveRaster, PrimitiveTexture, create_texture};
 pub use radix_sort::{RadixSort, RadixSortPlan, SortPass};
 pub use room::Room;
 pub use touched::TouchedBits;

@@ -5,6 +5,10 @@
 //! interval in a pixel meets the stored surface, which is taken to be `thickness` thick. It sees what the view shows and
 //! nothing else.
 //!
+//! Surfaces: hits name no triangle. A trace that ends at surfaces draws the view once more with the triangles' numbers, in
+//! the trace's own time, and takes normal and material from the triangle at the pixel where a hit was found; its position is
+//! the ray's point at the hit's t, as the method answers it. Hits and the structure are the same for both ends.
+//!
 //! Deviations from the paper, each chosen so that the suite can compare methods:
 //! - Rays are clipped to the whole frustum, not only to the near plane, and depth intervals are held within the ray, so
 //!   that rays that fall on one pixel (every primary ray does) are answered too.

@@ -1,17 +1,21 @@
 //! Building and tracing on the device.
 
+use std::cell::RefCell;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use tracebench_api::wgpu::{BindingResource, BufferUsages, ComputePipeline};
+use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline, TextureView};
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Gpu, HitBuffer, Ledger, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
-    Tracer, TracerError, Update, View, Viewpoint,
+    Counter, EndPoint, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure,
+    TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_kit::{
-    EyeDepthRaster, EyeDepthTarget, NO_SURFACE, TouchedBits, ViewUniform, bind_group, compute_pipeline, dispatch_linear,
+    EyeDepthRaster, EyeDepthTarget, Gather, NO_SURFACE, PrimitiveRaster, PrimitiveTexture, SurfaceGeometry,
+    TouchedBits, ViewUniform, bind_group_at, compute_pipeline, dispatch_linear,
 };
-use tracebench_shaders::{SCREEN_DDA_TRACE, SCREEN_DDA_TRACE_COUNTED};
+use tracebench_shaders::{
+    SCREEN_DDA_TRACE, SCREEN_DDA_TRACE_COUNTED, SCREEN_DDA_TRACE_SURFACES, SCREEN_DDA_TRACE_SURFACES_COUNTED,
+};
 
 use crate::description::HIT_POINTS;
 
@@ -30,12 +34,15 @@ struct Settings {
     start_bias: f32,
 }
 
-/// The pipelines.
+/// The pipelines; of a trace one to hits and one to surfaces.
 struct Pipelines {
     gpu: Arc<Gpu>,
     raster: EyeDepthRaster,
-    trace: ComputePipeline,
-    trace_counted: ComputePipeline,
+    /// The triangles at the view's pixels, for surfaces.
+    primitives: PrimitiveRaster,
+    gather: Gather,
+    trace: [ComputePipeline; 2],
+    trace_counted: [ComputePipeline; 2],
 }
 
 /// The tracer.
@@ -49,10 +56,13 @@ impl ScreenDda {
     /// # Errors
     /// [`TracerError::Failed`] if the device refuses one.
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        let trace = |shader| compute_pipeline(&gpu, shader, "trace");
         let pipelines = Pipelines {
             raster: EyeDepthRaster::new(&gpu)?,
-            trace: compute_pipeline(&gpu, SCREEN_DDA_TRACE, "trace")?,
-            trace_counted: compute_pipeline(&gpu, SCREEN_DDA_TRACE_COUNTED, "trace")?,
+            primitives: PrimitiveRaster::new(&gpu)?,
+            gather: Gather::new(&gpu)?,
+            trace: [trace(SCREEN_DDA_TRACE)?, trace(SCREEN_DDA_TRACE_SURFACES)?],
+            trace_counted: [trace(SCREEN_DDA_TRACE_COUNTED)?, trace(SCREEN_DDA_TRACE_SURFACES_COUNTED)?],
             gpu,
         };
         Ok(Self { pipelines: Arc::new(pipelines) })
@@ -65,6 +75,10 @@ struct ScreenDdaStructure {
     view: View,
     target: EyeDepthTarget,
     diagonal: f64,
+    geometry: SurfaceGeometry,
+    triangle_count: u32,
+    /// What the last texture of triangles took.
+    primitive_texture: RefCell<Option<MemoryEntry>>,
 }
 
 impl Tracer for ScreenDda {
@@ -79,7 +93,15 @@ impl Tracer for ScreenDda {
         let target = EyeDepthTarget::new(&self.pipelines.gpu, view.size)?;
         self.pipelines.rasterize(geometry, &view, &target, clock)?;
         let pipelines = Arc::clone(&self.pipelines);
-        Ok(Box::new(ScreenDdaStructure { pipelines, view, target, diagonal: geometry.diagonal() }))
+        Ok(Box::new(ScreenDdaStructure {
+            pipelines,
+            view,
+            target,
+            diagonal: geometry.diagonal(),
+            geometry: SurfaceGeometry::of(geometry)?,
+            triangle_count: geometry.triangles.len() as u32,
+            primitive_texture: RefCell::new(None),
+        }))
     }
 }
 
@@ -114,36 +136,84 @@ impl ScreenDdaStructure {
         }
     }
 
-    /// Records the trace; `extra` are the bindings of the counting variant.
+    /// Records the trace, by the counting variant where there is something to count into.
     fn record(
+        &self,
+        job: &TraceJob<'_>,
+        hits: &HitBuffer,
+        counting: Option<[&Buffer; 2]>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        let variants = if counting.is_some() { &self.pipelines.trace_counted } else { &self.pipelines.trace };
+        match job.end {
+            EndPoint::Hit => self.march(&variants[0], job, hits, counting, None, clock),
+            EndPoint::Surface => {
+                let count = job.rays.host.len();
+                hits.surfaces_on_device(count)?;
+                let primitives = self.draw_primitives(clock)?;
+                let seen = seen_buffer(&self.pipelines.gpu, count)?;
+                self.march(&variants[1], job, hits, counting, Some((&primitives.view, &seen)), clock)?;
+                let Pipelines { gpu, gather, .. } = &*self.pipelines;
+                gather.record(gpu, &self.geometry, job.rays, hits, Some(&seen), clock)
+            }
+        }
+    }
+
+    /// Draws the view once more, for the triangles at its pixels.
+    fn draw_primitives(&self, clock: &mut PhaseClock<'_>) -> Result<PrimitiveTexture, TracerError> {
+        let Pipelines { gpu, primitives: raster, .. } = &*self.pipelines;
+        let texture = PrimitiveTexture::new(gpu, self.view.size)?;
+        self.primitive_texture.replace(Some(texture.memory.clone()));
+        let bindings = raster.bind(gpu, &self.view, &self.geometry.device)?;
+        clock.device_phase("rasterize primitives", |encoder| {
+            raster.record(encoder, &bindings, self.triangle_count, &texture.view, &self.target.test);
+        })?;
+        Ok(texture)
+    }
+
+    /// Records the march; `surfaces` are the triangles at the view's pixels and what the rays saw of them.
+    fn march(
         &self,
         pipeline: &ComputePipeline,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
-        extra: &[BindingResource<'_>],
+        counting: Option<[&Buffer; 2]>,
+        surfaces: Option<(&TextureView, &Buffer)>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        if job.end != EndPoint::Hit {
-            return Err(TracerError::Unsupported("screen-dda stores depths, not surfaces".to_owned()));
-        }
         let gpu = &self.pipelines.gpu;
         let uniform = |name, contents: &[u8]| gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing");
         let view = uniform("view", bytemuck::bytes_of(&ViewUniform::from(&self.view)))?;
         let settings = self.settings(job);
         let settings_buffer = uniform("settings", bytemuck::bytes_of(&settings))?;
         let mut resources = vec![
-            view.as_entire_binding(),
-            settings_buffer.as_entire_binding(),
-            BindingResource::TextureView(&self.target.eye_depth),
-            job.rays.on_device()?.as_entire_binding(),
-            hits.on_device(job.rays.host.len())?.as_entire_binding(),
+            (0, view.as_entire_binding()),
+            (1, settings_buffer.as_entire_binding()),
+            (2, BindingResource::TextureView(&self.target.eye_depth)),
+            (3, job.rays.on_device()?.as_entire_binding()),
+            (4, hits.on_device(job.rays.host.len())?.as_entire_binding()),
         ];
-        resources.extend_from_slice(extra);
-        let bindings = bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources);
+        if let Some([counts, touched]) = counting {
+            resources.extend([(5, counts.as_entire_binding()), (6, touched.as_entire_binding())]);
+        }
+        if let Some((primitives, seen)) = surfaces {
+            resources.extend([(7, BindingResource::TextureView(primitives)), (8, seen.as_entire_binding())]);
+        }
+        let bindings = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &resources);
         clock.device_phase("march", |encoder| {
             dispatch_linear(encoder, pipeline, &bindings, settings.ray_count, WORKGROUP_SIZE);
         })
     }
+}
+
+/// Name of the triangles that rays saw.
+const SEEN: &str = "hit primitives";
+
+/// Room for the triangle that each ray saw.
+fn seen_buffer(gpu: &Gpu, rays: usize) -> Result<Buffer, TracerError> {
+    let bytes = rays.max(1) as u64 * 4;
+    gpu.check_storage_binding(SEEN, bytes, "--size")?;
+    gpu.buffer(SEEN, bytes, BufferUsages::STORAGE, "--size")
 }
 
 impl Structure for ScreenDdaStructure {
@@ -158,6 +228,7 @@ impl Structure for ScreenDdaStructure {
         match update {
             Update::Rebuild => {
                 let view = viewpoint.frame_view();
+                let surfaces = SurfaceGeometry::of(geometry)?;
                 // A frame of the same size is drawn into the textures that are there.
                 if view.size == self.view.size {
                     self.pipelines.rasterize(geometry, &view, &self.target, clock)?;
@@ -167,6 +238,7 @@ impl Structure for ScreenDdaStructure {
                     self.target = target;
                 }
                 (self.view, self.diagonal) = (view, geometry.diagonal());
+                (self.geometry, self.triangle_count) = (surfaces, geometry.triangles.len() as u32);
                 Ok(())
             }
             Update::Refit => Err(TracerError::Unsupported(
@@ -178,7 +250,7 @@ impl Structure for ScreenDdaStructure {
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
         // Any hit is the same walk: its first hit is its nearest.
-        self.record(&self.pipelines.trace, &job, hits, &[], clock)
+        self.record(&job, hits, None, clock)
     }
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
@@ -190,8 +262,7 @@ impl Structure for ScreenDdaStructure {
         let [width, height] = self.view.size.map(u64::from);
         let touched = TouchedBits::new(gpu, "pixels touched", width * height, "--frame")?;
         let mut clock = PhaseClock::new(Some(gpu));
-        let extra = [counts.as_entire_binding(), touched.buffer().as_entire_binding()];
-        self.record(&self.pipelines.trace_counted, &job, hits, &extra, &mut clock)?;
+        self.record(&job, hits, Some([&counts, touched.buffer()]), &mut clock)?;
         clock.finish()?;
         let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&counts, bytes)?);
         let counts = counts.into_iter().take(job.rays.host.len()).map(u64::from);
@@ -203,11 +274,19 @@ impl Structure for ScreenDdaStructure {
         self.target.enter(&mut ledger);
         // The view's uniforms, while the depth buffer is drawn.
         ledger.borrow_transient(size_of::<ViewUniform>() as u64);
-        ledger.report(0)
+        ledger.report(0).with_surface_geometry(self.geometry.bytes)
     }
 
-    fn scratch_bytes(&self, _ray_count: usize) -> u64 {
-        (size_of::<ViewUniform>() + size_of::<Settings>()) as u64
+    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
+        let uniforms = [("view", size_of::<ViewUniform>()), ("settings", size_of::<Settings>())];
+        let mut parts = uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec();
+        if job.end == EndPoint::Surface {
+            let texture = self.primitive_texture.borrow().clone();
+            parts.push(texture.unwrap_or_else(|| PrimitiveTexture::memory_of(self.view.size)));
+            parts.push(MemoryEntry::whole(SEEN, job.rays.host.len().max(1) as u64 * 4));
+            parts.extend([PrimitiveRaster::memory(), Gather::memory()]);
+        }
+        parts
     }
 
     fn views(&self) -> Vec<View> {

@@ -20,6 +20,8 @@ use tracebench_api::{
     Tracer, TracerError, Update, Viewpoint,
 };
 
+use tracebench_kit::SurfaceGeometry;
+
 pub use description::description;
 pub use layout::DeviceTriangle;
 pub use search::{BINARY_STACK, SearchSettings, WIDE_STACK};
@@ -28,7 +30,7 @@ pub use texels::ROW_BITS;
 use crate::input::{check_fits, gather, scale_for};
 use layout::Tree;
 use resident::Resident;
-use search::Searches;
+use search::{Searched, Searches};
 
 /// The tracer.
 pub struct BvhGpu {
@@ -51,6 +53,7 @@ struct BvhGpuStructure {
     /// Factor from scene units to those of the hierarchy, a power of two.
     scale: f32,
     resident: Resident,
+    geometry: SurfaceGeometry,
     triangle_count: usize,
     memory: MemoryReport,
     /// The hierarchy as it was fitted last; none before the first refit, which reads it back.
@@ -70,6 +73,10 @@ impl Tracer for BvhGpu {
 }
 
 impl BvhGpuStructure {
+    fn searched(&self) -> Searched<'_> {
+        Searched { resident: &self.resident, geometry: &self.geometry, scale: self.scale }
+    }
+
     /// Builds, into the textures of `there` where these are large enough.
     fn build(
         searches: &Arc<Searches>,
@@ -79,7 +86,7 @@ impl BvhGpuStructure {
         clock: &mut PhaseClock<'_>,
     ) -> Result<Self, TracerError> {
         // Rays and hits are on the device, and so must the scene be, though the build reads it in host memory.
-        geometry.on_device()?;
+        let surfaces = SurfaceGeometry::of(geometry)?;
         let scale = scale_for(geometry.diagonal());
         let triangles = gather(geometry, scale, clock);
         let mut ledger = Ledger::new();
@@ -91,8 +98,9 @@ impl BvhGpuStructure {
             searches: Arc::clone(searches),
             scale,
             resident,
+            memory: ledger.report(0).with_surface_geometry(surfaces.bytes),
+            geometry: surfaces,
             triangle_count: triangles.len(),
-            memory: ledger.report(0),
             fitted: None,
         })
     }
@@ -102,6 +110,7 @@ impl BvhGpuStructure {
     fn refit(&mut self, geometry: &Geometry, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
         check_fits(self.triangle_count, geometry)?;
         let gpu = Arc::clone(&self.searches.gpu);
+        let surfaces = SurfaceGeometry::of(geometry)?;
         let mut tree = match self.fitted.take() {
             Some(tree) => tree,
             None => clock.host_phase("read the hierarchy back", || self.resident.read(&gpu))?.0,
@@ -110,7 +119,7 @@ impl BvhGpuStructure {
         let triangles = gather(geometry, scale, clock);
         clock.host_phase("refit boxes", || tree.refit(&triangles));
         self.resident = place(&gpu, &tree, &triangles, Some(&self.resident), &mut Ledger::new(), clock)?;
-        self.scale = scale;
+        (self.scale, self.geometry) = (scale, surfaces);
         self.fitted = Some(tree);
         Ok(())
     }
@@ -151,11 +160,11 @@ impl Structure for BvhGpuStructure {
     }
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        self.searches.record(&self.resident, self.scale, &job, hits, None, clock)
+        self.searches.record(self.searched(), &job, hits, None, clock)
     }
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        self.searches.count(&self.resident, self.scale, &job, hits)
+        self.searches.count(self.searched(), &job, hits)
     }
 
     fn memory(&self) -> MemoryReport {
@@ -169,8 +178,8 @@ impl Structure for BvhGpuStructure {
         report
     }
 
-    fn scratch_bytes(&self, ray_count: usize) -> u64 {
-        search::scratch_bytes(&self.resident, ray_count)
+    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
+        search::trace_memory(&self.resident, &job)
     }
 
     fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {

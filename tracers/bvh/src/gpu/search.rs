@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline};
-use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, PhaseClock, Query, TraceJob, TracerError};
-use tracebench_kit::{TouchedBits, bind_group, compute_pipeline, dispatch_linear};
+use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
+use tracebench_kit::{Gather, SurfaceGeometry, TouchedBits, bind_group, compute_pipeline, dispatch_linear};
 use tracebench_shaders::{
     BVH_BINARY, BVH_BINARY_COUNTED, BVH_BINARY_DEEP, BVH_BINARY_DEEP_COUNTED, BVH_WIDE, BVH_WIDE_COUNTED,
     BVH_WIDE_DEEP, BVH_WIDE_DEEP_COUNTED, Shader,
@@ -90,11 +90,16 @@ impl SearchSettings {
     }
 }
 
-/// Bytes that the dispatches of a trace are told their settings by.
-pub(crate) fn scratch_bytes(resident: &Resident, ray_count: usize) -> u64 {
-    let dispatches = resident.stacks().map_or(1, |(_, lanes)| ray_count.div_ceil(lanes as usize));
-    (dispatches * size_of::<SearchSettings>()) as u64
+/// What the dispatches of a trace are told their settings by, and what gathering surfaces takes.
+pub(crate) fn trace_memory(resident: &Resident, job: &TraceJob<'_>) -> Vec<MemoryEntry> {
+    let dispatches = resident.stacks().map_or(1, |(_, lanes)| job.rays.host.len().div_ceil(lanes as usize));
+    let mut parts = vec![MemoryEntry::whole(SETTINGS, size_of::<SearchSettings>() as u64); dispatches];
+    parts.extend((job.end == EndPoint::Surface).then(Gather::memory));
+    parts
 }
+
+/// Label of a dispatch's uniform.
+const SETTINGS: &str = "settings";
 
 /// The buffers of a trace that counts.
 pub(crate) struct Counting {
@@ -143,9 +148,21 @@ impl Kernels {
     }
 }
 
+/// What is searched.
+#[derive(Clone, Copy)]
+pub(crate) struct Searched<'a> {
+    /// The hierarchy.
+    pub(crate) resident: &'a Resident,
+    /// Where surfaces are gathered from.
+    pub(crate) geometry: &'a SurfaceGeometry,
+    /// From scene units to those of the hierarchy, a power of two.
+    pub(crate) scale: f32,
+}
+
 /// The device with every variant.
 pub(crate) struct Searches {
     pub(crate) gpu: Arc<Gpu>,
+    gather: Gather,
     wide: Kernels,
     binary: Kernels,
 }
@@ -155,24 +172,20 @@ impl Searches {
     pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         let wide = [BVH_WIDE, BVH_WIDE_COUNTED, BVH_WIDE_DEEP, BVH_WIDE_DEEP_COUNTED];
         let binary = [BVH_BINARY, BVH_BINARY_COUNTED, BVH_BINARY_DEEP, BVH_BINARY_DEEP_COUNTED];
-        Ok(Self { wide: Kernels::new(&gpu, wide)?, binary: Kernels::new(&gpu, binary)?, gpu })
+        let (wide, binary) = (Kernels::new(&gpu, wide)?, Kernels::new(&gpu, binary)?);
+        Ok(Self { gather: Gather::new(&gpu)?, wide, binary, gpu })
     }
 
-    /// Records a trace; with something to count into by a counting variant.
+    /// Records a trace; with something to count into by a counting variant. Surfaces are gathered after it.
     pub(crate) fn record(
         &self,
-        resident: &Resident,
-        scale: f32,
+        searched: Searched<'_>,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
         counting: Option<&Counting>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        if job.end != EndPoint::Hit {
-            return Err(TracerError::Unsupported(
-                "hierarchies on the device store positions alone, no surfaces".to_owned(),
-            ));
-        }
+        let Searched { resident, geometry, scale } = searched;
         let gpu = &*self.gpu;
         let kernels = match resident.kind {
             NodeKind::Wide => &self.wide,
@@ -186,8 +199,7 @@ impl Searches {
         };
         let mut dispatches = Vec::new();
         for settings in SearchSettings::of_dispatches(job, resident, scale) {
-            let uniform =
-                gpu.buffer_with("settings", bytemuck::bytes_of(&settings), BufferUsages::UNIFORM, "nothing")?;
+            let uniform = gpu.buffer_with(SETTINGS, bytemuck::bytes_of(&settings), BufferUsages::UNIFORM, "nothing")?;
             let mut resources = vec![
                 uniform.as_entire_binding(),
                 BindingResource::TextureView(resident.nodes()),
@@ -205,22 +217,25 @@ impl Searches {
             for (bindings, lanes) in &dispatches {
                 dispatch_linear(encoder, pipeline, bindings, *lanes, WORKGROUP_SIZE);
             }
-        })
+        })?;
+        match job.end {
+            EndPoint::Hit => Ok(()),
+            EndPoint::Surface => self.gather.record(gpu, geometry, job.rays, hits, None, clock),
+        }
     }
 
     /// Traces by a counting variant.
     pub(crate) fn count(
         &self,
-        resident: &Resident,
-        scale: f32,
+        searched: Searched<'_>,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
     ) -> Result<Vec<Counter>, TracerError> {
         let gpu = &self.gpu;
         let bytes = job.rays.host.len().max(1) as u64 * 8;
-        let counting = Counting::new(gpu, resident, bytes)?;
+        let counting = Counting::new(gpu, searched.resident, bytes)?;
         let mut clock = PhaseClock::new(Some(gpu));
-        self.record(resident, scale, job, hits, Some(&counting), &mut clock)?;
+        self.record(searched, job, hits, Some(&counting), &mut clock)?;
         clock.finish()?;
         let counts: Vec<[u32; 2]> = bytemuck::pod_collect_to_vec(&gpu.read(&counting.counts, bytes)?);
         let counts = &counts[..job.rays.host.len()];

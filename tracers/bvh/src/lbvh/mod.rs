@@ -34,16 +34,18 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 
 use tracebench_api::{
-    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryReport, Parameters, PhaseClock, Structure, TraceJob, Tracer,
-    TracerError, Update, Viewpoint,
+    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
+    Tracer, TracerError, Update, Viewpoint,
 };
+
+use tracebench_kit::SurfaceGeometry;
 
 pub use description::description;
 pub use kernels::{BuildSettings, ClusterIteration, ConversionLevel, RefitStage};
 
 use crate::gpu::layout::{DeviceTriangle, NodeKind, Tree};
 use crate::gpu::resident::Resident;
-use crate::gpu::search::{Searches, private_stack, scratch_bytes};
+use crate::gpu::search::{Searched, Searches, private_stack, trace_memory};
 use crate::input::{check_fits, scale_for};
 use kernels::{CROWDED, FINISHED, Kernels, LEVELS, TAKEN_SLOTS};
 use plan::Plan;
@@ -71,6 +73,7 @@ struct LbvhStructure {
     searches: Arc<Searches>,
     plan: Plan,
     resident: Resident,
+    geometry: SurfaceGeometry,
     /// Factor from scene units to those of the hierarchy, a power of two.
     scale: f32,
     /// Whether many triangles coincide; asked of the device once, before the first trace.
@@ -90,6 +93,10 @@ impl Tracer for LbvhGpu {
 }
 
 impl LbvhStructure {
+    fn searched(&self) -> Searched<'_> {
+        Searched { resident: &self.resident, geometry: &self.geometry, scale: self.scale }
+    }
+
     /// Builds, in the buffers of `there` where these are large enough.
     fn build(
         kernels: &Arc<Kernels>,
@@ -111,6 +118,7 @@ impl LbvhStructure {
             searches: Arc::clone(searches),
             plan,
             resident,
+            geometry: SurfaceGeometry::of(geometry)?,
             scale,
             crowded: OnceCell::new(),
         })
@@ -172,7 +180,7 @@ impl Structure for LbvhStructure {
                 check_fits(self.plan.triangle_count as usize, geometry)?;
                 let scale = scale_for(geometry.diagonal());
                 self.plan.refit(&self.kernels, geometry, scale, clock)?;
-                self.scale = scale;
+                (self.scale, self.geometry) = (scale, SurfaceGeometry::of(geometry)?);
             }
             Update::Reuse => {}
         }
@@ -181,12 +189,12 @@ impl Structure for LbvhStructure {
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
         let job = TraceJob { parameters: &self.parameters(&job)?, ..job };
-        self.searches.record(&self.resident, self.scale, &job, hits, None, clock)
+        self.searches.record(self.searched(), &job, hits, None, clock)
     }
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let job = TraceJob { parameters: &self.parameters(&job)?, ..job };
-        self.searches.count(&self.resident, self.scale, &job, hits)
+        self.searches.count(self.searched(), &job, hits)
     }
 
     fn memory(&self) -> MemoryReport {
@@ -196,11 +204,11 @@ impl Structure for LbvhStructure {
         self.resident.enter(&mut ledger);
         self.plan.rooms.enter(self.wide_nodes().unwrap_or(room).min(room), &self.plan.sort, &mut ledger);
         ledger.borrow_transient(self.plan.uniform_bytes());
-        ledger.report(0)
+        ledger.report(0).with_surface_geometry(self.geometry.bytes)
     }
 
-    fn scratch_bytes(&self, ray_count: usize) -> u64 {
-        scratch_bytes(&self.resident, ray_count)
+    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
+        trace_memory(&self.resident, &job)
     }
 
     fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {

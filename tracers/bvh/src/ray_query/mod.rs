@@ -22,11 +22,11 @@ use std::sync::Arc;
 
 use tracebench_api::wgpu::BufferUsages;
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, MemoryReport, Parameters, PhaseClock, Query, Ray, RayBuffer,
-    Residency, Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
+    Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, MemoryEntry, MemoryReport, Parameters, PhaseClock, Query, Ray,
+    RayBuffer, Residency, Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
 };
 
-use tracebench_kit::TouchedBits;
+use tracebench_kit::{Gather, SurfaceGeometry, TouchedBits};
 
 use acceleration::Acceleration;
 pub use description::description;
@@ -68,7 +68,8 @@ impl Tracer for RayQuery {
         let mut acceleration = Acceleration::new(gpu, geometry, parameters)?;
         acceleration.record_build(gpu, geometry, clock)?;
         let queries = Arc::clone(&self.queries);
-        Ok(Box::new(RayQueryStructure { queries, acceleration, built_over: Mesh::of(geometry) }))
+        let surfaces = SurfaceGeometry::of(geometry)?;
+        Ok(Box::new(RayQueryStructure { queries, acceleration, built_over: Mesh::of(geometry), geometry: surfaces }))
     }
 }
 
@@ -89,6 +90,7 @@ struct RayQueryStructure {
     queries: Arc<Queries>,
     acceleration: Acceleration,
     built_over: Mesh,
+    geometry: SurfaceGeometry,
 }
 
 impl RayQueryStructure {
@@ -99,6 +101,7 @@ impl RayQueryStructure {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let gpu = &self.queries.gpu;
+        let surfaces = SurfaceGeometry::of(geometry)?;
         if self.acceleration.fits(gpu, geometry, parameters)? {
             self.acceleration.record_build(gpu, geometry, clock)?;
         } else {
@@ -106,8 +109,18 @@ impl RayQueryStructure {
             acceleration.record_build(gpu, geometry, clock)?;
             self.acceleration = acceleration;
         }
-        self.built_over = Mesh::of(geometry);
+        (self.built_over, self.geometry) = (Mesh::of(geometry), surfaces);
         Ok(())
+    }
+
+    /// Surfaces, if the job goes that far.
+    fn gather(&self, job: &TraceJob<'_>, hits: &HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        match job.end {
+            EndPoint::Hit => Ok(()),
+            EndPoint::Surface => {
+                self.queries.gather.record(&self.queries.gpu, &self.geometry, job.rays, hits, None, clock)
+            }
+        }
     }
 
     /// How many triangles were fat enough to be looked for, and that each of them is found. Of large scenes every n-th is
@@ -136,14 +149,8 @@ impl RayQueryStructure {
 const MOST_PROBES: usize = 4096;
 
 /// Whether a job wants the lower primitive of equal hits.
-///
-/// # Errors
-/// [`TracerError::Unsupported`] for an end that is not served.
-fn check(job: &TraceJob<'_>) -> Result<bool, TracerError> {
-    if job.end != EndPoint::Hit {
-        return Err(TracerError::Unsupported("ray-query stores triangles alone, no surfaces".to_owned()));
-    }
-    Ok(job.parameters.choice("equal_t") == "lowest")
+fn wants_lowest(job: &TraceJob<'_>) -> bool {
+    job.parameters.choice("equal_t") == "lowest"
 }
 
 impl Structure for RayQueryStructure {
@@ -167,12 +174,13 @@ impl Structure for RayQueryStructure {
     }
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        let lowest_of_equal = check(&job)?;
-        self.queries.record(Question::Trace { lowest_of_equal }, &self.acceleration, job.rays, hits, clock)
+        let lowest_of_equal = wants_lowest(&job);
+        self.queries.record(Question::Trace { lowest_of_equal }, &self.acceleration, job.rays, hits, clock)?;
+        self.gather(&job, hits, clock)
     }
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        let lowest_of_equal = check(&job)?;
+        let lowest_of_equal = wants_lowest(&job);
         let gpu = &self.queries.gpu;
         let bytes = job.rays.host.len().max(1) as u64 * 4;
         gpu.check_storage_binding("counts", bytes, "--size")?;
@@ -182,6 +190,7 @@ impl Structure for RayQueryStructure {
         let offered = TouchedBits::new(gpu, "triangles offered", triangles, "the scene's triangle count")?;
         let question = Question::TraceCounted { lowest_of_equal, counts: &counts, offered: offered.buffer() };
         self.queries.record(question, &self.acceleration, job.rays, hits, &mut clock)?;
+        self.gather(&job, hits, &mut clock)?;
         clock.finish()?;
         let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&counts, bytes)?);
         let counts = counts.into_iter().take(job.rays.host.len()).map(u64::from);
@@ -193,11 +202,13 @@ impl Structure for RayQueryStructure {
     }
 
     fn memory(&self) -> MemoryReport {
-        self.acceleration.memory()
+        self.acceleration.memory().with_surface_geometry(self.geometry.bytes)
     }
 
-    fn scratch_bytes(&self, _ray_count: usize) -> u64 {
-        size_of::<QuerySettings>() as u64
+    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
+        let settings = MemoryEntry::whole("settings", size_of::<QuerySettings>() as u64);
+        let gather = (job.end == EndPoint::Surface).then(Gather::memory);
+        [settings].into_iter().chain(gather).collect()
     }
 
     fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{Buffer, BufferUsages, ComputePipeline};
 use tracebench_api::{Gpu, HitBuffer, PhaseClock, Query, RayBuffer, TracerError};
-use tracebench_kit::{bind_group, compute_pipeline, dispatch_linear};
+use tracebench_kit::{Gather, bind_group, compute_pipeline, dispatch_linear};
 use tracebench_shaders::RAY_QUERY;
 
 use super::acceleration::Acceleration;
@@ -58,6 +58,7 @@ pub(super) struct Queries {
     trace: ComputePipeline,
     trace_counted: ComputePipeline,
     find_own_triangle: ComputePipeline,
+    pub(super) gather: Gather,
 }
 
 impl Queries {
@@ -71,6 +72,7 @@ impl Queries {
             trace: pipeline("trace")?,
             trace_counted: pipeline("trace_counted")?,
             find_own_triangle: pipeline("find_own_triangle")?,
+            gather: Gather::new(&gpu)?,
             gpu,
         })
     }

@@ -1,0 +1,117 @@
+// DIRT's fetch pass (section 4.2.2): the scene is drawn into every view, and where a triangle covers a pixel whose list
+// holds hits on it, their surfaces are written to the shading buffer.
+
+#import tracebench::types::Surface
+#import tracebench::view::{View, to_eye_space, clip_position}
+#import tracebench::surface::surface_at
+#import tracebench::dirt_hit_buffer::{HitNode, shading_of, view_of}
+#ifdef CONSERVATIVE
+#import tracebench::tile_clip::{tile_margin, tile_frustum, polygon_range, tile_rectangle}
+#endif
+
+struct FetchPass {
+    // The view that is drawn, its size in pixels.
+    view: View,
+    // Its number.
+    view_index: u32,
+    padding: u32,
+    // Of a view.
+    pixels: vec2<u32>,
+}
+
+@group(0) @binding(0) var<uniform> drawn: FetchPass;
+@group(0) @binding(1) var<storage, read> positions: array<f32>;
+@group(0) @binding(2) var<storage, read> indices: array<u32>;
+@group(0) @binding(3) var<storage, read> materials: array<u32>;
+@group(0) @binding(4) var<storage, read> heads: array<u32>;
+@group(0) @binding(5) var<storage, read> nodes: array<HitNode>;
+@group(0) @binding(6) var<storage, read_write> surfaces: array<Surface>;
+
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat) triangle: u32,
+}
+
+fn corner_of(triangle: u32, corner: u32) -> vec3<f32> {
+    let vertex = indices[triangle * 3u + corner] * 3u;
+    return vec3<f32>(positions[vertex], positions[vertex + 1u], positions[vertex + 2u]);
+}
+
+#ifdef CONSERVATIVE
+// Two triangles a triangle: the rectangle of pixels that it may touch. The fragment stage decides exactly.
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> Corner {
+    let triangle = index / 6u;
+    let a = to_eye_space(drawn.view, corner_of(triangle, 0u));
+    let b = to_eye_space(drawn.view, corner_of(triangle, 1u));
+    let c = to_eye_space(drawn.view, corner_of(triangle, 2u));
+    let rectangle = tile_rectangle(drawn.view, drawn.pixels, a, b, c);
+    if (any(rectangle.last <= rectangle.first)) {
+        return Corner(vec4<f32>(2.0, 2.0, 0.5, 1.0), triangle);
+    }
+    // Corners 0 1 2, 2 1 3.
+    let corner = (0x312210u >> (4u * (index % 6u))) & 3u;
+    let pixel = vec2<f32>(
+        select(rectangle.first.x, rectangle.last.x, ((corner & 1u) == 1u)),
+        select(rectangle.first.y, rectangle.last.y, ((corner & 2u) == 2u)),
+    );
+    let pixels = vec2<f32>(drawn.pixels);
+    return Corner(vec4<f32>(pixel.x / pixels.x * 2.0 - 1.0, 1.0 - pixel.y / pixels.y * 2.0, 0.5, 1.0), triangle);
+}
+#else
+// Pixels whose centres a triangle covers, by the rasterizer's own rule.
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> Corner {
+    let triangle = index / 3u;
+    return Corner(clip_position(drawn.view, to_eye_space(drawn.view, corner_of(triangle, index % 3u))), triangle);
+}
+#endif
+
+// Whether a triangle covers a pixel.
+fn covers(triangle: u32, pixel: vec2<u32>) -> bool {
+#ifdef CONSERVATIVE
+    let frustum = tile_frustum(drawn.view, pixel, tile_margin(drawn.view.size));
+    let a = to_eye_space(drawn.view, corner_of(triangle, 0u));
+    let b = to_eye_space(drawn.view, corner_of(triangle, 1u));
+    let c = to_eye_space(drawn.view, corner_of(triangle, 2u));
+    let range = polygon_range(frustum, a, b, c);
+    return range.least <= range.greatest;
+#else
+    return true;
+#endif
+}
+
+// Whether a hit is one on the triangle that is drawn: with conservative coverage any hit on it, in whatever view it was found;
+// without, a hit that this view's own pixel holds (section 4.2.4).
+fn is_sought(node: HitNode, triangle: u32) -> bool {
+#ifdef CONSERVATIVE
+    return node.primitive == triangle;
+#else
+    return node.primitive == triangle && view_of(node) == drawn.view_index;
+#endif
+}
+
+@fragment
+fn fragment(in: Corner) {
+    let pixel = vec2<u32>(in.position.xy);
+    if (any(pixel >= drawn.pixels)) {
+        return;
+    }
+    var link = heads[pixel.y * drawn.pixels.x + pixel.x];
+    var decided = false;
+    while (link != 0u) {
+        let node = nodes[link - 1u];
+        link = node.next;
+        if (is_sought(node, in.triangle)) {
+            // Most pixels' lists are short and most triangles in none of them: coverage is asked for last.
+            if (!decided && !covers(in.triangle, pixel)) {
+                return;
+            }
+            decided = true;
+            surfaces[shading_of(node)] = surface_at(
+                corner_of(in.triangle, 0u), corner_of(in.triangle, 1u), corner_of(in.triangle, 2u),
+                node.u, node.v, materials[in.triangle],
+            );
+        }
+    }
+}

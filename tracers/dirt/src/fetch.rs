@@ -1,0 +1,340 @@
+//! Surfaces as published: hits into the hit buffer, the mask, and the fetch pass (sections 4.2.1 and 4.2.2).
+//!
+//! How it is here:
+//! - The hit buffer has one image of heads for all views, as the paper's Table 3 counts it, and a node a ray, so that it
+//!   cannot overflow. The mask is drawn from the heads in a pass of its own: compute shaders write no depth.
+//! - Of the shading buffer's three points one is allocated, the point that was hit (G of k + 1): a trace of the suite is one
+//!   event of a path.
+//! - Surfaces are interpolated by the stored barycentric weights with both coverages. The paper leaves that to the
+//!   rasterizer without conservative coverage (section 4.2.4), which gives the surface at the pixel's centre, not at the hit.
+//! - The view of a hit is found again from where the hit lies, so that the search is the same for both end points: where two
+//!   views overlap it may be the other one, which with conservative coverage fetches the same.
+//! - The stored position is the paper's; no pass of the suite reads it.
+//! - Hits that no triangle's coverage finds are left lost: with standard coverage those on pixels whose centres their
+//!   triangle does not cover, with conservative coverage those that no view has, such as hits before near on triangles that reach beyond it.
+
+use std::cell::RefCell;
+
+use bytemuck::{Pod, Zeroable};
+use tracebench_api::wgpu::{
+    self, BindGroup, Buffer, BufferUsages, ComputePipeline, RenderPipeline, TextureFormat, TextureUsages, TextureView,
+};
+use tracebench_api::{
+    EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Surface, SurfaceStatus, TraceJob, TracerError,
+};
+use tracebench_kit::{
+    Gather, ViewUniform, bind_group, compute_pipeline, create_texture, dispatch_linear, shader_module,
+    shader_module_testing_early,
+};
+use tracebench_shaders::{DIRT_FETCH, DIRT_FETCH_CONSERVATIVE, DIRT_MASK, DIRT_STORE, Shader};
+
+use crate::layout::{Layout, MOST_VIEWS};
+use crate::structure::DirtStructure;
+
+/// As `WORKGROUP_SIZE` in shaders/dirt/store.wgsl.
+const WORKGROUP_SIZE: u32 = 64;
+
+/// Two bytes a pixel, as in Table 3.
+const MASK_FORMAT: TextureFormat = TextureFormat::Depth16Unorm;
+
+// What ledgers call the parts, after Table 3; and the uniforms.
+const HIT_HEADS: &str = "hit buffer: heads";
+const HIT_NODES: &str = "hit buffer: nodes";
+const MASK: &str = "mask texture";
+const STORE: &str = "store settings";
+const STORE_VIEWS: &str = "store views";
+const MASK_SETTINGS: &str = "mask settings";
+const FETCHED: &str = "fetched view";
+
+/// `HitNode` of shaders/dirt/hit_buffer.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct HitNode {
+    /// One more than the index of the next node, 0 at the end.
+    pub next: u32,
+    /// Triangle.
+    pub primitive: u32,
+    /// Weight of its second corner.
+    pub u: f32,
+    /// Weight of its third corner.
+    pub v: f32,
+    /// Where it was hit, scene units.
+    pub position: [f32; 3],
+    /// Where the surface goes, in the lower 29 bits, and the view.
+    pub shading_and_view: u32,
+}
+
+/// `StoreSettings` of shaders/dirt/store.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct StoreSettings {
+    /// Rays.
+    pub ray_count: u32,
+    /// Views.
+    pub view_count: u32,
+    /// Pixels of a view.
+    pub pixels: [u32; 2],
+}
+
+/// `MaskSettings` of shaders/dirt/mask.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct MaskSettings {
+    /// Pixels of a view.
+    pub pixels: [u32; 2],
+    /// Nothing.
+    pub padding: [u32; 2],
+}
+
+/// `FetchPass` of shaders/dirt/fetch.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct FetchPass {
+    /// The view that is drawn, its size in pixels.
+    pub view: ViewUniform,
+    /// Its number.
+    pub view_index: u32,
+    /// Nothing.
+    pub padding: u32,
+    /// Pixels of a view.
+    pub pixels: [u32; 2],
+}
+
+/// The pipelines.
+pub(crate) struct Fetch {
+    store: ComputePipeline,
+    mask: RenderPipeline,
+    /// With standard and with conservative coverage.
+    fetch: [RenderPipeline; 2],
+}
+
+/// A pipeline that draws into the mask alone.
+fn mask_pipeline(gpu: &Gpu, shader: Shader, writes: bool) -> Result<RenderPipeline, TracerError> {
+    // A fragment stage that writes to buffers is run before its depth test, unless it is told otherwise.
+    let module = if writes { shader_module(gpu, shader)? } else { shader_module_testing_early(gpu, shader)? };
+    let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(shader.name),
+        layout: None,
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("vertex"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        // Two-sided: nothing is culled.
+        primitive: Default::default(),
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: MASK_FORMAT,
+            depth_write_enabled: Some(writes),
+            // No depth lies beyond 1, the mask's where there are hits.
+            depth_compare: Some(if writes { wgpu::CompareFunction::Always } else { wgpu::CompareFunction::LessEqual }),
+            stencil: Default::default(),
+            bias: Default::default(),
+        }),
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("fragment"),
+            compilation_options: Default::default(),
+            targets: &[],
+        }),
+        multiview_mask: None,
+        cache: None,
+    });
+    gpu.check()?;
+    Ok(pipeline)
+}
+
+/// What a fetch takes while it runs: heads, nodes, mask, bindings.
+struct Taken {
+    heads: Buffer,
+    store: BindGroup,
+    mask_settings: BindGroup,
+    mask: TextureView,
+    views: Vec<BindGroup>,
+}
+
+/// What the last mask texture took; drivers pad textures as they like.
+pub(crate) type MaskMemory = RefCell<Option<MemoryEntry>>;
+
+impl Fetch {
+    pub(crate) fn new(gpu: &Gpu) -> Result<Self, TracerError> {
+        Ok(Self {
+            store: compute_pipeline(gpu, DIRT_STORE, "store")?,
+            mask: mask_pipeline(gpu, DIRT_MASK, true)?,
+            fetch: [mask_pipeline(gpu, DIRT_FETCH, false)?, mask_pipeline(gpu, DIRT_FETCH_CONSERVATIVE, false)?],
+        })
+    }
+
+    /// Buffers and textures of a fetch of the surfaces of so many rays, by name.
+    pub(crate) fn memory(layout: &Layout, rays: usize, last_mask: &MaskMemory) -> Vec<MemoryEntry> {
+        let pixels = pixel_count(layout);
+        let mask = last_mask.borrow().clone();
+        let mut parts = vec![
+            MemoryEntry::whole(HIT_HEADS, pixels * 4),
+            MemoryEntry::whole(HIT_NODES, node_bytes(rays)),
+            mask.unwrap_or_else(|| MemoryEntry::whole(MASK, pixels * 2)),
+            MemoryEntry::whole(STORE, size_of::<StoreSettings>() as u64),
+            MemoryEntry::whole(STORE_VIEWS, size_of::<[ViewUniform; MOST_VIEWS]>() as u64),
+            MemoryEntry::whole(MASK_SETTINGS, size_of::<MaskSettings>() as u64),
+        ];
+        parts.extend(layout.views.iter().map(|_| MemoryEntry::whole(FETCHED, size_of::<FetchPass>() as u64)));
+        parts
+    }
+
+    fn take(&self, structure: &DirtStructure, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Taken, TracerError> {
+        let DirtStructure { layout, geometry: scene, .. } = structure;
+        let gpu = &*structure.pipelines.gpu;
+        let rays = job.rays.host.len();
+        let size = layout.views[0].size;
+        let storage = |name, bytes, turn_down| {
+            gpu.check_storage_binding(name, bytes, turn_down)?;
+            gpu.buffer(name, bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST, turn_down)
+        };
+        let uniform = |name, contents: &[u8]| gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing");
+        let view_edges = "--face, or --frame with dirt.views=frame";
+        let heads = storage(HIT_HEADS, pixel_count(layout) * 4, view_edges)?;
+        let nodes = storage(HIT_NODES, node_bytes(rays), "--size")?;
+        let surfaces = hits.surfaces_on_device(rays)?;
+        let mut views: [ViewUniform; MOST_VIEWS] = Zeroable::zeroed();
+        for (slot, view) in views.iter_mut().zip(&layout.views) {
+            *slot = ViewUniform::from(view);
+        }
+        let settings = StoreSettings { ray_count: rays as u32, view_count: layout.views.len() as u32, pixels: size };
+        let bind = |layout: &wgpu::BindGroupLayout, buffers: &[&Buffer]| {
+            let resources: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
+            bind_group(gpu, layout, &resources)
+        };
+        let store = bind(
+            &self.store.get_bind_group_layout(0),
+            &[
+                &uniform(STORE, bytemuck::bytes_of(&settings))?,
+                &uniform(STORE_VIEWS, bytemuck::bytes_of(&views))?,
+                job.rays.on_device()?,
+                hits.on_device(rays)?,
+                &heads,
+                &nodes,
+                surfaces,
+            ],
+        );
+        let mask_settings = MaskSettings { pixels: size, padding: [0; 2] };
+        let mask_settings = uniform(MASK_SETTINGS, bytemuck::bytes_of(&mask_settings))?;
+        let mask_settings = bind(&self.mask.get_bind_group_layout(0), &[&mask_settings, &heads]);
+        let device = &scene.surfaces.device;
+        let fetch = self.fetch[usize::from(structure.filling.conservative)].get_bind_group_layout(0);
+        let of_view = |(index, view): (usize, &tracebench_api::View)| {
+            let drawn = FetchPass { view: ViewUniform::from(view), view_index: index as u32, padding: 0, pixels: size };
+            let drawn = uniform(FETCHED, bytemuck::bytes_of(&drawn))?;
+            let scene = [&device.positions, &device.indices, &device.materials];
+            Ok(bind(&fetch, &[&[&drawn], &scene[..], &[&heads, &nodes, surfaces]].concat()))
+        };
+        let views = layout.views.iter().enumerate().map(of_view).collect::<Result<_, TracerError>>()?;
+        let before = gpu.allocations();
+        let mask = create_texture(gpu, MASK, size, MASK_FORMAT, TextureUsages::RENDER_ATTACHMENT);
+        gpu.check()?;
+        let used_bytes = pixel_count(layout) * 2;
+        let allocated_bytes = gpu.allocations().added_since(&before, MASK).unwrap_or(used_bytes);
+        structure.mask_memory.replace(Some(MemoryEntry { name: MASK.to_owned(), allocated_bytes, used_bytes }));
+        Ok(Taken { heads, store, mask_settings, mask: mask.create_view(&Default::default()), views })
+    }
+
+    /// Records the phases after the search: hits into their lists, the mask, the fetch.
+    fn record(
+        &self,
+        structure: &DirtStructure,
+        job: &TraceJob<'_>,
+        taken: &Taken,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        let conservative = structure.filling.conservative;
+        let ray_count = job.rays.host.len() as u32;
+        clock.device_phase("final storage", |encoder| {
+            encoder.clear_buffer(&taken.heads, 0, None);
+            dispatch_linear(encoder, &self.store, &taken.store, ray_count, WORKGROUP_SIZE);
+        })?;
+        clock.device_phase("mask", |encoder| {
+            let cleared = wgpu::LoadOp::Clear(0.0);
+            draw(encoder, "mask", &taken.mask, cleared, &self.mask, &taken.mask_settings, 3);
+        })?;
+        let vertices = structure.geometry.triangle_count * if conservative { 6 } else { 3 };
+        clock.device_phase("fetch", |encoder| {
+            for bindings in &taken.views {
+                let pipeline = &self.fetch[usize::from(conservative)];
+                draw(encoder, "fetch", &taken.mask, wgpu::LoadOp::Load, pipeline, bindings, vertices);
+            }
+        })
+    }
+}
+
+fn draw(
+    encoder: &mut wgpu::CommandEncoder,
+    label: &str,
+    mask: &TextureView,
+    load: wgpu::LoadOp<f32>,
+    pipeline: &RenderPipeline,
+    bindings: &BindGroup,
+    vertices: u32,
+) {
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: &[],
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: mask,
+            depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
+            stencil_ops: None,
+        }),
+        ..Default::default()
+    });
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, bindings, &[]);
+    pass.draw(0..vertices, 0..1);
+}
+
+fn pixel_count(layout: &Layout) -> u64 {
+    layout.views[0].size.map(u64::from).iter().product()
+}
+
+fn node_bytes(rays: usize) -> u64 {
+    (rays.max(1) * size_of::<HitNode>()) as u64
+}
+
+impl DirtStructure {
+    /// Records the fetch of surfaces, if the job ends there.
+    pub(crate) fn record_surfaces(
+        &self,
+        job: &TraceJob<'_>,
+        hits: &HitBuffer,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        let gpu = &*self.pipelines.gpu;
+        match (job.end, by_raster(job)) {
+            (EndPoint::Hit, _) => Ok(()),
+            (EndPoint::Surface, false) => {
+                self.pipelines.gather.record(gpu, &self.geometry.surfaces, job.rays, hits, None, clock)
+            }
+            (EndPoint::Surface, true) => {
+                let fetch = &self.pipelines.fetch;
+                let taken = fetch.take(self, job, hits)?;
+                fetch.record(self, job, &taken, clock)
+            }
+        }
+    }
+
+    /// What that takes while it runs, by name.
+    pub(crate) fn surface_memory(&self, job: &TraceJob<'_>) -> Vec<MemoryEntry> {
+        match (job.end, by_raster(job)) {
+            (EndPoint::Hit, _) => Vec::new(),
+            (EndPoint::Surface, false) => vec![Gather::memory()],
+            (EndPoint::Surface, true) => Fetch::memory(&self.layout, job.rays.host.len(), &self.mask_memory),
+        }
+    }
+}
+
+fn by_raster(job: &TraceJob<'_>) -> bool {
+    job.parameters.choice("fetch") == "raster"
+}
+
+/// Surfaces that were lost.
+pub(crate) fn lost(surfaces: &[Surface]) -> u64 {
+    surfaces.iter().filter(|surface| surface.status == SurfaceStatus::Lost as u32).count() as u64
+}
