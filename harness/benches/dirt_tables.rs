@@ -42,6 +42,7 @@ fn plan(name: &str, preset: RunPreset) -> Result<Plan, common::Failure> {
         view: ViewRequest::Default,
         time_s: 0.0,
         seed: 1,
+        end: tracebench_api::EndPoint::Hit,
         table: Some(experiment.name),
     })
 }
