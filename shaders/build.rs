@@ -59,6 +59,7 @@ const VARIANTS: &[(&str, &str, &[&str])] = &[
     ("DIRT_MASK", "dirt/mask.wgsl", &[]),
     ("DIRT_FETCH", "dirt/fetch.wgsl", &[]),
     ("DIRT_FETCH_CONSERVATIVE", "dirt/fetch.wgsl", &["CONSERVATIVE"]),
+    ("DIRT_VISIBILITY", "dirt/visibility.wgsl", &[]),
     ("DIRT_MIPMAP", "dirt/mipmap.wgsl", &[]),
     ("DIRT_TRACE", "dirt/trace.wgsl", &[]),
     ("DIRT_TRACE_COUNTED", "dirt/trace.wgsl", &["COUNTERS"]),

@@ -349,6 +349,7 @@ fn entry_points_exist() {
         ("DIRT_MASK", raster.clone()),
         ("DIRT_FETCH", raster.clone()),
         ("DIRT_FETCH_CONSERVATIVE", raster.clone()),
+        ("DIRT_VISIBILITY", vec![("resolve", ShaderStage::Compute, 64)]),
         ("DIRT_MIPMAP", vec![("mipmap", ShaderStage::Compute, 64)]),
         ("DIRT_TRACE", vec![("trace", ShaderStage::Compute, 64)]),
         ("DIRT_TRACE_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),

@@ -17,6 +17,7 @@ use tracebench_shaders::{
 
 use crate::fetch::Fetch;
 use crate::layout::{FillPass, Layout, MOST_VIEWS, MipmapLevel, TileGrid};
+use crate::visibility::Visibility;
 
 /// As `WORKGROUP_SIZE` in shaders/dirt/mipmap.wgsl.
 const WORKGROUP_SIZE: u32 = 64;
@@ -53,6 +54,7 @@ pub(crate) struct Pipelines {
     mipmap: ComputePipeline,
     pub gather: Gather,
     pub fetch: Fetch,
+    pub visibility: Visibility,
     trace: [ComputePipeline; 2],
     trace_split: [ComputePipeline; 2],
     trace_centres: [ComputePipeline; 2],
@@ -101,6 +103,7 @@ impl Pipelines {
             mipmap: compute_pipeline(&gpu, DIRT_MIPMAP, "mipmap")?,
             gather: Gather::new(&gpu)?,
             fetch: Fetch::new(&gpu)?,
+            visibility: Visibility::new(&gpu)?,
             trace: [trace(DIRT_TRACE)?, trace(DIRT_TRACE_COUNTED)?],
             trace_split: [trace(DIRT_TRACE_SPLIT)?, trace(DIRT_TRACE_SPLIT_COUNTED)?],
             trace_centres: [trace(DIRT_TRACE_CENTRES)?, trace(DIRT_TRACE_CENTRES_COUNTED)?],

@@ -99,6 +99,14 @@ pub fn description() -> Description {
                  tile's corners, as in the released code: larger",
             ),
             choice(
+                "direct_visibility",
+                Build,
+                &["off", "on"],
+                "off",
+                "whether the build also draws the surfaces that the camera's frame shows (section 4.1.3), where paths would \
+                 begin; traces take rays from anywhere and do not use them",
+            ),
+            choice(
                 "accept",
                 Trace,
                 ACCEPTS,

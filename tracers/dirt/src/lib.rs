@@ -24,6 +24,9 @@ mod structure;
 mod tests;
 mod trace;
 mod validate;
+mod visibility;
+#[cfg(test)]
+mod visibility_tests;
 
 pub use description::description;
 pub use fetch::{FetchPass, HitNode, MaskSettings, StoreSettings};

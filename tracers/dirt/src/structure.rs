@@ -12,6 +12,7 @@ use tracebench_kit::{SurfaceGeometry, ViewUniform};
 use crate::build::{ATTACHMENT, Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, Pipelines, nodes_name};
 use crate::fetch::MaskMemory;
 use crate::layout::{Layout, MOST_VIEWS, TileGrid, TraceSettings};
+use crate::visibility::Frame;
 
 /// The tracer.
 pub struct Dirt {
@@ -65,6 +66,8 @@ pub(crate) struct DirtStructure {
     pub buffers: Buffers,
     pub geometry: Resident,
     pub mask_memory: MaskMemory,
+    /// What the camera's frame shows, if that was asked for.
+    pub frame: Option<Frame>,
 }
 
 impl Dirt {
@@ -136,6 +139,7 @@ impl Dirt {
         let mut buffers = Buffers::new(gpu, &layout, 0)?;
         self.make_room_for(&mut buffers, geometry, &layout, filling)?;
         self.pipelines.fill(&layout, &buffers, geometry, filling, clock)?;
+        let frame = self.pipelines.show(viewpoint, parameters, &resident, None, clock)?;
         let pipelines = Arc::clone(&self.pipelines);
         Ok(DirtStructure {
             pipelines,
@@ -144,6 +148,7 @@ impl Dirt {
             buffers,
             geometry: resident,
             mask_memory: MaskMemory::default(),
+            frame,
         })
     }
 }
@@ -183,6 +188,7 @@ impl Structure for DirtStructure {
                     self.pipelines.fill(&layout, &buffers, geometry, self.filling, clock)?;
                     self.buffers = buffers;
                 }
+                self.frame = self.pipelines.show(viewpoint, parameters, &resident, self.frame.as_ref(), clock)?;
                 (self.layout, self.geometry) = (layout, resident);
                 Ok(())
             }
@@ -230,6 +236,9 @@ impl Structure for DirtStructure {
         let [width, height] = self.layout.tiles.map(u64::from);
         ledger.keep(ATTACHMENT, buffers.attachment_bytes, width * height);
         ledger.borrow_transient(self.layout.build_uniform_bytes());
+        if let Some(frame) = &self.frame {
+            frame.enter(&mut ledger);
+        }
         ledger.report(self.geometry.bytes).with_surface_geometry(self.geometry.surfaces.bytes)
     }
 

@@ -21,7 +21,7 @@ pub struct PrimitiveRaster {
 }
 
 /// One u32 a pixel: the nearest triangle at the pixel's centre, or [`tracebench_api::NO_PRIMITIVE`].
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct PrimitiveTexture {
     /// The texture.
     pub view: TextureView,
