@@ -138,12 +138,12 @@ mod tests {
         assert!(first[1] >= 3 && last == [7, 7], "{first:?} {last:?}");
     }
 
-    /// A tile shrunk holds no more, a tile grown no less.
+    /// Of a triangle without a corner in it, a tile shrunk holds less and a tile grown more.
     #[test]
     fn margins_nest() {
-        let triangle = [DVec3::new(0.3, 0.2, 2.0), DVec3::new(-0.5, 0.9, 7.0), DVec3::new(0.9, -0.4, 3.0)];
+        let triangle = [DVec3::new(-0.6, -0.9, 2.0), DVec3::new(-0.5, 0.9, 7.0), DVec3::new(0.9, -0.4, 3.0)];
         let depths = |margin| clipped_depths(&view(), TileBounds::of_tile([4, 3], 1.0, margin), triangle).unwrap();
         let ([a, b], [c, d], [e, f]) = (depths(-0.1), depths(0.0), depths(0.1));
-        assert!(e < c && c < a && a < b && b < d && d < f);
+        assert!(e < c && c < a && a < b && b < d && d < f, "{e} {c} {a} {b} {d} {f}");
     }
 }
