@@ -6,7 +6,7 @@
 #import tracebench::surface::surface_at
 #import tracebench::dirt_hit_buffer::{HitNode, shading_of, view_of}
 #ifdef CONSERVATIVE
-#import tracebench::tile_clip::{tile_margin, tile_frustum, polygon_range, tile_rectangle}
+#import tracebench::tile_clip::{tile_margin, tile_frustum, polygon_range, rectangle_corner}
 #endif
 
 struct FetchPass {
@@ -38,25 +38,14 @@ fn corner_of(triangle: u32, corner: u32) -> vec3<f32> {
 }
 
 #ifdef CONSERVATIVE
-// Two triangles a triangle: the rectangle of pixels that it may touch. The fragment stage decides exactly.
+// Two triangles a triangle: the rectangle of pixels that it may touch.
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> Corner {
     let triangle = index / 6u;
     let a = to_eye_space(drawn.view, corner_of(triangle, 0u));
     let b = to_eye_space(drawn.view, corner_of(triangle, 1u));
     let c = to_eye_space(drawn.view, corner_of(triangle, 2u));
-    let rectangle = tile_rectangle(drawn.view, drawn.pixels, a, b, c);
-    if (any(rectangle.last <= rectangle.first)) {
-        return Corner(vec4<f32>(2.0, 2.0, 0.5, 1.0), triangle);
-    }
-    // Corners 0 1 2, 2 1 3.
-    let corner = (0x312210u >> (4u * (index % 6u))) & 3u;
-    let pixel = vec2<f32>(
-        select(rectangle.first.x, rectangle.last.x, ((corner & 1u) == 1u)),
-        select(rectangle.first.y, rectangle.last.y, ((corner & 2u) == 2u)),
-    );
-    let pixels = vec2<f32>(drawn.pixels);
-    return Corner(vec4<f32>(pixel.x / pixels.x * 2.0 - 1.0, 1.0 - pixel.y / pixels.y * 2.0, 0.5, 1.0), triangle);
+    return Corner(rectangle_corner(drawn.view, drawn.pixels, a, b, c, index), triangle);
 }
 #else
 // Pixels whose centres a triangle covers, by the rasterizer's own rule.

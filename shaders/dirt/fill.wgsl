@@ -2,7 +2,7 @@
 // into the tile's depth bounds, then into the lists of the buckets that the part's depths overlap.
 
 #import tracebench::view::{View, to_eye_space, clip_position}
-#import tracebench::tile_clip::{DepthRange, TileFrustum, tile_margin, tile_frustum, polygon_range, plane_range, tile_rectangle}
+#import tracebench::tile_clip::{DepthRange, TileFrustum, tile_margin, tile_frustum, polygon_range, plane_range, rectangle_corner}
 #import tracebench::dirt_grid::{TileGrid, Node, bounds_index, head_index, near_code, far_code, depths_of, bucket_of}
 
 struct FillPass {
@@ -53,32 +53,26 @@ fn eye_point(triangle: u32, corner: u32) -> vec3<f32> {
 }
 
 #ifdef CONSERVATIVE
-// Two triangles a triangle: the rectangle of tiles that it may touch. The fragment stage decides exactly.
+// Two triangles a triangle: the rectangle of tiles that it may touch.
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> Corner {
     let triangle = index / 6u;
     let a = eye_point(triangle, 0u);
     let b = eye_point(triangle, 1u);
     let c = eye_point(triangle, 2u);
-    let rectangle = tile_rectangle(drawn.view, grid.tiles, a, b, c);
-    if (any(rectangle.last <= rectangle.first)) {
-        return Corner(vec4<f32>(2.0, 2.0, 0.5, 1.0), triangle);
-    }
-    // Corners 0 1 2, 2 1 3.
-    let corner = (0x312210u >> (4u * (index % 6u))) & 3u;
-    let tile = vec2<f32>(
-        select(rectangle.first.x, rectangle.last.x, ((corner & 1u) == 1u)),
-        select(rectangle.first.y, rectangle.last.y, ((corner & 2u) == 2u)),
-    );
-    let tiles = vec2<f32>(grid.tiles);
-    return Corner(vec4<f32>(tile.x / tiles.x * 2.0 - 1.0, 1.0 - tile.y / tiles.y * 2.0, 0.5, 1.0), triangle);
+    return Corner(rectangle_corner(drawn.view, grid.tiles, a, b, c, index), triangle);
 }
 #else
 // Tiles whose centres a triangle covers, by the rasterizer's own rule.
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> Corner {
     let triangle = index / 3u;
-    return Corner(clip_position(drawn.view, eye_point(triangle, index % 3u)), triangle);
+    let position = clip_position(drawn.view, eye_point(triangle, index % 3u));
+    // The last column and row of tiles may reach beyond the view, and the attachment with them.
+    let scale = drawn.view.size / vec2<f32>(grid.tiles);
+    let x = (position.x + position.w) * scale.x - position.w;
+    let y = position.w - (position.w - position.y) * scale.y;
+    return Corner(vec4<f32>(x, y, position.zw), triangle);
 }
 #endif
 

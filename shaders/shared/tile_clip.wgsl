@@ -190,3 +190,20 @@ fn tile_rectangle(view: View, tiles: vec2<u32>, a: vec3<f32>, b: vec3<f32>, c: v
     let last = min(floor(rectangle.last + margin) + 1.0, vec2<f32>(tiles));
     return TileRectangle(first, last);
 }
+
+// Conservative coverage in the vertex stage: the corner, in clip coordinates, of the two triangles that draw the rectangle of
+// cells which a triangle may touch; six a triangle, outside of the image where it touches none. The fragment stage decides exactly.
+fn rectangle_corner(view: View, cells: vec2<u32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, index: u32) -> vec4<f32> {
+    let rectangle = tile_rectangle(view, cells, a, b, c);
+    if (any(rectangle.last <= rectangle.first)) {
+        return vec4<f32>(2.0, 2.0, 0.5, 1.0);
+    }
+    // Corners 0 1 2, 2 1 3.
+    let corner = (0x312210u >> (4u * (index % 6u))) & 3u;
+    let cell = vec2<f32>(
+        select(rectangle.first.x, rectangle.last.x, ((corner & 1u) == 1u)),
+        select(rectangle.first.y, rectangle.last.y, ((corner & 2u) == 2u)),
+    );
+    let at = cell / vec2<f32>(cells);
+    return vec4<f32>(at.x * 2.0 - 1.0, 1.0 - at.y * 2.0, 0.5, 1.0);
+}

@@ -8,7 +8,9 @@ use tracebench_api::wgpu::{
     TextureFormat,
 };
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
-use tracebench_kit::{Gather, ViewUniform, bind_group, compute_pipeline, dispatch_linear, shader_module};
+use tracebench_kit::{
+    Gather, RasterTargets, ViewUniform, bind_group, compute_pipeline, dispatch_linear, raster_pipeline, shader_module,
+};
 use tracebench_shaders::{
     DIRT_FILL_DEPTH, DIRT_FILL_DEPTH_CONSERVATIVE, DIRT_FILL_PRIMITIVES, DIRT_FILL_PRIMITIVES_CONSERVATIVE,
     DIRT_FILL_PRIMITIVES_CONSERVATIVE_SPLIT, DIRT_FILL_PRIMITIVES_SPLIT, DIRT_MIPMAP, DIRT_TRACE, DIRT_TRACE_CENTRES,
@@ -60,41 +62,15 @@ pub(crate) struct Pipelines {
     trace_centres: [ComputePipeline; 2],
 }
 
-fn raster_pipeline(gpu: &Gpu, shader: Shader) -> Result<RenderPipeline, TracerError> {
-    let module = shader_module(gpu, shader)?;
-    let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(shader.name),
-        layout: None,
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("vertex"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        // Two-sided: nothing is culled.
-        primitive: Default::default(),
-        depth_stencil: None,
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("fragment"),
-            compilation_options: Default::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: DUMMY_FORMAT,
-                blend: None,
-                write_mask: wgpu::ColorWrites::empty(),
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
-    });
-    gpu.check()?;
-    Ok(pipeline)
+fn fill_pipeline(gpu: &Gpu, shader: Shader) -> Result<RenderPipeline, TracerError> {
+    let nothing = wgpu::ColorTargetState { format: DUMMY_FORMAT, blend: None, write_mask: wgpu::ColorWrites::empty() };
+    let targets = RasterTargets { colours: &[Some(nothing)], ..Default::default() };
+    raster_pipeline(gpu, shader.name, &shader_module(gpu, shader)?, &targets)
 }
 
 impl Pipelines {
     pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        let raster = |shader| raster_pipeline(&gpu, shader);
+        let raster = |shader| fill_pipeline(&gpu, shader);
         let trace = |shader| compute_pipeline(&gpu, shader, "trace");
         Ok(Self {
             depth: [raster(DIRT_FILL_DEPTH)?, raster(DIRT_FILL_DEPTH_CONSERVATIVE)?],

@@ -17,14 +17,15 @@ use std::cell::RefCell;
 
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{
-    self, BindGroup, Buffer, BufferUsages, ComputePipeline, RenderPipeline, TextureFormat, TextureUsages, TextureView,
+    self, BindGroup, Buffer, BufferUsages, CompareFunction, ComputePipeline, RenderPipeline, TextureFormat,
+    TextureUsages, TextureView,
 };
 use tracebench_api::{
     EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Surface, SurfaceStatus, TraceJob, TracerError,
 };
 use tracebench_kit::{
-    Gather, ViewUniform, bind_group, compute_pipeline, create_texture, dispatch_linear, shader_module,
-    shader_module_testing_early,
+    Gather, RasterTargets, ViewUniform, bind_group, compute_pipeline, create_texture, dispatch_linear, raster_pipeline,
+    shader_module, shader_module_testing_early,
 };
 use tracebench_shaders::{DIRT_FETCH, DIRT_FETCH_CONSERVATIVE, DIRT_MASK, DIRT_STORE, Shader};
 
@@ -112,37 +113,10 @@ pub(crate) struct Fetch {
 fn mask_pipeline(gpu: &Gpu, shader: Shader, writes: bool) -> Result<RenderPipeline, TracerError> {
     // A fragment stage that writes to buffers is run before its depth test, unless it is told otherwise.
     let module = if writes { shader_module(gpu, shader)? } else { shader_module_testing_early(gpu, shader)? };
-    let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(shader.name),
-        layout: None,
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("vertex"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        // Two-sided: nothing is culled.
-        primitive: Default::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: MASK_FORMAT,
-            depth_write_enabled: Some(writes),
-            // No depth lies beyond 1, the mask's where there are hits.
-            depth_compare: Some(if writes { wgpu::CompareFunction::Always } else { wgpu::CompareFunction::LessEqual }),
-            stencil: Default::default(),
-            bias: Default::default(),
-        }),
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("fragment"),
-            compilation_options: Default::default(),
-            targets: &[],
-        }),
-        multiview_mask: None,
-        cache: None,
-    });
-    gpu.check()?;
-    Ok(pipeline)
+    // No depth lies beyond 1, the mask's where there are hits.
+    let passes = if writes { CompareFunction::Always } else { CompareFunction::LessEqual };
+    let targets = RasterTargets { depth: Some((MASK_FORMAT, writes, passes)), ..Default::default() };
+    raster_pipeline(gpu, shader.name, &module, &targets)
 }
 
 /// What a fetch takes while it runs: heads, nodes, mask, bindings.

@@ -4,7 +4,7 @@ use tracebench_api::wgpu::{self, TextureFormat, TextureUsages};
 use tracebench_api::{DeviceGeometry, Gpu, Ledger, TracerError, View};
 use tracebench_shaders::EYE_DEPTH_RASTER;
 
-use crate::{ViewUniform, bind_group, shader_module};
+use crate::{RasterTargets, ViewUniform, bind_group, raster_pipeline, shader_module};
 
 /// The eye depth stored where no surface covers a pixel's centre: beyond every surface.
 pub const NO_SURFACE: f32 = 1e30;
@@ -121,41 +121,18 @@ impl EyeDepthRaster {
     /// [`TracerError::Failed`] if the device refuses it.
     pub fn new(gpu: &Gpu) -> Result<Self, TracerError> {
         let module = shader_module(gpu, EYE_DEPTH_RASTER)?;
-        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(EYE_DEPTH_RASTER.name),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("vertex"),
-                compilation_options: Default::default(),
-                buffers: &[Some(wgpu::VertexBufferLayout {
-                    array_stride: 12,
-                    step_mode: wgpu::VertexStepMode::Vertex,
-                    attributes: &wgpu::vertex_attr_array![0 => Float32x3],
-                })],
-            },
-            // Two-sided: nothing is culled.
-            primitive: Default::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: TEST_FORMAT,
-                depth_write_enabled: Some(true),
-                // Reversed depth: near is 1, far is 0.
-                depth_compare: Some(wgpu::CompareFunction::Greater),
-                stencil: Default::default(),
-                bias: Default::default(),
-            }),
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("fragment"),
-                compilation_options: Default::default(),
-                targets: &[Some(DEPTH_FORMAT.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
-        gpu.check()?;
-        Ok(Self { pipeline })
+        let vertices = wgpu::VertexBufferLayout {
+            array_stride: 12,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+        };
+        let targets = RasterTargets {
+            vertex_buffers: &[Some(vertices)],
+            colours: &[Some(DEPTH_FORMAT.into())],
+            // Reversed depth: near is 1, far is 0.
+            depth: Some((TEST_FORMAT, true, wgpu::CompareFunction::Greater)),
+        };
+        Ok(Self { pipeline: raster_pipeline(gpu, EYE_DEPTH_RASTER.name, &module, &targets)? })
     }
 
     /// Prepares one view: its uniform buffer, bound.

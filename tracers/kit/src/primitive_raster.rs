@@ -4,7 +4,7 @@ use tracebench_api::wgpu::{self, BindGroup, RenderPipeline, TextureFormat, Textu
 use tracebench_api::{DeviceGeometry, Gpu, MemoryEntry, TracerError, View};
 use tracebench_shaders::PRIMITIVE_RASTER;
 
-use crate::{ViewUniform, bind_group, shader_module};
+use crate::{RasterTargets, ViewUniform, bind_group, raster_pipeline, shader_module};
 
 const FORMAT: TextureFormat = TextureFormat::R32Uint;
 
@@ -77,37 +77,13 @@ impl PrimitiveRaster {
     /// [`TracerError::Failed`] if the device refuses it.
     pub fn new(gpu: &Gpu) -> Result<Self, TracerError> {
         let module = shader_module(gpu, PRIMITIVE_RASTER)?;
-        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(PRIMITIVE_RASTER.name),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("vertex"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            // Two-sided: nothing is culled.
-            primitive: Default::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: DEPTH_TEST_FORMAT,
-                depth_write_enabled: Some(true),
-                // Reversed depth: near is 1, far is 0. Of equal depths the first triangle drawn stays.
-                depth_compare: Some(wgpu::CompareFunction::Greater),
-                stencil: Default::default(),
-                bias: Default::default(),
-            }),
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("fragment"),
-                compilation_options: Default::default(),
-                targets: &[Some(FORMAT.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
-        gpu.check()?;
-        Ok(Self { pipeline })
+        let targets = RasterTargets {
+            colours: &[Some(FORMAT.into())],
+            // Reversed depth: near is 1, far is 0. Of equal depths the first triangle drawn stays.
+            depth: Some((DEPTH_TEST_FORMAT, true, wgpu::CompareFunction::Greater)),
+            ..Default::default()
+        };
+        Ok(Self { pipeline: raster_pipeline(gpu, PRIMITIVE_RASTER.name, &module, &targets)? })
     }
 
     /// What drawing takes while it runs, beside the texture.
