@@ -92,8 +92,8 @@ fn edge_range(frustum: TileFrustum, begin: vec3<f32>, end: vec3<f32>) -> DepthRa
     return DepthRange(clamp(min(least, greatest), a.z, b.z), clamp(max(least, greatest), a.z, b.z));
 }
 
-// The eye depth at which the line through the eye along (corner, 1) meets the triangle's plane; 0 or less, or no number,
-// where it does not.
+// The eye depth at which the line through the eye along (corner, 1) meets the triangle's plane; negative, or no number, where it
+// does not in front of the eye. A plane through the eye is met there, at depth 0.
 fn plane_depth(normal: vec3<f32>, on_plane: vec3<f32>, corner: vec2<f32>) -> f32 {
     let slope = dot(normal, vec3<f32>(corner, 1.0));
     if (slope == 0.0) {
@@ -122,7 +122,7 @@ fn polygon_range(frustum: TileFrustum, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>)
         let sides = vec3<f32>(dot(side_a, line), dot(side_b, line), dot(side_c, line));
         let pierces = all(sides >= vec3<f32>(0.0)) || all(sides <= vec3<f32>(0.0));
         let plane_z = plane_depth(normal, a, at);
-        if (pierces && plane_z > 0.0) {
+        if (pierces && plane_z >= 0.0) {
             let z = clamp(plane_z, least_z, greatest_z);
             range = joined(range, DepthRange(z, z));
         }

@@ -260,6 +260,28 @@ fn the_first_bucket_with_a_hit_hides_later_ones() {
     assert!(published.primitive == 0 && all.primitive > 0 && all.t < published.t - 0.5, "{published:?} {all:?}");
 }
 
+/// A triangle whose plane holds the eye, and with it the centres of the faces that look along it, fills tiles from depth 0
+/// on: no ray that crosses it is lost, wherever the eye lies in it.
+#[test]
+fn a_triangle_round_the_eye_is_found() {
+    let gpu = gpu();
+    let eye = viewpoint().eye.as_dvec3();
+    let mut numbers = Numbers::new(11);
+    for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+        let (u, v) = (axis.any_orthonormal_vector(), axis.cross(axis.any_orthonormal_vector()));
+        let corners = [eye - u - v, eye + u - v, eye + v * 1.5].map(|corner| corner.as_vec3().to_array());
+        let structure = built(&gpu, &soup(&[corners], Some(&gpu)), &[]);
+        let through = |numbers: &mut Numbers| {
+            let target = eye + u * numbers.signed() * 0.2 + v * numbers.signed() * 0.5;
+            let origin = target + axis * (0.3 + numbers.signed().abs()) + numbers.point() * 0.2;
+            ray(origin, target - origin)
+        };
+        let rays: Vec<Ray> = (0..2000).map(|_| through(&mut numbers)).collect();
+        let hits = answer_by(&gpu, &structure, &rays, &[("accept", "distance")]);
+        assert_eq!(hits.iter().filter(|hit| !hit.is_hit()).count(), 0, "{axis}");
+    }
+}
+
 fn answer(gpu: &Arc<Gpu>, structure: &DirtStructure, rays: &[Ray]) -> Vec<Hit> {
     answer_by(gpu, structure, rays, &[])
 }
