@@ -11,7 +11,7 @@ use tracebench_harness::plan::{Plan, RunPreset, SceneSource, TracerRequest, View
 use tracebench_harness::rays::{RAY_SETS, default_parameters};
 
 fn main() -> Result<(), common::Failure> {
-    common::run("bvh_peers", plan)
+    common::run("bvh_peers", |preset| Ok(vec![plan(preset)?]))
 }
 
 fn plan(preset: RunPreset) -> Result<Plan, common::Failure> {

@@ -11,7 +11,7 @@ use tracebench_harness::rays::{RAY_SETS, default_parameters};
 use tracebench_harness::registry::TRACERS;
 
 fn main() -> Result<(), common::Failure> {
-    common::run("ray_sets", plan)
+    common::run("ray_sets", |preset| Ok(vec![plan(preset)?]))
 }
 
 fn plan(preset: RunPreset) -> Result<Plan, common::Failure> {

@@ -2,7 +2,7 @@
 // into the tile's depth bounds, then into the lists of the buckets that the part's depths overlap.
 
 #import tracebench::view::{View, to_eye_space, clip_position}
-#import tracebench::tile_clip::{DepthRange, TileFrustum, tile_margin, tile_frustum, polygon_range, plane_range, rectangle_corner}
+#import tracebench::tile_clip::{DepthRange, TileFrustum, tile_margin, tile_frustum, polygon_range, plane_range, joined, rectangle_corner}
 #import tracebench::dirt_grid::{TileGrid, Node, bounds_index, head_index, near_code, far_code, depths_of, bucket_of}
 
 struct FillPass {
@@ -43,6 +43,9 @@ struct Corner {
     @builtin(position) position: vec4<f32>,
     @location(0) @interpolate(flat) triangle: u32,
 }
+
+// More nodes than any device holds, and far enough from 2^32 for what runs at the same time.
+const MOST_NODES: u32 = 0xf0000000u;
 
 // A relative slack of depths: what clipping in f32 may be off by.
 const DEPTH_SLACK: f32 = 9.5367431640625e-7;
@@ -124,7 +127,8 @@ fn fragment(in: Corner) -> @location(0) vec4<f32> {
         return vec4<f32>(0.0);
     }
     if (drawn.by_plane == 1u) {
-        range = plane_range(frustum, a, b, c);
+        // Never less than the polygon's: of a plane through the view's centre the corner lines tell nothing.
+        range = joined(range, plane_range(frustum, a, b, c));
     }
     let least = range.least * (1.0 - DEPTH_SLACK);
     let greatest = range.greatest * (1.0 + DEPTH_SLACK);
@@ -134,9 +138,13 @@ fn fragment(in: Corner) -> @location(0) vec4<f32> {
     let first = bucket_of(least, depths, grid.buckets);
     let last = bucket_of(greatest, depths, grid.buckets);
     atomicAdd(&taken[1], 1u);
+    // Where further counts could wrap they stop.
+    if (atomicLoad(&taken[0]) >= MOST_NODES) {
+        return vec4<f32>(0.0);
+    }
     for (var bucket = first; bucket <= last; bucket++) {
-        let node = atomicAdd(&taken[0], 1u);
         // Beyond the capacity nothing is stored and the count goes on: the host sees what is missing.
+        let node = atomicAdd(&taken[0], 1u);
         if (node < grid.node_capacity) {
             let head = head_index(grid, 0u, tile, bucket);
             store_node(node, Node(atomicExchange(&heads[head], node + 1u), in.triangle));

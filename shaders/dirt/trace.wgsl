@@ -86,8 +86,8 @@ var<private> best: Best;
 var<private> found: bool;
 var<private> capped: bool;
 var<private> steps: u32;
-// Loops that were begun and not ended by themselves. Mesa's software driver ends a lane's loops after 65,535 rounds in
-// all; a ray that it cut off is given up like one that ran out of steps.
+// Loops that were begun and not ended by themselves. Mesa's software driver ends the loops of eight lanes together after
+// 65,535 rounds in all; a ray that it cut off is given up like one that ran out of steps.
 var<private> open: u32;
 #ifdef COUNTERS
 var<private> work: vec4<u32>;

@@ -17,9 +17,9 @@ use tracebench_harness::{report, runner};
 
 pub type Failure = Box<dyn std::error::Error>;
 
-/// Runs a bench: a plan, given the run preset, by the harness, which judges it and writes its files below
+/// Runs a bench: plans, given the run preset, one a resolution, by the harness, which judges them and writes its files below
 /// target/tracebench/`name`/, then by criterion. `TRACEBENCH_PRESET` chooses the run preset.
-pub fn run(name: &str, plan: fn(RunPreset) -> Result<Plan, Failure>) -> Result<(), Failure> {
+pub fn run(name: &str, plans: impl Fn(RunPreset) -> Result<Vec<Plan>, Failure>) -> Result<(), Failure> {
     // Test runners start benches without this flag: they must not measure or write.
     if !std::env::args().any(|argument| argument == "--bench") {
         println!("not measuring: run by `cargo bench`");
@@ -30,7 +30,7 @@ pub fn run(name: &str, plan: fn(RunPreset) -> Result<Plan, Failure>) -> Result<(
         Ok(name) => RunPreset::named(&name).ok_or_else(|| format!("TRACEBENCH_PRESET: there is no preset '{name}'"))?,
         Err(_) => RunPreset::for_adapter(device.as_ref().is_ok_and(|gpu| !gpu.is_software())),
     };
-    let plan = plan(preset)?;
+    let plans = plans(preset)?;
     // A smoke run only shows that things work.
     let (warm_up_ms, measurement_ms) = if preset.name == "smoke" { (20, 100) } else { (200, 800) };
     let mut criterion = Criterion::default()
@@ -39,9 +39,12 @@ pub fn run(name: &str, plan: fn(RunPreset) -> Result<Plan, Failure>) -> Result<(
         .measurement_time(Duration::from_millis(measurement_ms))
         .configure_from_args();
     if !std::env::args().any(|argument| argument == "--list") {
-        measure(name, &plan, &device)?;
+        measure(name, &plans, &device)?;
     }
-    sample(name, &plan, &device, &mut criterion)?;
+    for plan in &plans {
+        let resolution = if plans.len() > 1 { format!(", faces of {}", plan.preset.face) } else { String::new() };
+        sample(&format!("{name}{resolution}"), plan, &device, &mut criterion)?;
+    }
     criterion.final_summary();
     Ok(())
 }
@@ -60,9 +63,9 @@ fn device() -> Result<Device, Failure> {
 }
 
 /// The harness's own measurement, interleaved and judged.
-fn measure(name: &str, plan: &Plan, device: &Device) -> Result<(), Failure> {
+fn measure(name: &str, plans: &[Plan], device: &Device) -> Result<(), Failure> {
     let folder = folder(name);
-    let run = runner::execute(plan, device, &Cache::of_user(), &Progress::new(false))?;
+    let run = runner::execute_all(plans, device, &Cache::of_user(), &Progress::new(false))?;
     let written = report::write_run(&run, &folder)?;
     for skipped in &run.skipped {
         println!("skipped {}: {}", skipped.tracer.as_deref().unwrap_or("all tracers"), skipped.reason);

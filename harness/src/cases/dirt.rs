@@ -59,8 +59,8 @@ pub(super) const EXPECTATIONS: Column = &[
         Expectation::Bounded {
             rule: Rule::HitMiss,
             most_wrong: 0.02,
-            reason: "thousands of triangles in every list that a ray passes: Mesa's software driver ends a lane's loops after \
-                     65,535 rounds in all, and rays that it cuts off are given up with status step_cap",
+            reason: "thousands of triangles in every list that a ray passes: Mesa's software driver ends the loops of eight \
+                     lanes together after 65,535 rounds in all, and rays that it cuts off are given up with status step_cap",
         },
     ),
     ("stacked-layers", Expectation::Exact),

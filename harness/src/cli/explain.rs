@@ -65,7 +65,7 @@ pub(super) fn explain(arguments: &ExplainArguments, progress: &Progress) -> Resu
     say_skipped(&found.skipped, progress);
     let page = report::write_explanation(&found, &work.out.path)?;
     print(&format!("{}\n{}\n", report::explanation_page(&found), page.display()))?;
-    match found.left() {
+    match found.unexplained() {
         0 => Ok(()),
         left => Err(CliError::Other(format!("{left} rays are wrong on the last rung: no known cause explains them"))),
     }

@@ -7,7 +7,7 @@ mod tests;
 
 use std::collections::BTreeMap;
 
-use tracebench_api::{Hit, TracerError};
+use tracebench_api::{Hit, Status, TracerError};
 
 pub use record::{Explained, Explanation, RemedyRecord, SCHEMA, SceneExplained};
 
@@ -47,6 +47,18 @@ pub const LADDERS: &[Ladder] = &[Ladder {
     tracer: "dirt",
     remedies: &[
         Remedy {
+            cause: "outside_of_the_views",
+            parameter: "views",
+            value: "six",
+            source: "DIRT, section 5.2, Figure 9: one view skips what lies outside of it",
+        },
+        Remedy {
+            cause: "coverage_by_sample",
+            parameter: "coverage",
+            value: "conservative",
+            source: "DIRT, sections 4.1 and 4.2.4: without conservative coverage what lies between samples is not stored",
+        },
+        Remedy {
             cause: "early_bucket_stop",
             parameter: "searched",
             value: "all",
@@ -73,6 +85,10 @@ pub const LADDERS: &[Ladder] = &[Ladder {
     ],
 }];
 
+/// What is wrong on the last rung because its search was given up, as the ray's status says: steps or a driver's limit of
+/// loops.
+pub const GIVEN_UP: &str = "step_cap";
+
 /// What no rung takes away.
 pub const UNEXPLAINED: &str = "unexplained";
 
@@ -82,10 +98,22 @@ pub fn ladder_of(tracer: &str) -> Option<&'static Ladder> {
 }
 
 /// The cause of a ray's error from whether it was wrong on each rung: the remedy after the last rung on which it was; none
-/// for a ray that is right as the tracer was asked for and stays so.
-fn cause(ladder: &Ladder, wrong: &[bool]) -> Option<&'static str> {
+/// for a ray that is right as the tracer was asked for and stays so. `given_up`: its search was, on the last rung.
+fn cause(ladder: &Ladder, wrong: &[bool], given_up: bool) -> Option<&'static str> {
     let last = wrong.iter().rposition(|wrong| *wrong)?;
-    Some(ladder.remedies.get(last).map_or(UNEXPLAINED, |remedy| remedy.cause))
+    let beyond = if given_up { GIVEN_UP } else { UNEXPLAINED };
+    Some(ladder.remedies.get(last).map_or(beyond, |remedy| remedy.cause))
+}
+
+/// What was found of a ray set, on the rungs so far.
+#[derive(Default)]
+struct Found {
+    /// By rung, whether each ray is wrong.
+    wrong: Vec<Vec<bool>>,
+    /// The rays' classes on the first rung.
+    classes: Vec<Class>,
+    /// Whether each ray's search was given up on the rung that was last traced.
+    given_up: Vec<bool>,
 }
 
 /// Explains every wrong ray of the plan's tracer.
@@ -112,28 +140,28 @@ pub fn execute(
         let session = &loaded.session;
         found.skipped.extend(session.skipped.iter().cloned());
         check_controls(session)?;
-        // By ray set, then by rung: whether each ray is wrong, and of the first rung its class.
-        let mut wrong: Vec<Vec<Vec<bool>>> = vec![Vec::new(); session.rays.len()];
-        let mut classes: Vec<Vec<Class>> = Vec::new();
+        let mut sets: Vec<Found> = session.rays.iter().map(|_| Found::default()).collect();
         let bar = progress.bar("rungs", (rungs.len() * session.rays.len()) as u64);
         for (rung, parameters) in rungs.iter().enumerate() {
-            contender.parameters = parameters.clone();
-            session.sample_build(&mut contender).map_err(fail)?;
-            for (rays, wrong) in session.rays.iter().zip(&mut wrong) {
-                let found = classes_of(session, &contender, rays)?;
-                wrong.push(found.iter().map(|class| class.is_some_and(|class| !class.is_right())).collect());
-                if rung == 0 {
-                    classes.push(found.into_iter().map(|class| class.unwrap_or(Class::TrueMiss)).collect());
+            // A rung that changes nothing, as one of six views does where there are six, is what the one before was.
+            let same = rung > 0 && rungs[rung - 1] == *parameters;
+            if !same {
+                contender.parameters = parameters.clone();
+                session.sample_build(&mut contender).map_err(fail)?;
+            }
+            for (rays, found) in session.rays.iter().zip(&mut sets) {
+                match found.wrong.last().filter(|_| same).cloned() {
+                    Some(before) => found.wrong.push(before),
+                    None => trace(session, &contender, rays, found)?,
                 }
                 bar.inc(1);
             }
         }
         bar.finish_and_clear();
-        let sets = session.rays.iter().zip(&wrong).zip(&classes);
         found.scenes.push(SceneExplained {
             scene: loaded.record.clone(),
             viewpoint: records::viewpoint_record(plan, &loaded.pose, session),
-            sets: sets.map(|((rays, wrong), classes)| explained(ladder, rays, wrong, classes)).collect(),
+            sets: session.rays.iter().zip(&sets).map(|(rays, set)| explained(ladder, rays, set)).collect(),
         });
     }
     Ok(found)
@@ -152,14 +180,19 @@ fn rungs(request: &TracerRequest, ladder: &Ladder) -> Result<Vec<tracebench_api:
     Ok(rungs)
 }
 
-/// The class of every answer under `tight`; none for ties.
-fn classes_of(session: &Session, contender: &Contender, rays: &PreparedRays) -> Result<Vec<Option<Class>>, RunError> {
+/// Traces a ray set on one more rung and notes what is wrong under `tight`; ties never are.
+fn trace(session: &Session, contender: &Contender, rays: &PreparedRays, found: &mut Found) -> Result<(), RunError> {
     let fail = |error: TracerError| RunError::Tracer { tracer: contender.description.name.to_owned(), error };
     let mut hits = session.hit_buffer(contender, rays).map_err(fail)?;
     session.sample_trace(contender, rays, &mut hits).map_err(fail)?;
     let hits: Vec<Hit> = hits.read(session.gpu()).map_err(fail)?;
     let classes = session.classes(contender, rays, Rule::Tight, &hits)?;
-    Ok(classes)
+    found.wrong.push(classes.iter().map(|class| class.is_some_and(|class| !class.is_right())).collect());
+    found.given_up = hits.iter().map(|hit| hit.status == Status::StepCap as u32).collect();
+    if found.classes.is_empty() {
+        found.classes = classes.into_iter().map(|class| class.unwrap_or(Class::TrueMiss)).collect();
+    }
+    Ok(())
 }
 
 /// The controls score what they must with these rays and this truth.
@@ -178,15 +211,16 @@ fn check_controls(session: &Session) -> Result<(), RunError> {
     Ok(())
 }
 
-fn explained(ladder: &Ladder, rays: &PreparedRays, wrong: &[Vec<bool>], classes: &[Class]) -> Explained {
+fn explained(ladder: &Ladder, rays: &PreparedRays, found: &Found) -> Explained {
     let mut causes: BTreeMap<String, BTreeMap<String, u64>> = BTreeMap::new();
-    let (mut of_rung, mut on_the_way) = (vec![0_u64; wrong.len()], 0);
-    for (ray, class) in classes.iter().enumerate() {
-        let of_ray: Vec<bool> = wrong.iter().map(|rung| rung[ray]).collect();
+    let (mut of_rung, mut on_the_way, mut unexplained) = (vec![0_u64; found.wrong.len()], 0, 0);
+    for (ray, class) in found.classes.iter().enumerate() {
+        let of_ray: Vec<bool> = found.wrong.iter().map(|rung| rung[ray]).collect();
         for (count, wrong) in of_rung.iter_mut().zip(&of_ray) {
             *count += u64::from(*wrong);
         }
-        let Some(cause) = cause(ladder, &of_ray) else { continue };
+        let Some(cause) = cause(ladder, &of_ray, found.given_up[ray]) else { continue };
+        unexplained += u64::from(cause == UNEXPLAINED);
         if of_ray[0] {
             let class = class.name(rays.set.query).to_owned();
             *causes.entry(class).or_default().entry(cause.to_owned()).or_default() += 1;
@@ -198,10 +232,11 @@ fn explained(ladder: &Ladder, rays: &PreparedRays, wrong: &[Vec<bool>], classes:
         rays: rays.set.name.to_owned(),
         rays_sha256: rays.sha256.clone(),
         query: rays.set.query,
-        count: classes.len() as u64,
+        count: found.classes.len() as u64,
         ties: rays.answers.iter().filter(|answer| answer.tie).count() as u64,
         wrong_by_rung: of_rung,
         wrong_on_the_way: on_the_way,
+        unexplained,
         causes,
     }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use tracebench_api::Query;
 
-use super::{Ladder, UNEXPLAINED};
+use super::{GIVEN_UP, Ladder, UNEXPLAINED};
 use crate::plan::{Plan, TracerRequest};
 use crate::records;
 use crate::registry::Device;
@@ -82,8 +82,10 @@ pub struct Explained {
     pub wrong_by_rung: Vec<u64>,
     /// Rays that are right on the first rung and wrong on a later one: a remedy alone may do harm.
     pub wrong_on_the_way: u64,
+    /// Rays that are wrong on the last rung though their search was not given up, whatever they were on the first.
+    pub unexplained: u64,
     /// Of the rays that are wrong on the first rung: class, then cause, then how many. What is wrong on the last rung is
-    /// `unexplained`.
+    /// `step_cap` where its search was given up there, else `unexplained`.
     pub causes: BTreeMap<String, BTreeMap<String, u64>>,
 }
 
@@ -124,11 +126,11 @@ impl Explanation {
 
     /// The causes in order, what is unexplained last.
     pub fn causes(&self) -> Vec<&str> {
-        self.ladder.iter().map(|rung| rung.cause.as_str()).chain([UNEXPLAINED]).collect()
+        self.ladder.iter().map(|rung| rung.cause.as_str()).chain([GIVEN_UP, UNEXPLAINED]).collect()
     }
 
-    /// Wrong rays on the last rung, of all scenes.
-    pub fn left(&self) -> u64 {
-        self.scenes.iter().flat_map(|scene| &scene.sets).map(Explained::left).sum()
+    /// Rays that are wrong on the last rung and were not given up, of all scenes.
+    pub fn unexplained(&self) -> u64 {
+        self.scenes.iter().flat_map(|scene| &scene.sets).map(|set| set.unexplained).sum()
     }
 }

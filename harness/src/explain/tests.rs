@@ -7,29 +7,37 @@ use crate::rays::{RAY_SETS, default_parameters};
 use crate::registry;
 use tracebench_api::{AdapterChoice, EndPoint, Gpu, Preset};
 
-/// Every ladder is of a tracer that there is, and its remedies are parameters with such values, none the published one.
+/// Every ladder is of a tracer that there is, and its remedies are parameters with such values; some change what is
+/// published, and none takes back what one before has set.
 #[test]
 fn remedies_are_parameters() {
     for ladder in LADDERS {
         let request = TracerRequest::of(registry::find(ladder.tracer).unwrap(), Preset::Published);
         let rungs = rungs(&request, ladder).unwrap();
         assert_eq!(rungs.len(), ladder.remedies.len() + 1);
-        assert!(rungs.windows(2).all(|pair| pair[0] != pair[1]));
+        let names = ladder.remedies.iter().map(|remedy| remedy.parameter);
+        assert_eq!(names.collect::<std::collections::BTreeSet<_>>().len(), ladder.remedies.len());
+        assert!(rungs[0] != rungs[ladder.remedies.len()]);
     }
     assert!(ladder_of("no-such").is_none());
 }
 
-/// A ray's cause is what the rung takes away from which on it is right, whatever it was before.
+/// A ray's cause is what the rung takes away from which on it is right, whatever it was before; on the last rung its status
+/// tells.
 #[test]
 fn the_last_wrong_rung_tells_the_cause() {
     let ladder = ladder_of("dirt").unwrap();
-    let of = |wrong: [bool; 5]| cause(ladder, &wrong);
-    assert_eq!(of([false; 5]), None);
-    assert_eq!(of([true, false, false, false, false]), Some("early_bucket_stop"));
-    assert_eq!(of([true, true, false, false, false]), Some("pixel_acceptance"));
-    assert_eq!(of([true, false, true, false, false]), Some("projection_noise_at_centre"));
-    assert_eq!(of([false, false, false, true, false]), Some("near_plane"));
-    assert_eq!(of([true; 5]), Some(UNEXPLAINED));
+    let of = |rungs: &[usize], given_up| {
+        let wrong: Vec<bool> = (0..=ladder.remedies.len()).map(|rung| rungs.contains(&rung)).collect();
+        cause(ladder, &wrong, given_up)
+    };
+    assert_eq!(of(&[], false), None);
+    assert_eq!(of(&[0], false), Some("outside_of_the_views"));
+    assert_eq!(of(&[0, 1, 2], true), Some("early_bucket_stop"));
+    assert_eq!(of(&[0, 2, 3], false), Some("pixel_acceptance"));
+    assert_eq!(of(&[5], false), Some("near_plane"));
+    assert_eq!(of(&[0, 6], false), Some(UNEXPLAINED));
+    assert_eq!(of(&[6], true), Some(GIVEN_UP));
 }
 
 /// Over a scene, the ladder of `dirt` leaves no ray wrong and names a cause for each that was; counts add up; a ladder that
@@ -53,7 +61,7 @@ fn the_ladder_of_dirt_explains_every_wrong_ray() {
     let explain =
         |ladder: &Ladder| execute(&plan, &request, ladder, &device, &Cache::none(), &Progress::new(true)).unwrap();
     let found = explain(ladder_of("dirt").unwrap());
-    assert_eq!(found.left(), 0);
+    assert_eq!(found.unexplained(), 0);
     let sets = &found.scenes[0].sets;
     assert_eq!(sets.len(), 3);
     assert!(sets[0].wrong_by_rung[0] > 0, "nothing to explain");
@@ -62,8 +70,13 @@ fn the_ladder_of_dirt_explains_every_wrong_ray() {
         assert_eq!(explained, set.wrong_by_rung[0], "{}", set.rays);
         assert_eq!(set.of_cause(UNEXPLAINED), 0);
     }
+    // Rays that the last rung gives up are told from those that it gets wrong.
+    let capped = Remedy { cause: "nothing", parameter: "max_steps", value: "1", source: "" };
+    let remedies: &'static [Remedy] = Box::leak(Box::new([capped]));
+    let capped = explain(&Ladder { tracer: "dirt", remedies });
+    assert!(capped.unexplained() == 0 && capped.scenes[0].sets[0].wrong_by_rung[1] > 1000);
     const IDLE: Remedy = Remedy { cause: "nothing", parameter: "max_steps", value: "4096", source: "" };
     let idle = explain(&Ladder { tracer: "dirt", remedies: &[IDLE] });
-    assert_eq!(idle.left(), found.scenes[0].sets.iter().map(|set| set.wrong_by_rung[0]).sum::<u64>());
+    assert_eq!(idle.unexplained(), found.scenes[0].sets.iter().map(|set| set.wrong_by_rung[0]).sum::<u64>());
     assert_eq!(idle.scenes[0].sets[0].of_cause(UNEXPLAINED), sets[0].wrong_by_rung[0]);
 }

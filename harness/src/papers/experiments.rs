@@ -1,6 +1,6 @@
 //! The papers' tables and figures as experiments: what is run, as data.
 
-use tracebench_api::Preset;
+use tracebench_api::{EndPoint, Preset};
 
 use crate::plan::{Plan, RunPreset, TracerRequest};
 use crate::rays::MOST_RAYS;
@@ -23,6 +23,8 @@ pub struct Experiment {
     pub rays: &'static str,
     /// Parameters of ray sets where nothing else is said, as `--set` takes them.
     pub settings: &'static [&'static str],
+    /// How far traces go at least.
+    pub end: EndPoint,
     /// What is run one after the other.
     pub steps: &'static [Step],
     /// What the page shows of it beside rows and claims.
@@ -106,6 +108,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         ],
         rays: "visibility,specular,glossy,diffuse",
         settings: &["rays.visibility_target=outside"],
+        end: EndPoint::Hit,
         steps: &[Step { resolution: 1.0, rows: &[dirt(&[("tile_size", &["1", "2"]), ("buckets", &["24"])])] }],
         shown: &[Shown::Throughput],
         notes: &[
@@ -123,6 +126,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         scenes: &[stands_for("room", "Bunny"), stands_for("hangar", "Hangar"), stands_for("candy", "Candy")],
         rays: "diffuse",
         settings: &[],
+        end: EndPoint::Hit,
         steps: &[Step {
             resolution: 1.0,
             rows: &[dirt(&[("tile_size", &["1"]), ("buckets", &["4"]), ("coverage", &["standard", "conservative"])])],
@@ -148,6 +152,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         ],
         rays: "",
         settings: &[],
+        end: EndPoint::Hit,
         steps: &[Step {
             resolution: 1.0,
             rows: &[dirt(&[("tile_size", &["1", "2", "4"]), ("buckets", &["4", "24"])])],
@@ -166,6 +171,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         scenes: &[stands_for("atrium", "Sponza")],
         rays: "primary,visibility,diffuse",
         settings: &["rays.visibility_target=outside"],
+        end: EndPoint::Hit,
         steps: &[
             beside_bvh(0.25, &[dirt(&[("tile_size", &["1"])]), LBVH, BVH]),
             beside_bvh(0.5, &[dirt(&[("tile_size", &["2"])]), LBVH, BVH]),
@@ -188,6 +194,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         scenes: &[stands_for("room", "Bunny"), stands_for("candy", "Candy")],
         rays: "primary,specular,diffuse",
         settings: &[],
+        end: EndPoint::Hit,
         steps: &[Step { resolution: 1.0, rows: &[dirt(&[("views", &["six", "frame"])])] }],
         shown: &[],
         notes: &["There are no shadow maps here. The second scene of the paper's figure is not named."],
@@ -200,6 +207,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         scenes: &[stands_for("cloth", "Cloth"), stands_for("room", "Bunny"), stands_for("candy", "Candy")],
         rays: "diffuse",
         settings: &[],
+        end: EndPoint::Hit,
         steps: &[Step {
             resolution: 1.0,
             rows: &[dirt(&[("tile_size", &["1", "2", "4"]), ("buckets", &["8", "16", "24", "32", "40"])])],
@@ -222,8 +230,9 @@ pub const EXPERIMENTS: &[Experiment] = &[
             stands_for("hangar", "Hangar"),
             stands_for("candy", "Candy"),
         ],
-        rays: "",
+        rays: "primary",
         settings: &[],
+        end: EndPoint::Surface,
         steps: &[
             Step { resolution: 0.25, rows: ONE_BUCKET },
             Step { resolution: 0.5, rows: ONE_BUCKET },
@@ -233,7 +242,8 @@ pub const EXPERIMENTS: &[Experiment] = &[
         shown: &[Shown::MemoryOverResolution],
         notes: &[
             "DIRT's side alone: VVP16 is not measured here. Which scenes the paper's figure has is lost with it.",
-            "Memory is that of the structure by its own ledger, without hit and shading buffers.",
+            "Memory is that of the structure and of the hit buffer, the mask and the shading buffer that a trace to surfaces takes, by \
+             the ledger. Of the paper's three shading points one is allocated.",
         ],
     },
     Experiment {
@@ -250,6 +260,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         ],
         rays: "primary,specular,diffuse,bounce2",
         settings: &[],
+        end: EndPoint::Hit,
         steps: &[
             Step {
                 resolution: 1.0,
@@ -297,7 +308,8 @@ impl Experiment {
             if rays > MOST_RAYS {
                 return Err(TooManyRays { rays, factor: step.resolution.to_string() });
             }
-            Ok(Plan { preset, tracers: tracers.clone(), table: Some(self.name), ..base.clone() })
+            let end = if base.end == EndPoint::Surface { base.end } else { self.end };
+            Ok(Plan { preset, end, tracers: tracers.clone(), table: Some(self.name), ..base.clone() })
         };
         self.steps.iter().zip(steps).map(plan).collect()
     }

@@ -1,7 +1,7 @@
 //! A run's rows as quantities look at them: by scene, by parameters, by resolution.
 
 use serde_json::Value;
-use tracebench_api::ClockKind;
+use tracebench_api::{ClockKind, EndPoint};
 
 use crate::results::{Judgement, Run, Skipped, Times, TraceRecord, TracerRun};
 
@@ -115,9 +115,15 @@ pub(crate) fn time_ratio(one: &Times, other: &Times) -> Option<f64> {
     if one.clock == other.clock { Some(own(one)? / own(other)?) } else { Some(host_ms(one)? / host_ms(other)?) }
 }
 
-/// Bytes that a structure uses, by its own ledger.
+/// What DIRT's Table 3 counts of a trace's own buffers.
+const OF_A_TRACE: [&str; 4] = ["hit buffer: heads", "hit buffer: nodes", "mask texture", "shading buffer"];
+
+/// Bytes that a structure uses, by its own ledger, and where surfaces were traced the buffers that the paper counts with it.
 pub(crate) fn stored_bytes(run: &TracerRun) -> f64 {
-    run.memory.structure.iter().map(|part| part.used_bytes as f64).sum()
+    let to_surfaces = run.traces.iter().find(|trace| trace.end == EndPoint::Surface);
+    let of_trace = to_surfaces.into_iter().flat_map(|trace| &trace.per_trace);
+    let counted = of_trace.filter(|part| OF_A_TRACE.contains(&part.name.as_str()));
+    run.memory.structure.iter().chain(counted).map(|part| part.used_bytes as f64).sum()
 }
 
 /// What a structure says of itself.

@@ -212,7 +212,7 @@ fn over_buckets(scene: &str, of: impl Fn(u64, u64) -> (u64, f64)) -> Vec<TracerR
         for buckets in [8, 16, 24, 32, 40] {
             let (bytes, references) = of(tile_size, buckets);
             let parameters = json!({ "tile_size": tile_size.to_string(), "buckets": buckets });
-            let mut run = dirt(scene, parameters, &[("references", references), ("parts", 10.0)]);
+            let mut run = dirt(scene, parameters, &[("references", references), ("parts", references.sqrt())]);
             run.memory.structure.truncate(1);
             run.memory.structure[0].used_bytes = bytes;
             runs.push(run);
@@ -231,8 +231,11 @@ fn memory_is_compared_as_the_text_does() {
         ((1000 + 10 * buckets) / tile_size, references)
     };
     let run = run_of(over_buckets("a", of));
-    assert!((value("samples_saved_1_to_2", &run) - 56.0).abs() < 1e-9);
-    assert!((value("samples_saved_2_to_4", &run) - 50.0).abs() < 1e-9);
+    assert!((value("references_saved_1_to_2", &run) - 56.0).abs() < 1e-9);
+    assert!((value("references_saved_2_to_4", &run) - 50.0).abs() < 1e-9);
+    let parts = 100.0 * (1.0 - 0.44_f64.sqrt());
+    assert!((value("samples_saved_1_to_2", &run) - parts).abs() < 1e-9);
+    assert!((value("samples_saved_2_to_4", &run) - 100.0 * (1.0 - 0.5_f64.sqrt())).abs() < 1e-9);
     assert!((value("memory_saved_1_to_2", &run) - 50.0).abs() < 0.1);
     let steps = [8.0, 16.0, 24.0, 32.0].map(|buckets| 100.0 * (80.0 / (1000.0 + 10.0 * buckets)));
     assert!((value("memory_growth_per_8_buckets_1", &run) - steps.iter().sum::<f64>() / 4.0).abs() < 1e-9);
@@ -399,7 +402,7 @@ fn claim_of(id: &str) -> Claim {
 /// of another table; values and table are kept.
 #[test]
 fn verdicts_follow_from_values() {
-    let claim = claim_of("dirt-samples-2x2");
+    let claim = claim_of("dirt-references-2x2");
     let run = |saved: f64| {
         let of = move |tile_size: u64, _| (1000, if tile_size == 1 { 1000.0 } else { 1000.0 * (1.0 - saved) });
         run_of([over_buckets("a", of), over_buckets("b", of)].concat())
@@ -453,7 +456,7 @@ fn claims_are_set_together() {
     let missing = none.iter().find(|each| each.claim.id == "dirt-samples-2x2").unwrap();
     assert!(missing.reason.as_ref().unwrap().contains("tracebench table dirt-figure10"));
     let twice = judge_all(&claims, "dirt", &[run.clone(), run]);
-    let found: Vec<_> = twice.iter().filter(|each| each.claim.id == "dirt-samples-2x2").collect();
+    let found: Vec<_> = twice.iter().filter(|each| each.claim.id == "dirt-references-2x2").collect();
     assert!(found.len() == 2 && found.iter().all(|each| each.verdict == Verdict::Holds));
     assert!(judge_all(&claims, "no-such", &[]).is_empty());
 }

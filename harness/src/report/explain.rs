@@ -41,7 +41,7 @@ pub fn explanation_page(found: &Explanation) -> String {
     page.push_str(
         "Every ray is traced on every rung of the ladder below, each of which takes one weakness away and keeps what the rungs \
          before have taken. A wrong ray (under `tight`; ties left out) has the cause that is taken away by the rung from which \
-         on it is right; what is wrong on the last rung is unexplained.\n\n",
+         on it is right; what is wrong on the last rung was given up there (`step_cap`) or is unexplained.\n\n",
     );
     let mut ladder = Markdown::new(&["rung", "cause", "taken away by", "source"].map(str::to_owned));
     for (rung, remedy) in found.ladder.iter().enumerate() {

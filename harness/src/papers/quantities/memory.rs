@@ -16,7 +16,12 @@ pub(super) fn references(run: &TracerRun) -> Option<f64> {
     statistic(run, "references")
 }
 
-/// Bytes of the structure.
+/// Clipped primitives, each once a tile: n_p of Table 3.
+pub(super) fn parts(run: &TracerRun) -> Option<f64> {
+    statistic(run, "parts")
+}
+
+/// Bytes as [`stored_bytes`].
 #[expect(clippy::unnecessary_wraps, reason = "stands beside quantities that may be missing")]
 pub(super) fn bytes(run: &TracerRun) -> Option<f64> {
     Some(stored_bytes(run))
