@@ -229,7 +229,9 @@ pub struct Times {
     pub submit_to_done_median_ms: Option<f64>,
     /// Whether the device's timestamps cannot be true, so that `clock` is `submit_to_done` instead.
     pub timestamps_refused: bool,
-    /// Samples that were taken again because memory sized from counts had been too small; theirs is the second time.
+    /// Samples that were taken again because memory sized from counts had been too small; theirs is the second time. None
+    /// in files of before there were such structures.
+    #[serde(default)]
     pub grown_samples: u64,
 }
 
