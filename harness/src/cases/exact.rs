@@ -18,6 +18,7 @@ pub(super) const EXPECTATIONS: Column = &[
     ("coplanar-copies", Expectation::Exact),
     ("eye-inside-object", Expectation::Exact),
     ("eye-on-surface", Expectation::Exact),
+    ("plane-through-eye", Expectation::Exact),
     ("eye-at-vertex", Expectation::Exact),
     ("before-near", Expectation::Exact),
     ("cube-borders", Expectation::Exact),

@@ -132,3 +132,39 @@ fn depth_range(decades: f64) -> Result<Setup, TracerError> {
     }
     sketch.seen_by(Camera { near: Some(5e-4), target: Vec3::NEG_Z, ..Camera::default() })?.through_centres(15)
 }
+
+pub(super) const PLANE_THROUGH_EYE: Case = Case {
+    name: "plane-through-eye",
+    summary: "a ground along the world's axes that the eye sinks into: edge-on to the eye, and to every face along it; rays above it, up and down",
+    knob: Knob { name: "height over the ground", unit: "diagonals", values: &[0.1, 0.01, 1e-4, 1e-6, 0.0] },
+    make: plane_through_eye,
+    feature: Feature {
+        what: "hit a plane that holds the eye",
+        least: 0.3,
+        has: |probe, index| {
+            let eye = probe.setup.viewpoint.eye;
+            probe.point(index).is_some_and(|point| point.y.abs() < 1e-6 && eye.y == 0.0)
+        },
+    },
+};
+
+fn plane_through_eye(height: f64) -> Result<Setup, TracerError> {
+    let mut shots = Shots::new(22);
+    let mut sketch = Sketch::default();
+    // Not square, so that no edge between its triangles passes below the eye.
+    sketch.plate(DVec3::new(-4.0, 0.0, 3.0), DVec3::X * 9.0, DVec3::NEG_Z * 8.0);
+    for _ in 0..12 {
+        let centre = DVec3::new(3.0 * shots.signed(), 0.3 + shots.unit(), -1.0 + 2.5 * shots.signed());
+        sketch.plate_around(centre, DVec3::X * 0.25, DVec3::new(0.0, 0.1, 0.25));
+    }
+    let diagonal = DVec3::new(9.0, 1.4, 8.0).length();
+    let eye = Vec3::new(0.0, (height * diagonal) as f32, 0.0);
+    let stage = sketch.seen_by(Camera { eye, target: eye + Vec3::NEG_Z, ..Camera::default() })?;
+    for index in 0..RAYS {
+        let origin = DVec3::new(3.0 * shots.signed(), 0.2 + 1.5 * shots.unit(), -1.0 + 3.0 * shots.signed());
+        let fall = if index % 4 == 0 { 0.5 } else { -1.5 };
+        let target = origin + DVec3::new(2.0 * shots.signed(), fall, 2.0 * shots.signed());
+        shots.towards(origin, target);
+    }
+    Ok(stage.with(shots, Query::Closest))
+}

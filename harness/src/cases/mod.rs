@@ -99,6 +99,7 @@ pub const CASES: &[Case] = &[
     surfaces::COPLANAR,
     eye::INSIDE,
     eye::ON_SURFACE,
+    eye::PLANE_THROUGH_EYE,
     eye::AT_VERTEX,
     eye::BEFORE_NEAR,
     frames::CUBE_BORDERS,

@@ -73,6 +73,17 @@ pub(super) const EXPECTATIONS: Column = &[
         ),
     ),
     (
+        "plane-through-eye",
+        fails(
+            Rule::Footprint,
+            0.1,
+            0.0,
+            0.6,
+            "rays from beside the view, onto a plane that is at last no more than a line in it",
+            "VVP16, section 2, on surfaces outside of the primary view",
+        ),
+    ),
+    (
         "eye-at-vertex",
         fails(
             Rule::Footprint,
