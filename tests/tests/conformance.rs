@@ -133,14 +133,18 @@ fn equal_hits_go_to_the_lower_primitive() {
         let registration = tracebench_harness::registry::find(subject.name).unwrap();
         let described = (registration.describe)().parameters;
         let sweeps = described.iter().flat_map(|each| each.sweep.iter().map(|value| (each.name, value.to_string())));
+        let own = subject.parameters.clone();
         for (name, value) in sweeps {
+            subject.parameters = own.clone();
             subject.parameters.set(&described, name, &value).unwrap();
             let structure = subject.build(&geometry, &view);
-            // One value says that it gives the rule up; values that lose hits may lose some.
+            // One value says that it gives the rule up, and one that it loses what lies between samples.
             let any_of_equal = (name, value.as_str()) == ("equal_t", "first_met");
+            let loses = (name, value.as_str()) == ("coverage", "standard");
             let hits = subject.trace(&*structure, &subject.rays(&rays, Query::Closest));
             let found: Vec<_> = hits.iter().filter(|hit| hit.is_hit()).collect();
-            assert!(found.len() * 2 > hits.len(), "{} {name}={value}: {} hits", subject.name, found.len());
+            let least = if loses { hits.len() / 2 } else { hits.len() };
+            assert!(found.len() >= least, "{} {name}={value}: {} hits", subject.name, found.len());
             let right = |hit: &&Hit| if any_of_equal { hit.primitive % 3 == 1 } else { hit.primitive == 1 };
             assert!(found.iter().all(right), "{} {name}={value}: {found:?}", subject.name);
         }
