@@ -14,14 +14,10 @@ struct TileGrid {
     heads_stride: u32,
     // Nodes that there is room for.
     node_capacity: u32,
-    triangle_count: u32,
-    // First pair of depth bounds of each level in a view, four a vector.
-    level_offsets: array<vec4<u32>, 4>,
     // Nodes of one buffer, where one binding does not hold all.
     nodes_per_part: u32,
-    padding_a: u32,
-    padding_b: u32,
-    padding_c: u32,
+    // First pair of depth bounds of each level in a view, four a vector.
+    level_offsets: array<vec4<u32>, 4>,
 }
 
 // A link of a list: one more than the index of the next node, or 0 at the end.

@@ -164,12 +164,8 @@ fn shared() -> BTreeMap<&'static str, Layout> {
         ("bounds_stride", offset_of!(TileGrid, bounds_stride)),
         ("heads_stride", offset_of!(TileGrid, heads_stride)),
         ("node_capacity", offset_of!(TileGrid, node_capacity)),
-        ("triangle_count", offset_of!(TileGrid, triangle_count)),
-        ("level_offsets", offset_of!(TileGrid, level_offsets)),
         ("nodes_per_part", offset_of!(TileGrid, nodes_per_part)),
-        ("padding_a", offset_of!(TileGrid, padding_a)),
-        ("padding_b", offset_of!(TileGrid, padding_b)),
-        ("padding_c", offset_of!(TileGrid, padding_c)),
+        ("level_offsets", offset_of!(TileGrid, level_offsets)),
     ];
     let fill_pass = [
         ("view", offset_of!(FillPass, view)),

@@ -151,15 +151,19 @@ fn structures_follow_moving_scenes() {
                         assert!(update == Update::Refit && !reason.is_empty(), "{context}: {reason}");
                         let as_before = subject.hits(&*structure, &rays) == before;
                         assert!(as_before || structure.memory().geometry_bytes > 0, "{context}");
+                        let _back = moving.moved_to(start.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
+                        assert_eq!(bytes(&subject.hits(&*structure, &rays)), bytes(&before), "{context}");
                         continue;
                     }
                     Err(error) => panic!("{context} {}: {error}", update.name()),
                 }
                 let found = subject.hits(&*structure, &rays);
                 if update == Update::Reuse {
-                    // What asks the scene's own vertices while it traces has moved ones in stale places.
+                    // What asks the scene's own vertices while it traces has moved ones in stale places, until they are back.
                     assert!(found == before || structure.memory().geometry_bytes > 0, "{context}");
                     assert!(found != expected, "{context}: nothing moves");
+                    let _back = moving.moved_to(start.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
+                    assert_eq!(bytes(&subject.hits(&*structure, &rays)), bytes(&before), "{context}");
                     continue;
                 }
                 let same = found.iter().zip(&expected).filter(|(a, b)| a == b).count();

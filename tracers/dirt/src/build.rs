@@ -257,8 +257,8 @@ impl Buffers {
     }
 
     /// The uniform of the shaders.
-    pub(crate) fn grid(&self, layout: &Layout, triangle_count: u32) -> TileGrid {
-        layout.grid(self.node_capacity, self.nodes_per_part, triangle_count)
+    pub(crate) fn grid(&self, layout: &Layout) -> TileGrid {
+        layout.grid(self.node_capacity, self.nodes_per_part)
     }
 
     /// Allocated bytes of the nodes.
@@ -280,12 +280,11 @@ impl Pipelines {
         layout: &Layout,
         buffers: &Buffers,
         geometry: &DeviceGeometry,
-        triangle_count: u32,
         filling: Filling,
     ) -> Result<Prepared, TracerError> {
         let gpu = &*self.gpu;
         let uniform = |name, contents: &[u8]| gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing");
-        let grid = buffers.grid(layout, triangle_count);
+        let grid = buffers.grid(layout);
         let grid = uniform("grid", bytemuck::bytes_of(&grid))?;
         let variant = usize::from(filling.conservative);
         let mut prepared = Prepared { depth: Vec::new(), mipmaps: Vec::new(), primitives: Vec::new() };
@@ -337,7 +336,7 @@ impl Pipelines {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let triangle_count = geometry.triangles.len() as u32;
-        let prepared = self.prepare(layout, buffers, geometry.on_device()?, triangle_count, filling)?;
+        let prepared = self.prepare(layout, buffers, geometry.on_device()?, filling)?;
         let target = buffers.attachment.create_view(&Default::default());
         let variant = usize::from(filling.conservative);
         let vertices = triangle_count * if filling.conservative { 6 } else { 3 };

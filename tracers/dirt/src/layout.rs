@@ -34,18 +34,10 @@ pub struct TileGrid {
     pub heads_stride: u32,
     /// Nodes that there is room for.
     pub node_capacity: u32,
-    /// Triangles of the scene.
-    pub triangle_count: u32,
-    /// First pair of depth bounds of each level in a view.
-    pub level_offsets: [u32; MOST_LEVELS],
     /// Nodes of one buffer, where one binding does not hold all.
     pub nodes_per_part: u32,
-    /// Nothing.
-    pub padding_a: u32,
-    /// Nothing.
-    pub padding_b: u32,
-    /// Nothing.
-    pub padding_c: u32,
+    /// First pair of depth bounds of each level in a view.
+    pub level_offsets: [u32; MOST_LEVELS],
 }
 
 /// `FillPass` of shaders/dirt/fill.wgsl.
@@ -138,7 +130,7 @@ impl Layout {
     }
 
     /// The uniform for a capacity of nodes.
-    pub(crate) fn grid(&self, node_capacity: u32, nodes_per_part: u32, triangle_count: u32) -> TileGrid {
+    pub(crate) fn grid(&self, node_capacity: u32, nodes_per_part: u32) -> TileGrid {
         let mut level_offsets = [0; MOST_LEVELS];
         let mut offset = 0;
         for (level, start) in level_offsets.iter_mut().enumerate().take(self.levels()) {
@@ -153,12 +145,8 @@ impl Layout {
             bounds_stride: (self.bounds_part_bytes() / 8) as u32,
             heads_stride: (self.heads_part_bytes() / 4) as u32,
             node_capacity,
-            triangle_count,
-            level_offsets,
             nodes_per_part,
-            padding_a: 0,
-            padding_b: 0,
-            padding_c: 0,
+            level_offsets,
         }
     }
 

@@ -309,7 +309,7 @@ fn a_spoilt_structure_is_noticed() {
     let heads: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&structure.buffers.heads, 16_000).unwrap());
     let list = heads.iter().position(|head| *head > 2).unwrap() as u64;
     let node = u64::from(heads[list as usize] - 1);
-    let grid = structure.layout.grid(0, 1, 0);
+    let grid = structure.layout.grid(0, 1);
     let top = u64::from(5 * grid.bounds_stride + grid.level_offsets[structure.layout.levels() - 1]);
     let buffers = &structure.buffers;
     for (name, buffer, offset, value) in [

@@ -45,7 +45,7 @@ impl DirtStructure {
         let gpu = &*self.pipelines.gpu;
         let uniform = |name, contents: &[u8]| gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing");
         let search = self.search(job);
-        let grid = self.buffers.grid(&self.layout, self.geometry.triangle_count);
+        let grid = self.buffers.grid(&self.layout);
         let kind = match (job.parameters.choice("centre_rays"), self.buffers.is_split()) {
             ("split", _) => TraceKind::Centres,
             (_, true) => TraceKind::Split,

@@ -101,7 +101,7 @@ impl DirtStructure {
         let (stored, longest) = walk_lists(&self.layout, &read, step)?;
         self.compare(&read, &stored, step)?;
         let tiles = self.layout.tiles[0] as usize * self.layout.tiles[1] as usize;
-        let stride = self.layout.grid(0, 1, 0).bounds_stride as usize;
+        let stride = self.layout.grid(0, 1).bounds_stride as usize;
         let level_zero = read.codes.chunks(stride).flat_map(|view| &view[..tiles]);
         let occupied = level_zero.filter(|codes| depths(**codes).is_some()).count();
         let lists = read.heads.iter().filter(|head| **head != 0).count();
@@ -119,7 +119,7 @@ impl DirtStructure {
     /// The stored parts of every `step`-th triangle against brute force.
     fn compare(&self, read: &ReadBack, stored: &[Stored], step: u32) -> Result<(), TracerError> {
         let layout = &self.layout;
-        let stride = layout.grid(0, 1, 0).bounds_stride as usize;
+        let stride = layout.grid(0, 1).bounds_stride as usize;
         let edge = f64::from(layout.tile_size);
         for primitive in (0..self.geometry.triangles.len() as u32).step_by(step as usize) {
             let begin = stored.partition_point(|each| each.primitive < primitive);
@@ -305,7 +305,7 @@ impl Checked<'_> {
 
 /// Every level's tile bounds exactly the four below it.
 fn check_pyramid(layout: &Layout, codes: &[[u32; 2]]) -> Result<(), TracerError> {
-    let grid = layout.grid(0, 1, 0);
+    let grid = layout.grid(0, 1);
     for (index, view) in codes.chunks(grid.bounds_stride as usize).enumerate() {
         for level in 1..layout.levels() {
             let ([across, down], [below_across, below_down]) =
