@@ -180,6 +180,7 @@ fn errors(loaded: &LoadedScene, rays: &PreparedRays, hits: &[Hit]) -> (Vec<Rgb>,
         answers: &rays.answers,
         query: Query::Closest,
         views: &[],
+        keeps_hidden_layers: false,
         names_primitives: false,
     };
     let classes: Vec<Option<Class>> = (0..hits.len())

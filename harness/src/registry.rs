@@ -57,6 +57,11 @@ pub const TRACERS: &[Registration] = &[
         create: |gpu| Ok(Box::new(tracebench_dirt::Dirt::new(gpu?)?)),
     },
     Registration {
+        describe: tracebench_fragment_abuffer::description,
+        family: Family::Image,
+        create: |gpu| Ok(Box::new(tracebench_fragment_abuffer::FragmentAbuffer::new(gpu?)?)),
+    },
+    Registration {
         describe: tracebench_screen_dda::description,
         family: Family::Image,
         create: |gpu| Ok(Box::new(tracebench_screen_dda::ScreenDda::new(gpu?)?)),

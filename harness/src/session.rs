@@ -386,8 +386,10 @@ impl Session {
     /// # Errors
     /// [`SessionError::Judge`] if they are no answers.
     pub fn judge(&self, contender: &Contender, rays: &PreparedRays, hits: &[Hit]) -> Result<Judgement, SessionError> {
-        let views = contender.structure()?.views();
-        self.judge_of(contender, rays, &views).judge(hits).map_err(|error| no_answers(contender, rays, error))
+        let structure = contender.structure()?;
+        let (views, keeps_hidden_layers) = (structure.views(), structure.keeps_hidden_layers());
+        let judge = Judge { keeps_hidden_layers, ..self.judge_of(contender, rays, &views) };
+        judge.judge(hits).map_err(|error| no_answers(contender, rays, error))
     }
 
     /// Judges a contender's surfaces; nothing where traces do not go that far.
@@ -430,6 +432,7 @@ impl Session {
             answers: &rays.answers,
             query: rays.set.query,
             views,
+            keeps_hidden_layers: false,
             names_primitives: contender.description.names_primitives,
         }
     }

@@ -3,7 +3,8 @@
 
 #import tracebench::view::{View, to_eye_space, clip_position}
 #import tracebench::tile_clip::{DepthRange, TileFrustum, tile_margin, tile_frustum, polygon_range, plane_range, joined, rectangle_corner}
-#import tracebench::dirt_grid::{TileGrid, Node, bounds_index, head_index, near_code, far_code, depths_of, bucket_of}
+#import tracebench::depth_bounds::{near_code, far_code, depths_of, bucket_of}
+#import tracebench::dirt_grid::{TileGrid, Node, bounds_index, head_index}
 
 struct FillPass {
     view: View,

@@ -39,31 +39,3 @@ fn bounds_index(grid: TileGrid, view: u32, level: u32, tile: vec2<u32>) -> u32 {
 fn head_index(grid: TileGrid, view: u32, tile: vec2<u32>, bucket: u32) -> u32 {
     return view * grid.heads_stride + (tile.y * grid.tiles.x + tile.x) * grid.buckets + bucket;
 }
-
-// Both bounds are stored so that they grow and 0 is nothing: the bits of a positive depth, and for the near bound their
-// complement (the released code stores it negated; one maximum filter serves both).
-fn near_code(depth: f32) -> u32 {
-    return ~bitcast<u32>(depth);
-}
-
-fn far_code(depth: f32) -> u32 {
-    return bitcast<u32>(depth);
-}
-
-// Near and far depth of a pair of codes; near > far for nothing.
-fn depths_of(codes: vec2<u32>) -> vec2<f32> {
-    if (codes.y == 0u) {
-        return vec2<f32>(1e38, -1e38);
-    }
-    return vec2<f32>(bitcast<f32>(~codes.x), bitcast<f32>(codes.y));
-}
-
-// The bucket of a depth (equations 1a and 1b), held within the buckets: the far bound itself belongs to the last.
-fn bucket_of(depth: f32, bounds: vec2<f32>, buckets: u32) -> u32 {
-    let range = bounds.y - bounds.x;
-    if (range <= 0.0) {
-        return 0u;
-    }
-    let share = clamp((depth - bounds.x) / range, 0.0, 1.0);
-    return min(u32(share * f32(buckets)), buckets - 1u);
-}

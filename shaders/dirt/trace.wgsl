@@ -5,7 +5,9 @@
 #import tracebench::dispatch::linear_invocation
 #import tracebench::view::{View, to_eye_space, direction_to_eye_space, pixel_position}
 #import tracebench::triangle::{RayFrame, ray_frame, cross_triangle}
-#import tracebench::dirt_grid::{TileGrid, Node, level_tiles, bounds_index, head_index, depths_of, bucket_of}
+#import tracebench::depth_bounds::{depths_of, bucket_of}
+#import tracebench::image_walk::{Span, span_in_view, leaving, image_direction}
+#import tracebench::dirt_grid::{TileGrid, Node, level_tiles, bounds_index, head_index}
 
 struct TraceSettings {
     ray_count: u32,
@@ -59,12 +61,6 @@ struct TraceSettings {
 #endif
 
 const WORKGROUP_SIZE: u32 = 64u;
-
-// The part of a ray inside a view; begin > end for none.
-struct Span {
-    begin: f32,
-    end: f32,
-}
 
 struct Best {
     t: f32,
@@ -188,45 +184,6 @@ fn load_head(view: u32, tile: vec2<u32>, bucket: u32) -> u32 {
 #else
     return heads[head_index(grid, view, tile, bucket)];
 #endif
-}
-
-// The span in which value + slope * t >= 0, within another.
-fn cut(span: Span, value: f32, slope: f32) -> Span {
-    if (slope == 0.0) {
-        return Span(span.begin, select(span.end, -1.0, (value < 0.0)));
-    }
-    let at = -value / slope;
-    return Span(select(span.begin, max(span.begin, at), (slope > 0.0)), select(span.end, min(span.end, at), (slope < 0.0)));
-}
-
-fn span_in_view(view: View, origin: vec3<f32>, direction: vec3<f32>, whole: Span) -> Span {
-    // By distance, a ray along the seam between two views must not be lost by both to rounding.
-    let slack = select(1.0, 1.000002, (search.by_distance == 1u));
-    let at = vec2<f32>(view.tan_half_width, view.tan_half_height) * slack;
-    var span = cut(whole, origin.z - view.near, direction.z);
-    span = cut(span, view.far - origin.z, -direction.z);
-    span = cut(span, origin.z * at.x - origin.x, direction.z * at.x - direction.x);
-    span = cut(span, origin.z * at.x + origin.x, direction.z * at.x + direction.x);
-    span = cut(span, origin.z * at.y - origin.y, direction.z * at.y - direction.y);
-    return cut(span, origin.z * at.y + origin.y, direction.z * at.y + direction.y);
-}
-
-// The t at which a ray leaves the side of the plane through the eye and a line of the image `tangent` across, not before
-// `now`; 1e38 for a ray that does not. `heading` is the ray's along this axis: a ray may head for a line that it never
-// meets, where it runs away from the eye inside of the line.
-fn leaving(tangent: f32, heading: f32, origin: f32, direction: f32, origin_z: f32, direction_z: f32, now: f32) -> f32 {
-    let inside = (tangent * origin_z - origin) * heading;
-    let approach = (direction - tangent * direction_z) * heading;
-    if (approach <= 0.0) {
-        return 1e38;
-    }
-    return max(now, inside / approach);
-}
-
-// A step of the ray across the image: -1, 0 or 1 along x (right) and y (down). A projected line keeps its direction.
-fn image_direction(origin: vec3<f32>, direction: vec3<f32>) -> vec2<i32> {
-    let turn = direction.xy * origin.z - origin.xy * direction.z;
-    return vec2<i32>(sign(vec2<f32>(turn.x, -turn.y)));
 }
 
 // Tests the triangle of one node and gives the next link; whether it is the nearest hit so far is noted in `improved`.
@@ -472,6 +429,8 @@ fn trace(
         }
     }
 #endif
+    // By distance, a ray along the seam between two views must not be lost by both to rounding.
+    let slack = select(1.0, 1.000002, (search.by_distance == 1u));
     // A view is never entered twice (a line meets a view in one piece), so there are at most as many rounds as views.
     open += 1u;
     loop {
@@ -481,7 +440,7 @@ fn trace(
         for (var candidate = 0u; candidate < search.view_count; candidate++) {
             let view = views[candidate];
             let eye_ray = eye_ray_of(view);
-            let part = span_in_view(view, eye_ray.origin, eye_ray.direction, Span(ray.t_min, best.t));
+            let part = span_in_view(view, eye_ray.origin, eye_ray.direction, Span(ray.t_min, best.t), slack);
             if ((visited & (1u << candidate)) == 0u && part.begin <= part.end && part.begin < span.begin) {
                 chosen = candidate;
                 span = part;

@@ -3,6 +3,7 @@
 
 #import tracebench::types::{Ray, Hit, miss, NO_PRIMITIVE, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, STATUS_THICKNESS_REJECTED}
 #import tracebench::view::{View, to_eye_space, direction_to_eye_space, pixel_position}
+#import tracebench::image_walk::{Span, span_in_view}
 #import tracebench::dispatch::linear_invocation
 
 struct Settings {
@@ -36,32 +37,6 @@ struct Settings {
 
 const WORKGROUP_SIZE: u32 = 64u;
 
-// The part of a ray for which origin + t * slope >= 0.
-fn clip(span: vec2<f32>, origin: f32, slope: f32) -> vec2<f32> {
-    if (slope == 0.0) {
-        return select(vec2<f32>(1.0, 0.0), span, (origin >= 0.0));
-    }
-    let crossing = -origin / slope;
-    if (slope > 0.0) {
-        return vec2<f32>(max(span.x, crossing), span.y);
-    }
-    return vec2<f32>(span.x, min(span.y, crossing));
-}
-
-fn clip_to_view(span: vec2<f32>, origin: vec3<f32>, direction: vec3<f32>) -> vec2<f32> {
-    var clipped = clip(span, origin.z - view.near, direction.z);
-    clipped = clip(clipped, view.far - origin.z, -direction.z);
-    let tangent = vec2<f32>(view.tan_half_width, view.tan_half_height);
-    let low_origin = origin.z * tangent + origin.xy;
-    let low_slope = direction.z * tangent + direction.xy;
-    let high_origin = origin.z * tangent - origin.xy;
-    let high_slope = direction.z * tangent - direction.xy;
-    clipped = clip(clipped, low_origin.x, low_slope.x);
-    clipped = clip(clipped, low_origin.y, low_slope.y);
-    clipped = clip(clipped, high_origin.x, high_slope.x);
-    return clip(clipped, high_origin.y, high_slope.y);
-}
-
 struct Answer {
     hit: Hit,
     samples: u32,
@@ -76,7 +51,8 @@ fn no_hit(status: u32, samples: u32) -> Answer {
 fn march(ray: Ray) -> Answer {
     let origin = to_eye_space(view, ray.origin);
     let direction = direction_to_eye_space(view, ray.direction);
-    let span = clip_to_view(vec2<f32>(ray.t_min, ray.t_max), origin, direction);
+    let part = span_in_view(view, origin, direction, Span(ray.t_min, ray.t_max), 1.0);
+    let span = vec2<f32>(part.begin, part.end);
     if (!(span.x < span.y)) {
         return no_hit(STATUS_LEFT_VIEWS, 0u);
     }

@@ -218,6 +218,7 @@ fn primary_agreement(image: [u32; 2]) -> f64 {
         answers: &answers,
         query: Query::Closest,
         views: &views,
+        keeps_hidden_layers: false,
         names_primitives: false,
     };
     match judge.judge(&hits).unwrap() {

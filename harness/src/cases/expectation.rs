@@ -1,6 +1,6 @@
 //! What is expected of a tracer on a case, and whether it came.
 
-use super::{bvh_cpu, dirt, exact, screen_dda};
+use super::{bvh_cpu, dirt, exact, fragment_abuffer, screen_dda};
 pub use crate::judge::Rule;
 
 /// What is expected of a tracer with its published preset on a case. Shares are of the rays that are no tie.
@@ -32,6 +32,14 @@ pub enum Expectation {
         /// Which paper says so, with section, or where it follows from.
         source: &'static str,
     },
+    /// Something else is expected where the tracer answers; from a strength on a device may be too small for it, which it then
+    /// says.
+    Refusable {
+        /// The value of the knob from which on it may refuse.
+        from: f64,
+        /// What is expected of its answers.
+        otherwise: &'static Expectation,
+    },
 }
 
 /// What is expected of one tracer, by case.
@@ -44,6 +52,7 @@ pub const COLUMNS: &[(&str, Column)] = &[
     ("lbvh-gpu", exact::EXPECTATIONS),
     ("ray-query", exact::EXPECTATIONS),
     ("dirt", dirt::EXPECTATIONS),
+    ("fragment-abuffer", fragment_abuffer::EXPECTATIONS),
     ("screen-dda", screen_dda::EXPECTATIONS),
 ];
 
@@ -103,15 +112,25 @@ impl Expectation {
         match self {
             Self::Exact => Rule::Tight,
             Self::Bounded { rule, .. } | Self::KnownFailure { rule, .. } => *rule,
+            Self::Refusable { otherwise, .. } => otherwise.rule(),
+        }
+    }
+
+    /// Whether a device may be too small at one of a knob's values.
+    pub fn may_be_refused(&self, values: &[f64], index: usize) -> bool {
+        match self {
+            Self::Refusable { from, .. } => values.iter().position(|value| value == from).is_some_and(|at| index >= at),
+            _ => false,
         }
     }
 
     /// What is surprising about the wrong rays at one of a knob's values.
-    pub fn surprise(&self, values: &[f64], index: usize, wrong: &Wrong) -> Option<Surprise> {
+    pub fn surprise(&self, values: &[f64], index: usize, shares: &Wrong) -> Option<Surprise> {
         let rule = self.rule();
-        let wrong = wrong.under(rule);
+        let wrong = shares.under(rule);
         let at_most = |allowed: f64| (wrong > allowed).then_some(Surprise::Failure { wrong, rule, allowed });
         match *self {
+            Self::Refusable { otherwise, .. } => otherwise.surprise(values, index, shares),
             Self::Exact => at_most(0.0),
             Self::Bounded { most_wrong, .. } => at_most(most_wrong),
             Self::KnownFailure { from, below, least_wrong, .. } => {
@@ -155,5 +174,19 @@ mod tests {
         }
         assert_eq!([0.0, 0.02, 0.021, 0.9].map(|wrong| surprise(2, wrong)), [Some(false), Some(false), None, None]);
         assert_eq!([0.1, 0.39, 0.4, 0.9].map(|wrong| surprise(3, wrong)), [Some(false), Some(false), None, None]);
+    }
+
+    /// What may be refused may be so from its strength on alone, and is judged like what it stands for where it answers.
+    #[test]
+    fn refusals_are_expected_from_their_strength_on() {
+        const EXACT: Expectation = Expectation::Exact;
+        let refusable = Expectation::Refusable { from: 3.0, otherwise: &EXACT };
+        let values = [1.0, 2.0, 3.0, 4.0];
+        assert_eq!([0, 1, 2, 3].map(|index| refusable.may_be_refused(&values, index)), [false, false, true, true]);
+        assert!(!EXACT.may_be_refused(&values, 3));
+        let wrong = |share| Wrong { hit_miss: share, tight: share, footprint: share };
+        assert_eq!(refusable.rule(), EXACT.rule());
+        assert!(refusable.surprise(&values, 3, &wrong(0.0)).is_none());
+        assert!(matches!(refusable.surprise(&values, 3, &wrong(0.1)), Some(Surprise::Failure { .. })));
     }
 }

@@ -9,6 +9,7 @@ mod dirt;
 mod exact;
 pub mod expectation;
 mod eye;
+mod fragment_abuffer;
 mod frames;
 mod many;
 mod probe;

@@ -14,6 +14,10 @@ const VIEW_PIXELS: f64 = 2.0;
 /// over for the two vertices of an edge.
 const RASTER_SNAP_PIXELS: f64 = 1.0 / 64.0;
 
+/// Relative distance of layers that are told apart, and how many of a pixel are looked through.
+const LAYER_STEP: f64 = 1e-9;
+const MOST_LAYERS: usize = 256;
+
 /// Reference pixels within which a wrong hit counts as one with the surface that the ray starts on.
 const SELF_HIT_PIXELS: f64 = 4.0;
 
@@ -33,6 +37,9 @@ pub const NEAR_START: &str = "near_start";
 pub const SELF_HIT: &str = "self_hit";
 /// The answered hit lies behind what the view shows there: a surface was taken to be thick.
 pub const ASSUMED_THICKNESS: &str = "assumed_thickness";
+/// The true hit's surface is stored at its pixel of a view, and the ray was let through: it passed between that fragment and the
+/// next one, or between the pixels that were looked at. Of methods that know surfaces by samples alone and keep every layer.
+pub const SLIPPED_THROUGH: &str = "slipped_through";
 /// The tracer's step limit.
 pub const STEP_CAP: &str = "step_cap";
 /// The tracer passed behind a surface by more than its thickness.
@@ -64,7 +71,9 @@ impl Judge<'_> {
         if containing.is_empty() {
             return OFF_VIEW;
         }
-        let showing: Vec<&View> = containing.into_iter().filter(|view| self.shows(view, point)).collect();
+        // Where every layer is kept, views show what lies behind others, too.
+        let shows = |view: &&View| self.keeps_hidden_layers || self.shows(view, point);
+        let showing: Vec<&View> = containing.into_iter().filter(shows).collect();
         if showing.is_empty() {
             return HIDDEN_LAYER;
         }
@@ -83,7 +92,11 @@ impl Judge<'_> {
         if showing.iter().all(|view| within_pixels(view, ray.origin, point)) {
             return NEAR_START;
         }
-        if hit.status == Status::ThicknessRejected as u32 { THICKNESS_REJECTED } else { UNEXPLAINED }
+        match hit.status == Status::ThicknessRejected as u32 {
+            true => THICKNESS_REJECTED,
+            false if self.keeps_hidden_layers && !self.names_primitives => SLIPPED_THROUGH,
+            false => UNEXPLAINED,
+        }
     }
 
     /// Why something was hit that is not there.
@@ -118,16 +131,17 @@ impl Judge<'_> {
     }
 
     /// Whether the centre of the pixel that a point falls on, moved by a rasterizer's rounding in any direction, shows
-    /// the same triangle or one within a footprint in depth; on a border between pixels, the centres of all of them.
+    /// the same triangle or one within a footprint in depth, in any layer where all are kept; on a border between pixels, the centres of all of them.
     fn samples(&self, view: &View, point: DVec3, primitive: u32) -> bool {
         let Some(at) = view.project_inside(point) else { return false };
         let moves = [(0.0, 0.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
         centres(&at).into_iter().all(|centre| {
             moves.into_iter().all(|(across, down)| {
                 let (x, y) = (centre.0 + across * RASTER_SNAP_PIXELS, centre.1 + down * RASTER_SNAP_PIXELS);
-                self.shown(view, x, y).is_some_and(|found| {
+                let is_it = |found: &TrueHit| {
                     found.primitive == primitive || (found.t - at.depth).abs() <= self.footprint(point)
-                })
+                };
+                self.layers(view, x, y).any(|found| is_it(&found))
             })
         })
     }
@@ -141,8 +155,20 @@ impl Judge<'_> {
 
     /// What a view shows at a position in pixels; t is the eye depth.
     fn shown(&self, view: &View, x: f64, y: f64) -> Option<TrueHit> {
+        self.beyond(view, x, y, view.near)
+    }
+
+    /// The first surface at a position in pixels that is not nearer than an eye depth.
+    fn beyond(&self, view: &View, x: f64, y: f64, depth: f64) -> Option<TrueHit> {
         let direction = view.direction_through(x, y);
-        self.truth.closest(&Ray64 { origin: view.eye, direction, t_min: view.near, t_max: view.far })
+        self.truth.closest(&Ray64 { origin: view.eye, direction, t_min: depth, t_max: view.far })
+    }
+
+    /// What a view keeps at a position in pixels: what it shows and, where it keeps hidden layers, what lies behind.
+    fn layers<'b>(&'b self, view: &'b View, x: f64, y: f64) -> impl Iterator<Item = TrueHit> + 'b {
+        let next = move |found: &TrueHit| self.beyond(view, x, y, found.t * (1.0 + LAYER_STEP));
+        let most = if self.keeps_hidden_layers { MOST_LAYERS } else { 1 };
+        std::iter::successors(self.shown(view, x, y), next).take(most)
     }
 }
 

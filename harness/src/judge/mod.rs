@@ -40,6 +40,8 @@ pub struct Judge<'a> {
     pub query: Query,
     /// The views that the tracer sees the scene through; empty if it does not depend on any.
     pub views: &'a [View],
+    /// Whether the views keep what lies behind other surfaces, too.
+    pub keeps_hidden_layers: bool,
     /// Whether the tracer names the triangle that it hits.
     pub names_primitives: bool,
 }

@@ -131,7 +131,7 @@ pub fn measure(case: &Case, candidates: &mut [Candidate], gpu: Option<&Arc<Gpu>>
         }
         for (candidate, measured) in candidates.iter_mut().zip(&mut measured) {
             let judged = answer(&session, rays, &mut candidate.contender);
-            measured.push(Measured::new(strength, judged.map_err(|error| error.to_string())));
+            measured.push(Measured::new(strength, judged));
         }
     }
     let cells = candidates.iter().zip(measured).map(|(candidate, measured)| {

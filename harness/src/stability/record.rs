@@ -1,12 +1,13 @@
 //! `stability.json`: everything that a run of the cases found. Table and chart derive from it.
 
 use serde::Serialize;
-use tracebench_api::Query;
+use tracebench_api::{Query, TracerError};
 
 use super::Verdict;
 use crate::cases::expectation::Wrong;
 use crate::cases::{Expectation, Knob};
 use crate::results::{AnyJudgement, ByRule, Causes, Classes, Judgement, Machine, Occlusion, Skipped};
+use crate::session::SessionError;
 
 /// The schema that this program writes.
 pub const SCHEMA: u32 = 1;
@@ -140,6 +141,8 @@ pub struct ExpectationRecord {
     pub from: Option<f64>,
     /// Least wrong rays of a known failure at the hardest strength, share.
     pub least_wrong: Option<f64>,
+    /// The strength from which on a device may be too small.
+    pub refusable_from: Option<f64>,
     /// Why.
     pub reason: &'static str,
     /// Where that is written.
@@ -154,10 +157,12 @@ impl From<&Expectation> for ExpectationRecord {
             most_wrong: 0.0,
             from: None,
             least_wrong: None,
+            refusable_from: None,
             reason: "",
             source: "",
         };
         match *expectation {
+            Expectation::Refusable { from, otherwise } => Self { refusable_from: Some(from), ..Self::from(otherwise) },
             Expectation::Exact => bounded,
             Expectation::Bounded { most_wrong, reason, .. } => Self { kind: "bounded", most_wrong, reason, ..bounded },
             Expectation::KnownFailure { from, below, least_wrong, reason, source, .. } => Self {
@@ -192,13 +197,15 @@ pub struct Measured {
     pub causes: Causes,
     /// Why there are no answers.
     pub error: Option<String>,
+    /// Whether that is because the device is too small.
+    pub refused: bool,
     /// Whether it came as expected; `None` if nothing is.
     pub as_expected: Option<bool>,
 }
 
 impl Measured {
     /// What was measured, or why nothing was.
-    pub fn new(strength: f64, judged: Result<Judgement, String>) -> Self {
+    pub fn new(strength: f64, judged: Result<Judgement, SessionError>) -> Self {
         let none = Self {
             strength,
             wrong: None,
@@ -208,12 +215,16 @@ impl Measured {
             ties: None,
             causes: Causes::new(),
             error: None,
+            refused: false,
             as_expected: None,
         };
         let agreement =
             |right: Option<[f64; 3]>| right.map(|[hit_miss, tight, footprint]| Wrong { hit_miss, tight, footprint });
         match judged {
-            Err(error) => Self { error: Some(error), ..none },
+            Err(error) => {
+                let refused = matches!(error, SessionError::Tracer(TracerError::TooLarge { .. }));
+                Self { error: Some(error.to_string()), refused, ..none }
+            }
             Ok(Judgement::Closest(closest)) => {
                 let right = &closest.agreement;
                 let shares = right.hit_miss.zip(right.tight.zip(right.footprint));

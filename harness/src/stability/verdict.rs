@@ -87,6 +87,7 @@ fn stated(case: &Case, expected: &Expectation, measured: &mut [Measured]) -> (Ve
         let at = format!("at {} {}", each.strength, case.knob.unit);
         let at = at.trim_end();
         let surprise = match each.wrong {
+            None if each.refused && expected.may_be_refused(values, index) => None,
             None => {
                 let reason = each.error.as_deref().unwrap_or("every ray is a tie");
                 Some((Verdict::UnexpectedFailure, format!("UNEXPECTED failure {at}: {reason}")))
@@ -103,7 +104,21 @@ fn stated(case: &Case, expected: &Expectation, measured: &mut [Measured]) -> (Ve
     if let Some(success) = surprises.pop() {
         return success;
     }
+    let (verdict, text) = as_expected(expected, measured);
+    // Where the device was too small the text says so.
+    match measured.iter().find(|each| each.refused) {
+        None => (verdict, text),
+        Some(first) => {
+            let at = format!("{} {}", first.strength, case.knob.unit);
+            (verdict, format!("{text}, refused from {} on: too large for the device", at.trim_end()))
+        }
+    }
+}
+
+/// The verdict where nothing is surprising.
+fn as_expected(expected: &Expectation, measured: &[Measured]) -> (Verdict, String) {
     match expected {
+        Expectation::Refusable { otherwise, .. } => as_expected(otherwise, measured),
         Expectation::Exact => (Verdict::Exact, "exact".to_owned()),
         Expectation::Bounded { rule, most_wrong, .. } => {
             let text =
@@ -111,7 +126,7 @@ fn stated(case: &Case, expected: &Expectation, measured: &mut [Measured]) -> (Ve
             (Verdict::Bounded, text)
         }
         Expectation::KnownFailure { rule, .. } => {
-            let hardest = measured.last().and_then(|each| each.wrong).map_or(1.0, |wrong| wrong.under(*rule));
+            let hardest = measured.iter().rev().find_map(|each| each.wrong).map_or(1.0, |wrong| wrong.under(*rule));
             (Verdict::KnownFailure, format!("known failure {} ({})", percent(hardest), rule.name()))
         }
     }

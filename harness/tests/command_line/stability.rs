@@ -15,7 +15,9 @@ fn a_matrix_and_its_files() {
     let expected = ["error_vs_strength.png", "error_vs_strength.svg", "stability.json", "stability.md"];
     assert_eq!(names(&bench.path("out")), expected.map(str::to_owned).into());
     assert!(
-        outcome.stdout.starts_with("| case | bvh-cpu | bvh-gpu | lbvh-gpu | ray-query | dirt | screen-dda |\n"),
+        outcome.stdout.starts_with(
+            "| case | bvh-cpu | bvh-gpu | lbvh-gpu | ray-query | dirt | fragment-abuffer | screen-dda |\n"
+        ),
         "{}",
         outcome.stdout
     );
@@ -34,7 +36,7 @@ fn a_matrix_and_its_files() {
     assert!(case["strengths"][0]["rays"].as_u64().unwrap() >= 500);
     let cell = &case["tracers"][3];
     assert_eq!((cell["tracer"].as_str(), cell["verdict"].as_str()), (Some("ray-query"), Some(ray_query)));
-    let cell = &case["tracers"][5];
+    let cell = &case["tracers"][6];
     assert_eq!((cell["tracer"].as_str(), cell["verdict"].as_str()), (Some("screen-dda"), Some("known_failure")));
     for field in ["kind", "rule", "most_wrong", "from", "least_wrong", "reason", "source"] {
         assert!(!cell["expectation"][field].is_null(), "{field}: {cell}");

@@ -72,6 +72,7 @@ impl Case {
             answers: &self.answers,
             query: self.query,
             views: &self.views,
+            keeps_hidden_layers: false,
             names_primitives: true,
         }
     }

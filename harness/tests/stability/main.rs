@@ -110,6 +110,13 @@ fn the_registry_is_sane() {
         for (index, (name, expected)) in column.iter().enumerate() {
             let case = tracebench_harness::cases::find(name).unwrap_or_else(|| panic!("{tracer}: no case {name}"));
             assert!(column[..index].iter().all(|(other, _)| other != name), "{tracer}: {name} twice");
+            let expected = match expected {
+                Expectation::Refusable { from, otherwise } => {
+                    assert!(case.knob.values[1..].contains(from), "{tracer}, {name}: {from}");
+                    otherwise
+                }
+                expected => expected,
+            };
             if let Expectation::KnownFailure { from, below, least_wrong, reason, source, .. } = expected {
                 assert!(case.knob.values.contains(from), "{tracer}, {name}: {from}");
                 assert!(below <= least_wrong && !reason.is_empty() && !source.is_empty(), "{tracer}, {name}");

@@ -183,6 +183,11 @@ pub trait Structure {
         Vec::new()
     }
 
+    /// Whether the views keep what lies behind other surfaces, too; of no meaning without views.
+    fn keeps_hidden_layers(&self) -> bool {
+        false
+    }
+
     /// Reads the structure back and checks it; gives printable statistics.
     ///
     /// # Errors

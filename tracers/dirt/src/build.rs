@@ -4,17 +4,14 @@ use std::num::NonZeroU64;
 use std::sync::Arc;
 
 use tracebench_api::wgpu::{
-    self, BindGroup, BindingResource, Buffer, BufferBinding, BufferUsages, ComputePipeline, RenderPipeline,
-    TextureFormat,
+    BindGroup, BindingResource, Buffer, BufferBinding, BufferUsages, ComputePipeline, RenderPipeline,
 };
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
-use tracebench_kit::{
-    Gather, RasterTargets, ViewUniform, bind_group, compute_pipeline, dispatch_linear, raster_pipeline, shader_module,
-};
+use tracebench_kit::{EmptyTarget, Gather, ViewUniform, bind_group, compute_pipeline, dispatch_linear};
 use tracebench_shaders::{
     DIRT_FILL_DEPTH, DIRT_FILL_DEPTH_CONSERVATIVE, DIRT_FILL_PRIMITIVES, DIRT_FILL_PRIMITIVES_CONSERVATIVE,
     DIRT_FILL_PRIMITIVES_CONSERVATIVE_SPLIT, DIRT_FILL_PRIMITIVES_SPLIT, DIRT_MIPMAP, DIRT_TRACE, DIRT_TRACE_CENTRES,
-    DIRT_TRACE_CENTRES_COUNTED, DIRT_TRACE_COUNTED, DIRT_TRACE_SPLIT, DIRT_TRACE_SPLIT_COUNTED, Shader,
+    DIRT_TRACE_CENTRES_COUNTED, DIRT_TRACE_COUNTED, DIRT_TRACE_SPLIT, DIRT_TRACE_SPLIT_COUNTED,
 };
 
 use crate::fetch::Fetch;
@@ -23,9 +20,6 @@ use crate::visibility::Visibility;
 
 /// As `WORKGROUP_SIZE` in shaders/dirt/mipmap.wgsl.
 const WORKGROUP_SIZE: u32 = 64;
-
-/// A colour attachment that nothing is written to: a pass must have one.
-const DUMMY_FORMAT: TextureFormat = TextureFormat::R8Unorm;
 
 /// How a structure is filled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,15 +56,9 @@ pub(crate) struct Pipelines {
     trace_centres: [ComputePipeline; 2],
 }
 
-fn fill_pipeline(gpu: &Gpu, shader: Shader) -> Result<RenderPipeline, TracerError> {
-    let nothing = wgpu::ColorTargetState { format: DUMMY_FORMAT, blend: None, write_mask: wgpu::ColorWrites::empty() };
-    let targets = RasterTargets { colours: &[Some(nothing)], ..Default::default() };
-    raster_pipeline(gpu, shader.name, &shader_module(gpu, shader)?, &targets)
-}
-
 impl Pipelines {
     pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        let raster = |shader| fill_pipeline(&gpu, shader);
+        let raster = |shader| EmptyTarget::pipeline(&gpu, shader);
         let trace = |shader| compute_pipeline(&gpu, shader, "trace");
         Ok(Self {
             depth: [raster(DIRT_FILL_DEPTH)?, raster(DIRT_FILL_DEPTH_CONSERVATIVE)?],
@@ -108,9 +96,8 @@ pub(crate) struct Buffers {
     pub nodes: Vec<Buffer>,
     /// Nodes taken, parts of triangles stored.
     pub taken: Buffer,
-    /// The colour attachment that nothing is written to, and what it takes.
-    pub attachment: wgpu::Texture,
-    pub attachment_bytes: u64,
+    /// The colour attachment that nothing is written to.
+    pub attachment: EmptyTarget,
     /// Nodes that there is room for.
     pub node_capacity: u32,
     /// Nodes of each buffer but the last.
@@ -189,10 +176,8 @@ pub(crate) fn node_buffers(gpu: &Gpu, capacity: u32) -> Result<Vec<Buffer>, Trac
 impl Buffers {
     pub(crate) fn new(gpu: &Gpu, layout: &Layout, node_capacity: u32) -> Result<Self, TracerError> {
         let turn_down = "--face or dirt.buckets, or turn dirt.tile_size up";
-        let [width, height] = layout.tiles;
         let ([bounds_bytes, _], [heads_bytes, _]) = (layout.bounds_bytes(), layout.heads_bytes());
-        let before = gpu.allocations();
-        let mut buffers = Self {
+        Ok(Self {
             bounds: storage(gpu, DEPTH_BOUNDS, bounds_bytes, layout.bounds_part_bytes(), turn_down)?,
             heads: storage(gpu, HEADS, heads_bytes, layout.heads_part_bytes(), turn_down)?,
             parts: Parts {
@@ -203,25 +188,10 @@ impl Buffers {
             by_view: bounds_bytes.max(heads_bytes) > gpu.limits.max_storage_buffer_binding_size,
             nodes: node_buffers(gpu, node_capacity)?,
             taken: storage(gpu, NODE_COUNT, 8, 8, "nothing")?,
-            attachment_bytes: 0,
-            attachment: gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(ATTACHMENT),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: DUMMY_FORMAT,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-                view_formats: &[],
-            }),
+            attachment: EmptyTarget::new(gpu, ATTACHMENT, layout.tiles)?,
             node_capacity,
             nodes_per_part: nodes_per_binding(gpu) as u32,
-        };
-        gpu.check()?;
-        // Drivers pad textures as they like.
-        let pixels = u64::from(width) * u64::from(height);
-        buffers.attachment_bytes = gpu.allocations().added_since(&before, ATTACHMENT).unwrap_or(pixels);
-        Ok(buffers)
+        })
     }
 
     /// Makes room for so many nodes.
@@ -337,13 +307,12 @@ impl Pipelines {
     ) -> Result<(), TracerError> {
         let triangle_count = geometry.triangles.len() as u32;
         let prepared = self.prepare(layout, buffers, geometry.on_device()?, filling)?;
-        let target = buffers.attachment.create_view(&Default::default());
         let variant = usize::from(filling.conservative);
         let vertices = triangle_count * if filling.conservative { 6 } else { 3 };
         clock.device_phase("fill depth", |encoder| {
             encoder.clear_buffer(&buffers.bounds, 0, None);
             for bindings in &prepared.depth {
-                draw(encoder, &target, &self.depth[variant], bindings, vertices);
+                buffers.attachment.draw(encoder, &self.depth[variant], bindings, vertices);
             }
         })?;
         clock.device_phase("mipmap depth", |encoder| {
@@ -355,32 +324,10 @@ impl Pipelines {
             encoder.clear_buffer(&buffers.heads, 0, None);
             encoder.clear_buffer(&buffers.taken, 0, None);
             for bindings in &prepared.primitives {
-                draw(encoder, &target, self.primitives(variant, buffers), bindings, vertices);
+                buffers.attachment.draw(encoder, self.primitives(variant, buffers), bindings, vertices);
             }
         })
     }
-}
-
-fn draw(
-    encoder: &mut wgpu::CommandEncoder,
-    target: &wgpu::TextureView,
-    pipeline: &RenderPipeline,
-    bindings: &BindGroup,
-    vertices: u32,
-) {
-    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("fill"),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: target,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Discard },
-        })],
-        ..Default::default()
-    });
-    pass.set_pipeline(pipeline);
-    pass.set_bind_group(0, bindings, &[]);
-    pass.draw(0..vertices, 0..1);
 }
 
 /// The views in the layout of the trace's uniform, unused ones zero.

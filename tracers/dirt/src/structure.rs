@@ -1,15 +1,15 @@
 //! The structure of one scene from one viewpoint.
 
-use std::sync::{Arc, Mutex, Weak};
+use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
     Tracer, TracerError, Update, View, Viewpoint,
 };
-use tracebench_kit::{SurfaceGeometry, ViewUniform};
+use tracebench_kit::{LastCount, SurfaceGeometry, ViewUniform};
 
-use crate::build::{ATTACHMENT, Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, Pipelines, nodes_name};
+use crate::build::{Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, Pipelines, nodes_name};
 use crate::fetch::MaskMemory;
 use crate::layout::{Layout, MOST_VIEWS, TileGrid, TraceSettings};
 use crate::visibility::Frame;
@@ -17,17 +17,8 @@ use crate::visibility::Frame;
 /// The tracer.
 pub struct Dirt {
     pipelines: Arc<Pipelines>,
-    /// How many nodes the last scene needed that was counted: the same question is not asked the device twice.
-    counted: Mutex<Option<Counted>>,
-}
-
-/// A count of nodes, and what it is of.
-struct Counted {
-    positions: Weak<Vec<[f32; 3]>>,
-    triangles: Weak<Vec<[u32; 3]>>,
-    layout: Layout,
-    filling: Filling,
-    nodes: u32,
+    /// How many nodes the last scene needed that was counted.
+    counted: LastCount<(Layout, Filling), u32>,
 }
 
 /// What of the scene a structure needs to trace.
@@ -76,7 +67,7 @@ impl Dirt {
     /// # Errors
     /// [`TracerError::Failed`] if the device refuses one.
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        Ok(Self { pipelines: Arc::new(Pipelines::new(gpu)?), counted: Mutex::new(None) })
+        Ok(Self { pipelines: Arc::new(Pipelines::new(gpu)?), counted: LastCount::default() })
     }
 
     /// Makes room for the nodes that a build will take: counted by one without room, outside of any time.
@@ -87,27 +78,13 @@ impl Dirt {
         layout: &Layout,
         filling: Filling,
     ) -> Result<(), TracerError> {
-        let mut counted = self.counted.lock().map_err(|_| TracerError::Failed("a count was left open".to_owned()))?;
-        let same = |counted: &&Counted| {
-            let scene = counted.positions.upgrade().zip(counted.triangles.upgrade());
-            scene.is_some_and(|(positions, triangles)| {
-                Arc::ptr_eq(&positions, &geometry.positions) && Arc::ptr_eq(&triangles, &geometry.triangles)
-            }) && counted.layout == *layout
-                && counted.filling == filling
-        };
         let gpu = &*self.pipelines.gpu;
-        let nodes = match counted.as_ref().filter(same) {
-            Some(counted) => counted.nodes,
-            None => {
-                let mut clock = PhaseClock::new(Some(gpu));
-                self.pipelines.fill(layout, buffers, geometry, filling, &mut clock)?;
-                clock.finish()?;
-                let [nodes, _] = taken(gpu, buffers)?;
-                let (positions, triangles) = (Arc::downgrade(&geometry.positions), Arc::downgrade(&geometry.triangles));
-                *counted = Some(Counted { positions, triangles, layout: layout.clone(), filling, nodes });
-                nodes
-            }
-        };
+        let nodes = self.counted.of(geometry, (layout.clone(), filling), || {
+            let mut clock = PhaseClock::new(Some(gpu));
+            self.pipelines.fill(layout, buffers, geometry, filling, &mut clock)?;
+            clock.finish()?;
+            Ok(taken(gpu, buffers)?[0])
+        })?;
         buffers.set_capacity(gpu, nodes)
     }
 }
@@ -233,8 +210,7 @@ impl Structure for DirtStructure {
             ledger.keep(&nodes_name(part), buffer.size(), of_part);
             used_bytes -= of_part;
         }
-        let [width, height] = self.layout.tiles.map(u64::from);
-        ledger.keep(ATTACHMENT, buffers.attachment_bytes, width * height);
+        buffers.attachment.enter(&mut ledger);
         ledger.borrow_transient(self.layout.build_uniform_bytes());
         if let Some(frame) = &self.frame {
             frame.enter(&mut ledger);
@@ -255,6 +231,10 @@ impl Structure for DirtStructure {
 
     fn views(&self) -> Vec<View> {
         self.layout.views.clone()
+    }
+
+    fn keeps_hidden_layers(&self) -> bool {
+        true
     }
 
     fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {

@@ -4,8 +4,10 @@
 
 mod clip;
 mod compute;
+mod empty_target;
 mod eye_depth;
 mod gather;
+mod last_count;
 mod prefix_sum;
 mod primitive_raster;
 mod radix_sort;
@@ -19,8 +21,10 @@ pub use compute::{
     bind_group, bind_group_at, compute_pipeline, dispatch_linear, dispatch_linear_groups, shader_module,
     shader_module_testing_early,
 };
+pub use empty_target::EmptyTarget;
 pub use eye_depth::{EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
 pub use gather::{Gather, GatherSettings, SurfaceGeometry};
+pub use last_count::LastCount;
 pub use prefix_sum::{PrefixSum, PrefixSumPlan};
 pub use primitive_raster::{DEPTH_TEST_FORMAT, PrimitiveRaster, PrimitiveTexture, create_texture};
 pub use radix_sort::{RadixSort, RadixSortPlan, SortPass};

@@ -1,0 +1,129 @@
+//! What is expected of `fragment-abuffer`: fragments at pixels' centres, every layer, seven views, no thickness.
+
+use super::expectation::{Column, Expectation, Rule};
+
+/// Rays through the frame's own pixel centres find the very depth that is stored there.
+const AT_SAMPLES: Expectation = few(
+    Rule::Footprint,
+    0.01,
+    "eye rays through the centres of the camera's pixels get the very depth that was sampled there; only where an edge runs through a \
+     centre does the rasterizer's rounding decide otherwise",
+);
+
+const fn few(rule: Rule, most_wrong: f64, reason: &'static str) -> Expectation {
+    Expectation::Bounded { rule, most_wrong, reason }
+}
+
+/// A failure by a rule from a strength on.
+const fn fails(
+    rule: Rule,
+    from: f64,
+    below: f64,
+    least_wrong: f64,
+    reason: &'static str,
+    source: &'static str,
+) -> Expectation {
+    Expectation::KnownFailure { rule, from, below, least_wrong, reason, source }
+}
+
+const SLIPPED: &str = "at thickness 0 a ray that crosses a slanted surface passes between two of its fragments, the more often the more \
+                       slanted it is; a surface along the line of sight has none";
+const SLIPPED_SOURCE: &str =
+    "VVP16, section 4.2, limitations: rays pass between fragments of sparsely sampled triangles";
+const BETWEEN: &str = "what covers no pixel's centre is not stored, and what covers one fills its pixel";
+const SAMPLES_SOURCE: &str =
+    "VVP16, section 4.2, limitations: what is stored is bounded by resolution and pixel samples";
+const BEFORE_NEAR: &str = "what is nearer than near lies in the faces alone, whose centres are pulled back: seen from there at a grazing \
+                           angle, it lets rays through between fragments";
+const NEAR_START: &str = "a ray that starts in a view leaves out the first pixel of its way, so as not to find the surface that it starts \
+                          on, and with it what lies as near";
+
+/// Layers are all kept, but those that a ray starts between.
+const LAYERS: Expectation = fails(
+    Rule::Footprint,
+    32.0,
+    0.08,
+    0.35,
+    "rays that start between layers take one for another once these lie nearer to each other than samples do",
+    SAMPLES_SOURCE,
+);
+
+pub(super) const EXPECTATIONS: Column = &[
+    ("edge-on", fails(Rule::HitMiss, 45.0, 0.02, 0.6, SLIPPED, SLIPPED_SOURCE)),
+    ("wires", fails(Rule::HitMiss, 1.0, 0.12, 0.4, BETWEEN, SAMPLES_SOURCE)),
+    ("leaves", fails(Rule::HitMiss, 1.0, 0.12, 0.3, BETWEEN, SAMPLES_SOURCE)),
+    (
+        "close-sheets",
+        fails(
+            Rule::HitMiss,
+            1e-3,
+            0.15,
+            0.4,
+            NEAR_START,
+            "McGuire and Mara 2014, listing 1, whose walk begins a part of a stride off; VVP16 does not say",
+        ),
+    ),
+    ("voxel-stack", fails(Rule::Footprint, 1.0, 0.0, 0.25, SLIPPED, SLIPPED_SOURCE)),
+    ("open-mesh", AT_SAMPLES),
+    ("huge-triangle", AT_SAMPLES),
+    (
+        "needles",
+        few(
+            Rule::Footprint,
+            0.01,
+            "needles that tile a plate leave no pixel centre uncovered, and neighbours have almost one depth",
+        ),
+    ),
+    ("coplanar-copies", AT_SAMPLES),
+    (
+        "eye-inside-object",
+        few(Rule::Footprint, 0.05, "the shell hides nothing, as all layers are kept: what is left is between samples"),
+    ),
+    ("eye-on-surface", fails(Rule::Footprint, 1e-4, 0.02, 0.4, BEFORE_NEAR, SLIPPED_SOURCE)),
+    ("plane-through-eye", fails(Rule::HitMiss, 0.1, 0.0, 0.6, SLIPPED, SLIPPED_SOURCE)),
+    ("eye-at-vertex", fails(Rule::Footprint, 1e-4, 0.06, 0.35, BEFORE_NEAR, SLIPPED_SOURCE)),
+    ("before-near", fails(Rule::Footprint, 0.75, 0.02, 0.25, BEFORE_NEAR, SLIPPED_SOURCE)),
+    (
+        "cube-borders",
+        few(
+            Rule::HitMiss,
+            0.2,
+            "no direction is without a face; rays along the borders cross the sphere where faces see it most slanted and pass between \
+             fragments there",
+        ),
+    ),
+    ("depth-range", AT_SAMPLES),
+    ("coarse-frame", fails(Rule::Footprint, 65.0, 0.05, 0.8, BETWEEN, SAMPLES_SOURCE)),
+    ("wide-frame", AT_SAMPLES),
+    (
+        "surface-starts",
+        fails(
+            Rule::HitMiss,
+            1e-4,
+            0.06,
+            0.05,
+            "near its start a ray runs along the surface that it starts on, and meets fragments of it a pixel on",
+            "VVP16, section 4.2, limitations; it does not say how rays leave the surface that they start on",
+        ),
+    ),
+    (
+        "cell-borders",
+        few(Rule::HitMiss, 0.04, "either pixel at a border shows the wall, but at its rim, and near a ray's start"),
+    ),
+    (
+        "face-cell-borders",
+        few(Rule::HitMiss, 0.04, "the camera's view answers: the wall is seen, its rim by a pixel more or less"),
+    ),
+    (
+        "through-view-centre",
+        few(
+            Rule::HitMiss,
+            0.05,
+            "near the centre of a view a ray crosses its image at once: few steps, and a hit by the depth of one of them",
+        ),
+    ),
+    ("flat-tile", AT_SAMPLES),
+    ("equal-triangles", Expectation::Refusable { from: 1024.0, otherwise: &AT_SAMPLES }),
+    ("stacked-layers", Expectation::Refusable { from: 2048.0, otherwise: &LAYERS }),
+    ("crowded-pixel", fails(Rule::HitMiss, 8.0, 0.05, 0.15, BETWEEN, SAMPLES_SOURCE)),
+];

@@ -1,0 +1,143 @@
+// Depth bounds by the bounding boxes of objects (section 3.3): looser than the geometry's own and quicker to draw where objects
+// have many triangles.
+
+#import tracebench::dispatch::linear_invocation
+#import tracebench::view::{View, to_eye_space}
+#import tracebench::depth_bounds::{near_code, far_code}
+#import tracebench::fragment_layout::{Storage, word_index}
+
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat) low: vec3<f32>,
+    @location(1) @interpolate(flat) high: vec3<f32>,
+}
+
+// Floats as numbers of the same order, above 0.
+fn ordered(value: f32) -> u32 {
+    let bits = bitcast<u32>(value);
+    return select(~bits, bits | 0x80000000u, ((bits >> 31u) == 0u));
+}
+
+fn unordered(code: u32) -> f32 {
+    return bitcast<f32>(select(~code, code & 0x7fffffffu, ((code >> 31u) == 1u)));
+}
+
+#ifdef BOUND
+@group(0) @binding(0) var<storage, read> positions: array<f32>;
+@group(0) @binding(1) var<storage, read> indices: array<u32>;
+// The object of every triangle.
+@group(0) @binding(2) var<storage, read> objects: array<u32>;
+// Six of every object: greatest corner, complement of the least one, so that both grow from 0.
+@group(0) @binding(3) var<storage, read_write> boxes: array<atomic<u32>>;
+
+const WORKGROUP_SIZE: u32 = 64u;
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn bound(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let triangle = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    if (triangle >= arrayLength(&objects)) {
+        return;
+    }
+    let first = objects[triangle] * 6u;
+    for (var axis = 0u; axis < 3u; axis++) {
+        let a = positions[indices[triangle * 3u] * 3u + axis];
+        let b = positions[indices[triangle * 3u + 1u] * 3u + axis];
+        let c = positions[indices[triangle * 3u + 2u] * 3u + axis];
+        atomicMax(&boxes[first + axis], ordered(max(a, max(b, c))));
+        atomicMax(&boxes[first + 3u + axis], ~ordered(min(a, min(b, c))));
+    }
+}
+#else
+struct DrawnView {
+    view: View,
+    first_pixel: u32,
+    width: u32,
+    padding: vec2<u32>,
+}
+
+@group(0) @binding(0) var<uniform> shape: Storage;
+@group(0) @binding(1) var<uniform> drawn: DrawnView;
+@group(0) @binding(2) var<storage, read> boxes: array<u32>;
+@group(0) @binding(3) var<storage, read_write> pixels: array<atomic<u32>>;
+
+// Of a box grown by a pixel where it is farthest, the rectangle of the image that it lies in: two triangles a box.
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> Corner {
+    let first = (index / 6u) * 6u;
+    var low = vec3<f32>(unordered(~boxes[first + 3u]), unordered(~boxes[first + 4u]), unordered(~boxes[first + 5u]));
+    var high = vec3<f32>(unordered(boxes[first]), unordered(boxes[first + 1u]), unordered(boxes[first + 2u]));
+    let view = drawn.view;
+    let pixel = 2.0 * max(view.tan_half_width / view.size.x, view.tan_half_height / view.size.y);
+    let reach = max(abs(low - view.eye), abs(high - view.eye));
+    let size = max(max(abs(low), abs(high)), abs(view.eye));
+    let grown = pixel * (reach.x + reach.y + reach.z) + 1e-5 * max(size.x, max(size.y, size.z));
+    low -= grown;
+    high += grown;
+    var least = vec2<f32>(1e30);
+    var greatest = vec2<f32>(-1e30);
+    var nearest = 1e30;
+    var farthest = -1e30;
+    for (var corner = 0u; corner < 8u; corner++) {
+        let which = vec3<bool>((corner & 1u) != 0u, (corner & 2u) != 0u, (corner & 4u) != 0u);
+        let point = to_eye_space(view, select(low, high, which));
+        nearest = min(nearest, point.z);
+        farthest = max(farthest, point.z);
+        let at = point.xy / (max(point.z, view.near) * vec2<f32>(view.tan_half_width, view.tan_half_height));
+        least = min(least, at);
+        greatest = max(greatest, at);
+    }
+    // A box that reaches before near may lie anywhere in the image.
+    if (nearest < view.near) {
+        least = vec2<f32>(-1.0);
+        greatest = vec2<f32>(1.0);
+    }
+    least = clamp(least, vec2<f32>(-1.0), vec2<f32>(1.0));
+    greatest = clamp(greatest, vec2<f32>(-1.0), vec2<f32>(1.0));
+    // Corners 0 1 2, 2 1 3.
+    let corner = (0x312210u >> (4u * (index % 6u))) & 3u;
+    let right = (corner & 1u) == 1u;
+    let upper = (corner & 2u) == 2u;
+    var at = vec2<f32>(select(least.x, greatest.x, right), select(least.y, greatest.y, upper));
+    if (farthest < view.near) {
+        at = vec2<f32>(2.0);
+    }
+    return Corner(vec4<f32>(at, 0.5, 1.0), low, high);
+}
+
+// The depths at which the line through the pixel's centre passes the box.
+@fragment
+fn fragment(in: Corner) -> @location(0) vec4<f32> {
+    let view = drawn.view;
+    let across = (in.position.x * 2.0 / view.size.x - 1.0) * view.tan_half_width;
+    let upward = (1.0 - in.position.y * 2.0 / view.size.y) * view.tan_half_height;
+    // At eye depth 1, so that parameters are depths.
+    let direction = view.forward + view.right * across + view.up * upward;
+    var nearest = view.near;
+    var farthest = view.far;
+    for (var axis = 0u; axis < 3u; axis++) {
+        let low = in.low[axis] - view.eye[axis];
+        let high = in.high[axis] - view.eye[axis];
+        if (abs(direction[axis]) < 1e-30) {
+            if (low > 0.0 || high < 0.0) {
+                return vec4<f32>(0.0);
+            }
+        } else {
+            let one = low / direction[axis];
+            let other = high / direction[axis];
+            nearest = max(nearest, min(one, other));
+            farthest = min(farthest, max(one, other));
+        }
+    }
+    if (nearest <= farthest) {
+        let at = vec2<u32>(in.position.xy);
+        let pixel = drawn.first_pixel + at.y * drawn.width + at.x;
+        atomicMax(&pixels[word_index(shape, pixel, shape.bounds_word)], near_code(nearest * (1.0 - 1e-5)));
+        atomicMax(&pixels[word_index(shape, pixel, shape.bounds_word + 1u)], far_code(farthest * (1.0 + 1e-5)));
+    }
+    return vec4<f32>(0.0);
+}
+#endif

@@ -1,0 +1,143 @@
+// The geometry passes of the fragment A-buffer (section 3.3), by the rasterizer's own sample rule: the depth bounds of every
+// pixel; of the s-buffer the number of its fragments; the fragments themselves.
+
+#import tracebench::view::{View, to_eye_space, clip_position}
+#import tracebench::surface::unit_normal
+#import tracebench::depth_bounds::{near_code, far_code, depths_of, bucket_of}
+#import tracebench::fragment_layout::{Storage, word_index, BOUNDS_SLACK}
+
+struct DrawnView {
+    view: View,
+    first_pixel: u32,
+    width: u32,
+    padding: vec2<u32>,
+}
+
+@group(0) @binding(0) var<uniform> shape: Storage;
+@group(0) @binding(1) var<uniform> drawn: DrawnView;
+@group(0) @binding(2) var<storage, read> positions: array<f32>;
+@group(0) @binding(3) var<storage, read> indices: array<u32>;
+@group(0) @binding(4) var<storage, read_write> pixels: array<atomic<u32>>;
+#ifdef TALLY
+// Fragments.
+@group(0) @binding(5) var<storage, read_write> taken: array<atomic<u32>>;
+#endif
+#ifdef COUNT
+@group(0) @binding(5) var<storage, read_write> taken: array<atomic<u32>>;
+#endif
+#ifdef STORE
+@group(0) @binding(5) var<storage, read_write> taken: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> ids: array<u32>;
+#ifdef DECOUPLED
+@group(0) @binding(7) var<storage, read_write> payloads: array<u32>;
+#endif
+@group(0) @binding(8) var<storage, read> materials: array<u32>;
+#endif
+
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) eye_depth: f32,
+#ifdef STORE
+    @location(1) @interpolate(flat) normal: vec3<f32>,
+    @location(2) @interpolate(flat) material: u32,
+#endif
+}
+
+fn load_position(corner: u32) -> vec3<f32> {
+    let vertex = indices[corner] * 3u;
+    return vec3<f32>(positions[vertex], positions[vertex + 1u], positions[vertex + 2u]);
+}
+
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> Corner {
+    let a = load_position(index);
+    let eye_point = to_eye_space(drawn.view, a);
+    var corner: Corner;
+    corner.position = clip_position(drawn.view, eye_point);
+    corner.eye_depth = eye_point.z;
+#ifdef STORE
+    // A triangle's first corner speaks for it.
+    if (index % 3u == 0u) {
+        corner.normal = unit_normal(load_position(index + 1u) - a, load_position(index + 2u) - a);
+        corner.material = materials[index / 3u];
+    }
+#endif
+    return corner;
+}
+
+#ifdef STORE
+fn store_payload(at: u32, normal: vec3<f32>, material: u32) {
+    let words = vec4<u32>(bitcast<vec3<u32>>(normal), material);
+    for (var word = 0u; word < 4u; word++) {
+#ifdef DECOUPLED
+        payloads[at + word] = words[word];
+#else
+        ids[at + word] = words[word];
+#endif
+    }
+}
+
+fn store_fragment(pixel: u32, depth: f32, in: Corner) {
+    // Beyond the capacity nothing is stored and the count goes on: the host sees what is missing.
+    if (shape.contiguous == 1u) {
+        let begin = atomicLoad(&pixels[word_index(shape, pixel, 0u)]);
+        let slot = begin + atomicAdd(&pixels[word_index(shape, pixel, 1u)], 1u);
+        if (slot < shape.node_capacity) {
+            ids[slot * shape.node_words] = bitcast<u32>(depth);
+#ifdef DECOUPLED
+            ids[slot * shape.node_words + 1u] = slot;
+#endif
+            store_payload(slot * shape.data_words + shape.data_offset, in.normal, in.material);
+        }
+        return;
+    }
+    let node = atomicAdd(&taken[0], 1u);
+    if (node < shape.node_capacity) {
+        var bucket = 0u;
+        if (shape.buckets > 1u) {
+            let near = atomicLoad(&pixels[word_index(shape, pixel, shape.bounds_word)]);
+            let far = atomicLoad(&pixels[word_index(shape, pixel, shape.bounds_word + 1u)]);
+            bucket = bucket_of(depth, depths_of(vec2<u32>(near, far)), shape.buckets);
+        }
+        let link = atomicExchange(&pixels[word_index(shape, pixel, bucket)], node + 1u);
+        ids[node * shape.node_words] = bitcast<u32>(depth);
+        ids[node * shape.node_words + 1u] = link;
+        store_payload(node * shape.data_words + shape.data_offset, in.normal, in.material);
+    }
+}
+#endif
+
+#ifdef TALLY
+// How many fragments a view has, before there is room for any.
+@fragment
+fn fragment(in: Corner) -> @location(0) vec4<f32> {
+    atomicAdd(&taken[0], 1u);
+    return vec4<f32>(0.0);
+}
+#else
+@fragment
+fn fragment(in: Corner) -> @location(0) vec4<f32> {
+    let at = vec2<u32>(in.position.xy);
+    let pixel = drawn.first_pixel + at.y * drawn.width + at.x;
+    let depth = max(in.eye_depth, 1e-37);
+#ifdef BOUNDS
+    atomicMax(&pixels[word_index(shape, pixel, shape.bounds_word)], near_code(depth));
+    atomicMax(&pixels[word_index(shape, pixel, shape.bounds_word + 1u)], far_code(depth));
+#else
+    if (shape.one_layer == 1u) {
+        let nearest = bitcast<f32>(~atomicLoad(&pixels[word_index(shape, pixel, shape.bounds_word)]));
+        if (depth > nearest * (1.0 + BOUNDS_SLACK)) {
+            return vec4<f32>(0.0);
+        }
+    }
+#endif
+#ifdef COUNT
+    atomicAdd(&taken[0], 1u);
+    atomicAdd(&pixels[word_index(shape, pixel, 0u)], 1u);
+#endif
+#ifdef STORE
+    store_fragment(pixel, depth, in);
+#endif
+    return vec4<f32>(0.0);
+}
+#endif

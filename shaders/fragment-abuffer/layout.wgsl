@@ -1,0 +1,77 @@
+#define_import_path tracebench::fragment_layout
+
+// The layout of the fragment A-buffer: words of pixels, nodes of fragments, what shading needs of them.
+
+#import tracebench::view::View
+
+// Every pixel has words: pointers into the nodes and, for some storages, depth bounds (section 3.3). Of the s-buffer word 0 is
+// where its piece of the nodes begins and word 1 how many it has; of lists words 0 to B - 1 are heads and, where they are
+// linked both ways, B to 2B - 1 tails. Node: eye depth; of the s-buffer the index of its data, of lists the next link and,
+// where they are linked both ways, the previous one. A link is one more than a node's index, 0 the end.
+struct Storage {
+    // From a pixel to the next, from a word of a pixel to its next.
+    pixel_stride: u32,
+    word_stride: u32,
+    // 1 where there are none.
+    buckets: u32,
+    // 1: linked both ways.
+    double: u32,
+    // Which word of a pixel the depth bounds begin at; 0 for none.
+    bounds_word: u32,
+    // From a node to the next, from a fragment's data to the next, and where data begins there.
+    node_words: u32,
+    data_words: u32,
+    data_offset: u32,
+    // Nodes that there is room for.
+    node_capacity: u32,
+    // 1: only the nearest fragment of a pixel is kept.
+    one_layer: u32,
+    // Pixels whose words these are.
+    pixel_count: u32,
+    // 1: pieces of the nodes, 0: lists.
+    contiguous: u32,
+}
+
+// Of a view that rays are traced through.
+struct TracedView {
+    view: View,
+    // The view's first pixel, and its first node's bit among those that are counted.
+    first_pixel: u32,
+    first_node: u32,
+    // Levels of the pyramid of depth bounds, the pixels themselves being the first; 1 without one.
+    levels: u32,
+    // 1: a cube face.
+    is_face: u32,
+    // Faces beyond the right, left, upper and lower side.
+    beyond: vec4<u32>,
+    // From a word of a pixel to its next, and nodes that there is room for, in the view's buffer.
+    word_stride: u32,
+    node_capacity: u32,
+    padding: vec2<u32>,
+    // First pair of depth bounds of each level from the second on, four a vector.
+    level_offsets: array<vec4<u32>, 4>,
+}
+
+// What shading needs of a fragment.
+struct Payload {
+    normal: vec3<f32>,
+    material: u32,
+}
+
+fn word_index(shape: Storage, pixel: u32, word: u32) -> u32 {
+    return pixel * shape.pixel_stride + word * shape.word_stride;
+}
+
+// Pixels of a level, in each direction half of those below, rounded up.
+fn level_size(size: vec2<u32>, level: u32) -> vec2<u32> {
+    return (size + ((1u << level) - 1u)) >> vec2<u32>(level);
+}
+
+fn pyramid_index(traced: TracedView, level: u32, cell: vec2<u32>) -> u32 {
+    let offset = traced.level_offsets[level >> 2u][level & 3u];
+    return offset + cell.y * level_size(vec2<u32>(traced.view.size), level).x + cell.x;
+}
+
+// Depths of one fragment may differ by rounding between two passes, and from the bounds: what is skipped by bounds keeps this
+// relative distance from them.
+const BOUNDS_SLACK: f32 = 4e-6;

@@ -1,0 +1,42 @@
+// The pyramid of depth bounds for marching by Hi-Z (section 3.4; Uludag, GPU Pro 5, 2014): a cell of a level bounds the four
+// below it. The pixels' own bounds are the first level.
+
+#import tracebench::dispatch::linear_invocation
+#import tracebench::fragment_layout::{Storage, TracedView, word_index, level_size, pyramid_index}
+
+@group(0) @binding(0) var<uniform> shape: Storage;
+@group(0) @binding(1) var<uniform> made: TracedView;
+// The level to make, from 1 on.
+@group(0) @binding(2) var<uniform> level: vec4<u32>;
+@group(0) @binding(3) var<storage, read> pixels: array<u32>;
+@group(0) @binding(4) var<storage, read_write> pyramid: array<vec2<u32>>;
+
+const WORKGROUP_SIZE: u32 = 64u;
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn mipmap(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let size = vec2<u32>(made.view.size);
+    let cells = level_size(size, level.x);
+    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    if (index >= cells.x * cells.y) {
+        return;
+    }
+    let cell = vec2<u32>(index % cells.x, index / cells.x);
+    let last = level_size(size, level.x - 1u) - 1u;
+    var codes = vec2<u32>(0u);
+    for (var child = 0u; child < 4u; child++) {
+        let below = min(2u * cell + vec2<u32>(child & 1u, child >> 1u), last);
+        if (level.x == 1u) {
+            let pixel = made.first_pixel + below.y * size.x + below.x;
+            let word = word_index(shape, pixel, shape.bounds_word);
+            codes = max(codes, vec2<u32>(pixels[word], pixels[word + shape.word_stride]));
+        } else {
+            codes = max(codes, pyramid[pyramid_index(made, level.x - 1u, below)]);
+        }
+    }
+    pyramid[pyramid_index(made, level.x, cell)] = codes;
+}

@@ -1,0 +1,287 @@
+// The reorder stage (section 3.3): the fragments of every list, or of every piece of the s-buffer, by depth. An invocation a list.
+// Of equal depths, of which searches take the first, that comes first whose payload is least, so that hits do not depend on the order
+// in which fragments came.
+
+#import tracebench::dispatch::linear_invocation
+#import tracebench::fragment_layout::{Storage, word_index}
+
+@group(0) @binding(0) var<uniform> shape: Storage;
+@group(0) @binding(1) var<storage, read_write> pixels: array<u32>;
+@group(0) @binding(2) var<storage, read_write> ids: array<u32>;
+// Fragments, and lists that could not be ordered.
+@group(0) @binding(3) var<storage, read_write> taken: array<atomic<u32>>;
+#ifdef DECOUPLED
+@group(0) @binding(4) var<storage, read_write> payloads: array<u32>;
+#endif
+
+const WORKGROUP_SIZE: u32 = 64u;
+
+// Loops that were begun and not ended by themselves: Mesa's software driver ends the loops of eight lanes together after
+// 65,535 rounds in all.
+var<private> open: u32;
+
+// Depths are positive, so that their bits are in their order.
+fn depth_bits(node: u32) -> u32 {
+    return ids[node * shape.node_words];
+}
+
+// Where what shading needs of a fragment begins.
+fn payload_at(node: u32) -> u32 {
+#ifdef DECOUPLED
+#ifdef CONTIGUOUS
+    return ids[node * shape.node_words + 1u] * shape.data_words;
+#else
+    return node * shape.data_words;
+#endif
+#else
+    return node * shape.data_words + shape.data_offset;
+#endif
+}
+
+fn payload_word(at: u32) -> u32 {
+#ifdef DECOUPLED
+    return payloads[at];
+#else
+    return ids[at];
+#endif
+}
+
+// Whether a node's payload is less than another's.
+fn has_less(a: u32, b: u32) -> bool {
+    let first = payload_at(a);
+    let second = payload_at(b);
+    for (var word = 0u; word < 4u; word++) {
+        let one = payload_word(first + word);
+        let other = payload_word(second + word);
+        if (one != other) {
+            return one < other;
+        }
+    }
+    return false;
+}
+
+fn swap_payloads(a: u32, b: u32) {
+    let first = payload_at(a);
+    let second = payload_at(b);
+    for (var word = 0u; word < 4u; word++) {
+        let kept = payload_word(first + word);
+#ifdef DECOUPLED
+        payloads[first + word] = payloads[second + word];
+        payloads[second + word] = kept;
+#else
+        ids[first + word] = ids[second + word];
+        ids[second + word] = kept;
+#endif
+    }
+}
+
+// Whether a node may stand before another.
+fn in_order(a: u32, b: u32) -> bool {
+    return depth_bits(a) <= depth_bits(b);
+}
+
+// Nodes of equal depth, one after the other: the first of them, and the one of the least payload.
+struct Tie {
+    first: u32,
+    least: u32,
+}
+
+// A tie with the node that comes next in order: the same one, or settled and a new one begun.
+fn settle(tie: Tie, next: u32) -> Tie {
+    if (depth_bits(next) != depth_bits(tie.first)) {
+        finish(tie);
+        return Tie(next, next);
+    }
+    return Tie(tie.first, select(tie.least, next, has_less(next, tie.least)));
+}
+
+fn finish(tie: Tie) {
+    if (tie.least != tie.first) {
+        swap_payloads(tie.first, tie.least);
+    }
+}
+
+#ifdef CONTIGUOUS
+fn swap(a: u32, b: u32) {
+    for (var word = 0u; word < shape.node_words; word++) {
+        let kept = ids[a * shape.node_words + word];
+        ids[a * shape.node_words + word] = ids[b * shape.node_words + word];
+        ids[b * shape.node_words + word] = kept;
+    }
+}
+
+// Shell sort.
+fn sort_piece(begin: u32, count: u32) {
+    var gap = count / 2u;
+    open += 1u;
+    loop {
+        if (gap == 0u) {
+            open -= 1u;
+            break;
+        }
+        var next = gap;
+        open += 1u;
+        loop {
+            if (next >= count) {
+                open -= 1u;
+                break;
+            }
+            var at = next;
+            open += 1u;
+            loop {
+                if (at < gap || in_order(begin + at - gap, begin + at)) {
+                    open -= 1u;
+                    break;
+                }
+                swap(begin + at - gap, begin + at);
+                at -= gap;
+            }
+            next += 1u;
+        }
+        gap = select(gap * 5u / 11u, 1u, (gap == 2u));
+    }
+    var tie = Tie(begin, begin);
+    var at = 1u;
+    open += 1u;
+    loop {
+        if (at >= count) {
+            open -= 1u;
+            break;
+        }
+        tie = settle(tie, begin + at);
+        at += 1u;
+    }
+    finish(tie);
+}
+#else
+fn next_of(link: u32) -> u32 {
+    return ids[(link - 1u) * shape.node_words + 1u];
+}
+
+fn set_next(link: u32, next: u32) {
+    ids[(link - 1u) * shape.node_words + 1u] = next;
+}
+
+// Merge sort from the bottom up: runs of 1, 2, 4, ... nodes, relinked in place. Its n log n rounds stay within the driver's limit
+// for some thousand fragments, the paper's insertion sort for some hundred.
+fn sort_list(first: u32) -> u32 {
+    var list = first;
+    var run = 1u;
+    open += 1u;
+    loop {
+        var left = list;
+        list = 0u;
+        var tail = 0u;
+        var merges = 0u;
+        open += 1u;
+        loop {
+            if (left == 0u) {
+                open -= 1u;
+                break;
+            }
+            merges += 1u;
+            var right = left;
+            var left_size = 0u;
+            open += 1u;
+            loop {
+                if (left_size == run || right == 0u) {
+                    open -= 1u;
+                    break;
+                }
+                left_size += 1u;
+                right = next_of(right);
+            }
+            var right_size = run;
+            open += 1u;
+            loop {
+                let no_right = right_size == 0u || right == 0u;
+                if (left_size == 0u && no_right) {
+                    open -= 1u;
+                    break;
+                }
+                var taken_link = left;
+                if (left_size > 0u && (no_right || in_order(left - 1u, right - 1u))) {
+                    left = next_of(left);
+                    left_size -= 1u;
+                } else {
+                    taken_link = right;
+                    right = next_of(right);
+                    right_size -= 1u;
+                }
+                if (tail == 0u) {
+                    list = taken_link;
+                } else {
+                    set_next(tail, taken_link);
+                }
+                tail = taken_link;
+            }
+            left = right;
+        }
+        set_next(tail, 0u);
+        if (merges <= 1u) {
+            open -= 1u;
+            break;
+        }
+        run *= 2u;
+    }
+    return list;
+}
+#endif
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn reorder(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    let pixel = index / shape.buckets;
+    if (pixel >= shape.pixel_count) {
+        return;
+    }
+#ifdef CONTIGUOUS
+    let begin = pixels[word_index(shape, pixel, 0u)];
+    let count = pixels[word_index(shape, pixel, 1u)];
+    // What found no room is not there to be ordered.
+    let end = min(begin + count, shape.node_capacity);
+    if (end > begin + 1u) {
+        sort_piece(begin, end - begin);
+    }
+#else
+    let bucket = index % shape.buckets;
+    let head = word_index(shape, pixel, bucket);
+    let first = pixels[head];
+    if (first == 0u) {
+        return;
+    }
+    var link = first;
+    if (next_of(first) != 0u) {
+        link = sort_list(first);
+        pixels[head] = link;
+    }
+    var tie = Tie(link - 1u, link - 1u);
+    var previous = 0u;
+    open += 1u;
+    loop {
+        if (link == 0u) {
+            open -= 1u;
+            break;
+        }
+        if (shape.double == 1u) {
+            ids[(link - 1u) * shape.node_words + 2u] = previous;
+        }
+        if (previous != 0u) {
+            tie = settle(tie, link - 1u);
+        }
+        previous = link;
+        link = next_of(link);
+    }
+    finish(tie);
+    if (shape.double == 1u) {
+        pixels[word_index(shape, pixel, shape.buckets + bucket)] = previous;
+    }
+#endif
+    if (open > 0u) {
+        atomicAdd(&taken[1], 1u);
+    }
+}

@@ -1,0 +1,68 @@
+//! Why rays through the fragment A-buffer are wrong, as the judge tells it: layers that are kept, and rays that slip through.
+
+use std::sync::Arc;
+
+use tracebench_api::glam::DVec3;
+use tracebench_api::{Geometry, Hit, Query, Ray, Status, ViewSet, Viewpoint};
+use tracebench_harness::judge::Judge;
+use tracebench_harness::progress::Progress;
+use tracebench_harness::results::Judgement;
+use tracebench_harness::truth::{Cache, Truth};
+use tracebench_tests::{ray, rectangle, soup};
+
+/// Looks along -z from the origin.
+fn viewpoint() -> Viewpoint {
+    let eye = tracebench_api::glam::Vec3::ZERO;
+    Viewpoint {
+        view_set: ViewSet::Frame,
+        ..tracebench_tests::viewpoint(eye, eye - DVec3::Z.as_vec3(), 0.1, 50.0, [64, 64])
+    }
+}
+
+/// The causes of misses of every ray, by a tracer that keeps one layer or all.
+fn causes(geometry: &Geometry, rays: &[Ray], keeps_hidden_layers: bool, names_primitives: bool) -> Vec<(String, u64)> {
+    let truth = Truth::new(geometry, "causes");
+    let rays_of = Arc::new(rays.to_vec());
+    let answers = truth.answer(&rays_of, Query::Closest, &Cache::none(), &Progress::new(true)).unwrap();
+    let views = [viewpoint().frame_view()];
+    let judge = Judge {
+        truth: &truth,
+        eye: DVec3::ZERO,
+        rays,
+        answers: &answers,
+        query: Query::Closest,
+        views: &views,
+        keeps_hidden_layers,
+        names_primitives,
+    };
+    let misses = vec![Hit::miss(Status::Miss); rays.len()];
+    match judge.judge(&misses).unwrap() {
+        Judgement::Closest(judgement) => judgement.causes["footprint"].clone().into_iter().collect(),
+        Judgement::Any(_) => panic!("closest was asked"),
+    }
+}
+
+/// A wall behind another one, hit from between: a hidden layer for what keeps one layer; stored, and let through, for what keeps all
+/// and knows surfaces by samples; unexplained for what tests triangles. A thin strip that covers no pixel's centre lies between
+/// samples for all of them.
+#[test]
+fn what_is_kept_was_not_hidden() {
+    let walls = [-3.0, -6.0].into_iter().flat_map(|z| rectangle([-8.0, -8.0, z], [16.0, 0.0, 0.0], [0.0, 16.0, 0.0]));
+    let walls: Vec<[[f32; 3]; 3]> = walls.collect();
+    let geometry = soup(&walls, None);
+    let rays: Vec<Ray> = (0..50)
+        .map(|step| ray(DVec3::new(0.02 * f64::from(step) - 0.513, 0.317, -4.0), DVec3::new(0.3, 0.2, -1.0)))
+        .collect();
+    let all = |cause: &str| vec![(cause.to_owned(), 50)];
+    assert_eq!(causes(&geometry, &rays, false, false), all("hidden_layer"));
+    assert_eq!(causes(&geometry, &rays, true, false), all("slipped_through"));
+    assert_eq!(causes(&geometry, &rays, true, true), all("unexplained"));
+    // A strip 0.004 wide at depth 6, where a pixel is 0.1 or more wide, beside the pixels' centres.
+    let strip = rectangle([-2.0, 0.02, -6.0], [4.0, 0.0, 0.0], [0.0, 0.004, 0.0]);
+    let geometry = soup(&strip, None);
+    let rays: Vec<Ray> =
+        (0..50).map(|step| ray(DVec3::new(0.02 * f64::from(step) - 0.513, 0.022, -4.0), DVec3::NEG_Z)).collect();
+    for keeps in [false, true] {
+        assert_eq!(causes(&geometry, &rays, keeps, false), all("between_samples"));
+    }
+}

@@ -1,0 +1,368 @@
+//! How fragments are stored: views, words of a pixel, words of a node, and the uniforms that tell shaders of them.
+
+use bytemuck::{Pod, Zeroable};
+use tracebench_api::{Parameters, View, Viewpoint};
+use tracebench_kit::ViewUniform;
+
+/// Views at most: the camera's and six faces.
+pub(crate) const MOST_VIEWS: usize = 7;
+
+/// Levels that a pyramid has at most: images up to 32,768 pixels along an edge.
+const MOST_LEVELS: usize = 16;
+
+/// Words of what shading needs of a fragment: normal and material.
+pub(crate) const PAYLOAD_WORDS: u32 = 4;
+
+/// `Storage` of shaders/fragment-abuffer/layout.wgsl.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Storage {
+    /// Words from a pixel to the next.
+    pub pixel_stride: u32,
+    /// Words from a word of a pixel to its next.
+    pub word_stride: u32,
+    /// Depth buckets; 1 where there are none.
+    pub buckets: u32,
+    /// 1: lists are linked both ways.
+    pub double: u32,
+    /// Which word of a pixel the depth bounds begin at; 0 for none.
+    pub bounds_word: u32,
+    /// Words from a node to the next.
+    pub node_words: u32,
+    /// Words from a fragment's data to the next.
+    pub data_words: u32,
+    /// Words before data in there.
+    pub data_offset: u32,
+    /// Nodes that there is room for.
+    pub node_capacity: u32,
+    /// 1: only the nearest fragment of a pixel is kept.
+    pub one_layer: u32,
+    /// Pixels whose words these are.
+    pub pixel_count: u32,
+    /// 1: pieces of the nodes, 0: lists.
+    pub contiguous: u32,
+}
+
+/// `DrawnView` of shaders/fragment-abuffer/fill.wgsl and boxes.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct DrawnView {
+    /// The view.
+    pub view: ViewUniform,
+    /// Its first pixel among those of its buffer.
+    pub first_pixel: u32,
+    /// Pixels of a row.
+    pub width: u32,
+    /// Nothing.
+    pub padding: [u32; 2],
+}
+
+/// `TracedView` of shaders/fragment-abuffer/layout.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct TracedView {
+    /// The view.
+    pub view: ViewUniform,
+    /// Its first pixel among those of its buffer.
+    pub first_pixel: u32,
+    /// Its first node's bit among those that are counted.
+    pub first_node: u32,
+    /// Levels of the pyramid, the pixels being the first; 1 without one.
+    pub levels: u32,
+    /// 1: a cube face.
+    pub is_face: u32,
+    /// Views beyond the right, left, upper and lower side.
+    pub beyond: [u32; 4],
+    /// Words from a word of a pixel to its next in the view's buffer.
+    pub word_stride: u32,
+    /// Nodes that there is room for in the view's buffer.
+    pub node_capacity: u32,
+    /// Nothing.
+    pub padding: [u32; 2],
+    /// First pair of depth bounds of each level from the second on.
+    pub level_offsets: [u32; MOST_LEVELS],
+}
+
+/// Where a view lies in the buffers.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Placed {
+    /// Its first pixel among those of its buffer, and its first node among all.
+    pub first_pixel: u32,
+    pub first_node: u32,
+    /// Of its buffer.
+    pub pixel_count: u32,
+    pub node_capacity: u32,
+}
+
+/// How a pixel keeps its fragments (VVP16, section 4.3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// A contiguous piece of the nodes, by count and prefix sum.
+    SBuffer,
+    /// A list linked forwards.
+    Ll,
+    /// A list linked both ways.
+    Dll,
+    /// Lists linked forwards, in depth buckets.
+    Llb,
+    /// Lists linked both ways, in depth buckets.
+    Dllb,
+}
+
+impl Kind {
+    fn named(name: &str) -> Self {
+        match name {
+            "s-buffer" => Self::SBuffer,
+            "ll" => Self::Ll,
+            "dll" => Self::Dll,
+            "llb" => Self::Llb,
+            _ => Self::Dllb,
+        }
+    }
+
+    pub(crate) fn is_contiguous(self) -> bool {
+        self == Self::SBuffer
+    }
+
+    /// Linked both ways.
+    pub(crate) fn is_double(self) -> bool {
+        matches!(self, Self::Dll | Self::Dllb)
+    }
+
+    pub(crate) fn is_bucketed(self) -> bool {
+        matches!(self, Self::Llb | Self::Dllb)
+    }
+}
+
+/// What is drawn and how it is stored.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Layout {
+    /// The views: the camera's first, if it is among them.
+    pub views: Vec<View>,
+    /// Whether the first view is the camera's.
+    pub has_camera: bool,
+    pub kind: Kind,
+    /// Depth buckets of a pixel; 1 for a storage without.
+    pub buckets: u32,
+    /// Whether what shading needs lies in a buffer of its own.
+    pub decoupled: bool,
+    /// Whether only the nearest fragment of a pixel is kept.
+    pub one_layer: bool,
+    /// Whether depth bounds are drawn by the bounding boxes of objects.
+    pub by_boxes: bool,
+    /// Whether there is a pyramid of depth bounds.
+    pub hi_z: bool,
+}
+
+impl Layout {
+    pub(crate) fn new(viewpoint: &Viewpoint, parameters: &Parameters) -> Self {
+        let is = |name: &str, value: &str| parameters.choice(name) == value;
+        let pulled_back = if is("centre", "eye") { 0.0 } else { f64::from(viewpoint.near) };
+        let has_camera = !is("views", "six");
+        let mut views = Vec::with_capacity(MOST_VIEWS);
+        if has_camera {
+            views.push(viewpoint.frame_view());
+        }
+        if !is("views", "frame") {
+            views.extend(viewpoint.face_views(pulled_back));
+        }
+        let kind = Kind::named(parameters.choice("storage"));
+        let one_layer = is("layers", "one");
+        Self {
+            views,
+            has_camera,
+            kind,
+            buckets: if kind.is_bucketed() { parameters.integer("buckets") as u32 } else { 1 },
+            decoupled: is("decoupled", "on"),
+            one_layer,
+            // Which fragment is the nearest the boxes do not tell.
+            by_boxes: is("bounds", "boxes") && !one_layer,
+            hi_z: is("march", "hi-z"),
+        }
+    }
+
+    /// Whether pixels have depth bounds.
+    pub(crate) fn has_bounds(&self) -> bool {
+        self.kind.is_bucketed() || self.one_layer || self.hi_z
+    }
+
+    /// Words of a pixel that are pointers into the nodes, or begin and count.
+    fn pointer_words(&self) -> u32 {
+        match self.kind {
+            Kind::SBuffer => 2,
+            Kind::Ll | Kind::Llb => self.buckets,
+            Kind::Dll | Kind::Dllb => 2 * self.buckets,
+        }
+    }
+
+    /// Words of a pixel: m_p of VVP16's Table 2 in words, and two more where a storage that needs no depth bounds has them.
+    pub(crate) fn pixel_words(&self) -> u32 {
+        self.pointer_words() + if self.has_bounds() { 2 } else { 0 }
+    }
+
+    /// Words of a node without what shading needs: m_f of VVP16's Table 2 in words. The s-buffer's is its depth alone where
+    /// data lies beside it.
+    fn search_words(&self) -> u32 {
+        match self.kind {
+            Kind::SBuffer if !self.decoupled => 1,
+            Kind::SBuffer | Kind::Ll | Kind::Llb => 2,
+            Kind::Dll | Kind::Dllb => 3,
+        }
+    }
+
+    /// Words of a node.
+    pub(crate) fn node_words(&self) -> u32 {
+        self.search_words() + if self.decoupled { 0 } else { PAYLOAD_WORDS }
+    }
+
+    /// Pixels of a view.
+    pub(crate) fn pixels_of(&self, view: usize) -> u64 {
+        self.views[view].size.map(u64::from).iter().product()
+    }
+
+    /// Levels of a view's pyramid, down from one cell a view; 1 without a pyramid.
+    pub(crate) fn levels_of(&self, view: usize) -> usize {
+        let edge = self.views[view].size.into_iter().max().unwrap_or(1).max(1);
+        if self.hi_z { (edge.next_power_of_two().trailing_zeros() as usize + 1).min(MOST_LEVELS) } else { 1 }
+    }
+
+    /// Cells of a level along x and y.
+    pub(crate) fn level_size(&self, view: usize, level: usize) -> [u32; 2] {
+        self.views[view].size.map(|edge| edge.div_ceil(1 << level))
+    }
+
+    /// Where the pyramid has the levels of each view, pairs of depth bounds, and how many there are.
+    fn level_offsets(&self) -> (Vec<[u32; MOST_LEVELS]>, u64) {
+        let mut total = 0;
+        let of_view = |view: usize| {
+            let mut offsets = [0; MOST_LEVELS];
+            for (level, offset) in offsets.iter_mut().enumerate().take(self.levels_of(view)).skip(1) {
+                *offset = total as u32;
+                total += self.level_size(view, level).map(u64::from).iter().product::<u64>();
+            }
+            offsets
+        };
+        let offsets = (0..self.views.len()).map(of_view).collect();
+        (offsets, total)
+    }
+
+    /// Bytes of the pyramid; 0 without one.
+    pub(crate) fn pyramid_bytes(&self) -> u64 {
+        self.level_offsets().1 * 8
+    }
+
+    /// The uniform for so many pixels and nodes.
+    pub(crate) fn storage(&self, pixel_count: u32, node_capacity: u32) -> Storage {
+        // Of the s-buffer begins lie together, then counts: a prefix sum goes over the former.
+        let planar = self.kind.is_contiguous();
+        let words = self.pixel_words();
+        Storage {
+            pixel_stride: if planar { 1 } else { words },
+            word_stride: if planar { pixel_count } else { 1 },
+            buckets: self.buckets,
+            double: u32::from(self.kind.is_double()),
+            bounds_word: if self.has_bounds() { self.pointer_words() } else { 0 },
+            node_words: self.node_words(),
+            data_words: if self.decoupled { PAYLOAD_WORDS } else { self.node_words() },
+            data_offset: if self.decoupled { 0 } else { self.search_words() },
+            node_capacity,
+            one_layer: u32::from(self.one_layer),
+            pixel_count,
+            contiguous: u32::from(planar),
+        }
+    }
+
+    /// The views as the trace takes them, unused ones zero; `placed` is where each lies.
+    pub(crate) fn traced(&self, placed: &[Placed]) -> [TracedView; MOST_VIEWS] {
+        let mut all: [TracedView; MOST_VIEWS] = Zeroable::zeroed();
+        let (offsets, _) = self.level_offsets();
+        for (index, (slot, view)) in all.iter_mut().zip(&self.views).enumerate() {
+            let beyond = [view.right, -view.right, view.up, -view.up].map(|side| {
+                let is_beyond = |other: &View| other.forward.dot(side) > 0.99;
+                let faces = self.views.iter().enumerate().skip(usize::from(self.has_camera));
+                // The camera's sides are no faces' borders: who leaves it is looked for.
+                let found = faces.filter(|_| self.is_face(index)).find(|(_, other)| is_beyond(other));
+                found.map_or(self.views.len(), |(number, _)| number) as u32
+            });
+            let Placed { first_pixel, first_node, pixel_count, node_capacity } = placed[index];
+            *slot = TracedView {
+                view: ViewUniform::from(view),
+                first_pixel,
+                first_node,
+                word_stride: self.storage(pixel_count, node_capacity).word_stride,
+                node_capacity,
+                padding: [0; 2],
+                levels: self.levels_of(index) as u32,
+                is_face: u32::from(self.is_face(index)),
+                beyond,
+                level_offsets: offsets[index],
+            };
+        }
+        all
+    }
+
+    pub(crate) fn is_face(&self, view: usize) -> bool {
+        view > 0 || !self.has_camera
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tracebench_api::Preset;
+    use tracebench_api::glam::Vec3;
+
+    fn layout(settings: &[(&str, &str)]) -> Layout {
+        let descriptions = crate::description().parameters;
+        let mut parameters = Parameters::preset(&descriptions, Preset::Published);
+        for (name, value) in settings {
+            parameters.set(&descriptions, name, value).unwrap();
+        }
+        let viewpoint = Viewpoint {
+            eye: Vec3::ZERO,
+            forward: Vec3::NEG_Z,
+            up: Vec3::Y,
+            vertical_fov: 1.0,
+            near: 0.1,
+            far: 100.0,
+            frame: [20, 10],
+            face: 8,
+            view_set: tracebench_api::ViewSet::FrameAndFaces,
+        };
+        Layout::new(&viewpoint, &parameters)
+    }
+
+    /// Bytes a pixel and a fragment are those of Table 2 for all five storages, at B = 4 and at B = 12.
+    #[test]
+    fn sizes_are_those_of_table_2() {
+        for buckets in [4_u32, 12] {
+            let of = |storage: &str| {
+                let layout = layout(&[("storage", storage), ("buckets", &buckets.to_string())]);
+                [4 * layout.pixel_words(), 4 * layout.node_words()]
+            };
+            assert_eq!(of("s-buffer"), [8, 8]);
+            assert_eq!(of("ll"), [4, 8]);
+            assert_eq!(of("dll"), [8, 12]);
+            assert_eq!(of("llb"), [8 + 4 * buckets, 8]);
+            assert_eq!(of("dllb"), [8 + 8 * buckets, 12]);
+        }
+    }
+
+    /// Every side of a face has the face there that continues the view: a point just beyond the side, far from the centre, lies in
+    /// it. The camera's sides have none.
+    #[test]
+    fn faces_are_connected_by_their_sides() {
+        let layout = layout(&[]);
+        let traced = layout.traced(&[Placed::default(); 7]);
+        assert_eq!(traced[0].beyond, [7; 4]);
+        for (view, slot) in layout.views.iter().zip(&traced).skip(1) {
+            let [width, height] = view.size.map(f64::from);
+            let beyond = [(width + 0.01, 3.3), (-0.01, 3.3), (3.3, -0.01), (3.3, height + 0.01)];
+            for ((x, y), other) in beyond.into_iter().zip(slot.beyond) {
+                let point = view.eye + view.direction_through(x, y) * 20.0;
+                assert!(view.project_inside(point).is_none());
+                assert!(layout.views[other as usize].project_inside(point).is_some(), "{x} {y}");
+            }
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! The structure of one scene from one viewpoint.
+
+use std::sync::Arc;
+
+use tracebench_api::{
+    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
+    Tracer, TracerError, Update, View, Viewpoint,
+};
+use tracebench_kit::LastCount;
+
+use crate::build::{Pipelines, build_uniform_bytes};
+use crate::layout::{Layout, MOST_VIEWS, Storage, TracedView};
+use crate::objects::{LastObjects, Objects};
+use crate::parts::{Parts, Taken};
+use crate::trace::MarchSettings;
+
+/// The tracer.
+pub struct FragmentAbuffer {
+    pipelines: Arc<Pipelines>,
+    /// How many fragments each view of the last scene has that was counted.
+    counted: LastCount<Layout, Vec<u32>>,
+    objects: Arc<LastObjects>,
+}
+
+/// The fragments of all views.
+pub(crate) struct FragmentStructure {
+    pub pipelines: Arc<Pipelines>,
+    pub layout: Layout,
+    pub parts: Parts,
+    pub geometry: Shown,
+    objects: Option<Objects>,
+    last_objects: Arc<LastObjects>,
+}
+
+/// What was drawn, for validation, and its size.
+pub(crate) struct Shown {
+    pub positions: Arc<Vec<[f32; 3]>>,
+    pub triangles: Arc<Vec<[u32; 3]>>,
+    pub materials: Arc<Vec<u32>>,
+    /// Of the bounds, scene units.
+    pub diagonal: f64,
+}
+
+impl Shown {
+    fn of(geometry: &Geometry) -> Self {
+        Self {
+            positions: Arc::clone(&geometry.positions),
+            triangles: Arc::clone(&geometry.triangles),
+            materials: Arc::clone(&geometry.triangle_materials),
+            diagonal: geometry.diagonal(),
+        }
+    }
+}
+
+impl FragmentAbuffer {
+    /// Creates the pipelines.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the device refuses one.
+    pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        Ok(Self {
+            pipelines: Arc::new(Pipelines::new(gpu)?),
+            counted: LastCount::default(),
+            objects: Arc::new(LastObjects::default()),
+        })
+    }
+
+    /// The fragments of every view: counted by passes that store none, outside of any time.
+    fn count(&self, geometry: &Geometry, layout: &Layout) -> Result<Vec<u32>, TracerError> {
+        self.counted.of(geometry, layout.clone(), || {
+            if !layout.one_layer {
+                return self.pipelines.tally(layout, geometry);
+            }
+            // Which fragments are the nearest the depth bounds must tell first.
+            let gpu = &*self.pipelines.gpu;
+            let parts = Parts::new(gpu, &self.pipelines.sums, layout, true)?;
+            let mut clock = PhaseClock::new(Some(gpu));
+            self.pipelines.fill(layout, &parts, geometry, None, &mut clock)?;
+            clock.finish()?;
+            Ok(parts.taken(gpu)?.into_iter().map(|taken| taken.fragments).collect())
+        })
+    }
+
+    /// Buffers with room for the fragments of every view, one of a kind or one a view.
+    fn parts_for(&self, layout: &Layout, counts: &[u32], by_view: bool) -> Result<Parts, TracerError> {
+        let gpu = &*self.pipelines.gpu;
+        let mut parts = Parts::new(gpu, &self.pipelines.sums, layout, by_view)?;
+        let whole = counts.iter().fold(0, |sum: u32, count| sum.saturating_add(*count));
+        parts.set_capacities(gpu, layout, if by_view { counts } else { std::slice::from_ref(&whole) })?;
+        Ok(parts)
+    }
+
+    pub(crate) fn build_structure(
+        &self,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<FragmentStructure, TracerError> {
+        let layout = Layout::new(viewpoint, parameters);
+        let objects = objects_for(&self.pipelines.gpu, &layout, geometry, &self.objects)?;
+        // One buffer of a kind where the device can bind it, else one a view.
+        let counts = self.count(geometry, &layout)?;
+        let parts = match self.parts_for(&layout, &counts, false) {
+            Err(TracerError::TooLarge { .. }) if layout.views.len() > 1 => self.parts_for(&layout, &counts, true)?,
+            made => made?,
+        };
+        self.pipelines.fill(&layout, &parts, geometry, objects.as_ref(), clock)?;
+        Ok(FragmentStructure {
+            pipelines: Arc::clone(&self.pipelines),
+            layout,
+            parts,
+            geometry: Shown::of(geometry),
+            objects,
+            last_objects: Arc::clone(&self.objects),
+        })
+    }
+}
+
+fn objects_for(
+    gpu: &Gpu,
+    layout: &Layout,
+    geometry: &Geometry,
+    last: &LastObjects,
+) -> Result<Option<Objects>, TracerError> {
+    let wanted = layout.by_boxes && layout.has_bounds();
+    if wanted { Objects::new(gpu, geometry, last).map(Some) } else { Ok(None) }
+}
+
+impl Tracer for FragmentAbuffer {
+    fn build(
+        &self,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Box<dyn Structure>, TracerError> {
+        Ok(Box::new(self.build_structure(geometry, viewpoint, parameters, clock)?))
+    }
+}
+
+impl FragmentStructure {
+    fn rebuild(&mut self, geometry: &Geometry, layout: Layout, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        let gpu = &*self.pipelines.gpu;
+        let same_triangles = Arc::ptr_eq(&geometry.triangles, &self.geometry.triangles);
+        let new_objects = match same_triangles && self.objects.is_some() {
+            true => None,
+            false => objects_for(gpu, &layout, geometry, &self.last_objects)?,
+        };
+        let objects = new_objects.as_ref().or(self.objects.as_ref());
+        let sizes = |layout: &Layout| layout.views.iter().map(|view| view.size).collect::<Vec<_>>();
+        let new_parts = match sizes(&layout) == sizes(&self.layout) {
+            true => None,
+            false => {
+                let by_view = self.parts.is_by_view();
+                let mut parts = Parts::new(gpu, &self.pipelines.sums, &layout, by_view)?;
+                let capacities: Vec<u32> = self.parts.parts.iter().map(|part| part.capacity).collect();
+                parts.set_capacities(gpu, &layout, &capacities)?;
+                Some(parts)
+            }
+        };
+        let parts = new_parts.as_ref().unwrap_or(&self.parts);
+        self.pipelines.fill(&layout, parts, geometry, objects, clock)?;
+        if let Some(parts) = new_parts {
+            self.parts = parts;
+        }
+        if new_objects.is_some() {
+            self.objects = new_objects;
+        }
+        (self.layout, self.geometry) = (layout, Shown::of(geometry));
+        Ok(())
+    }
+}
+
+impl Structure for FragmentStructure {
+    fn update(
+        &mut self,
+        update: Update,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        match update {
+            Update::Rebuild => self.rebuild(geometry, Layout::new(viewpoint, parameters), clock),
+            Update::Refit => Err(TracerError::Unsupported(
+                "fragment-abuffer has no shape to keep: its fragments are drawn again or reused".to_owned(),
+            )),
+            Update::Reuse => Ok(()),
+        }
+    }
+
+    fn make_room(&mut self) -> Result<bool, TracerError> {
+        let gpu = &*self.pipelines.gpu;
+        let taken = self.parts.taken(gpu)?;
+        let fits = self.parts.parts.iter().zip(&taken).all(|(part, taken)| taken.fragments <= part.capacity);
+        if fits {
+            return check_order(&taken).map(|()| false);
+        }
+        // A quarter more, so that a scene that keeps growing does not stop every frame.
+        let needed: Vec<u32> = taken.iter().map(|taken| taken.fragments).collect();
+        let more: Vec<u32> = needed.iter().map(|nodes| nodes.saturating_add(nodes / 4)).collect();
+        let layout = &self.layout;
+        let made = self.parts.set_capacities(gpu, layout, &more);
+        made.or_else(|_| self.parts.set_capacities(gpu, layout, &needed))?;
+        Ok(true)
+    }
+
+    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        // Any hit is the same march: its first hit is its nearest.
+        self.record(&job, hits, None, clock)
+    }
+
+    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        self.count(&job, hits)
+    }
+
+    fn memory(&self) -> MemoryReport {
+        let mut ledger = Ledger::new();
+        // Of a lost device nothing is known to be used.
+        let nothing = || vec![Taken { fragments: 0, unordered: 0 }; self.parts.parts.len()];
+        let taken = self.parts.taken(&self.pipelines.gpu).unwrap_or_else(|_| nothing());
+        self.parts.enter(&self.layout, &taken, &mut ledger);
+        if let Some(objects) = &self.objects {
+            objects.enter(&mut ledger);
+        }
+        ledger.borrow_transient(build_uniform_bytes(&self.layout, &self.parts));
+        // Fragments have all that hits and surfaces need.
+        ledger.report(0)
+    }
+
+    fn trace_memory(&self, _job: TraceJob<'_>) -> Vec<MemoryEntry> {
+        let uniforms = [
+            ("storage", size_of::<Storage>()),
+            ("search", size_of::<MarchSettings>()),
+            ("views", MOST_VIEWS * size_of::<TracedView>()),
+        ];
+        uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec()
+    }
+
+    fn views(&self) -> Vec<View> {
+        self.layout.views.clone()
+    }
+
+    fn keeps_hidden_layers(&self) -> bool {
+        !self.layout.one_layer
+    }
+
+    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        self.check()
+    }
+}
+
+/// Whether the driver let every list be ordered.
+pub(crate) fn check_order(taken: &[Taken]) -> Result<(), TracerError> {
+    match taken.iter().map(|taken| u64::from(taken.unordered)).sum::<u64>() {
+        0 => Ok(()),
+        lists => Err(TracerError::Failed(format!(
+            "{lists} lists have more fragments than this driver's limit of loops lets be ordered: turn up \
+             fragment-abuffer.buckets, or choose fragment-abuffer.storage=dllb or layers=one"
+        ))),
+    }
+}

@@ -1,0 +1,411 @@
+//! What is stored and found of hostile triangles, the same by every storage, and that the check notices what is wrong.
+
+use std::sync::Arc;
+
+use tracebench_api::glam::{DVec3, Vec3};
+use tracebench_api::{
+    AdapterChoice, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer,
+    Residency, Structure, Surface, TraceJob, TracerError, Update, ViewSet, Viewpoint,
+};
+use tracebench_tests::{Numbers, gpu, ray, rectangle as rectangle_of, soup};
+
+use super::description;
+use super::structure::{FragmentAbuffer, FragmentStructure};
+
+const STORAGES: [&str; 5] = ["s-buffer", "ll", "dll", "llb", "dllb"];
+
+/// Round the origin, 40 pixels along a face's edge, a frame of odd edges.
+fn viewpoint() -> Viewpoint {
+    Viewpoint {
+        eye: Vec3::new(0.3, -0.2, 0.1),
+        forward: Vec3::NEG_Z,
+        up: Vec3::Y,
+        vertical_fov: 1.2,
+        near: 0.1,
+        far: 2e3,
+        frame: [63, 41],
+        face: 40,
+        view_set: ViewSet::FrameAndFaces,
+    }
+}
+
+fn parameters(settings: &[(&str, &str)]) -> Parameters {
+    let descriptions = description().parameters;
+    let mut parameters = Parameters::preset(&descriptions, Preset::Published);
+    for (name, value) in settings {
+        parameters.set(&descriptions, name, value).unwrap();
+    }
+    parameters
+}
+
+fn built_by(
+    tracer: &FragmentAbuffer,
+    gpu: &Arc<Gpu>,
+    geometry: &Geometry,
+    settings: &[(&str, &str)],
+) -> FragmentStructure {
+    let mut clock = PhaseClock::new(Some(gpu));
+    let structure = tracer.build_structure(geometry, &viewpoint(), &parameters(settings), &mut clock).unwrap();
+    clock.finish().unwrap();
+    structure
+}
+
+fn built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> FragmentStructure {
+    built_by(&FragmentAbuffer::new(Arc::clone(gpu)).unwrap(), gpu, geometry, settings)
+}
+
+/// Hits and, where they are asked for, surfaces.
+fn answer(
+    gpu: &Arc<Gpu>,
+    structure: &FragmentStructure,
+    rays: &[Ray],
+    settings: &[(&str, &str)],
+    end: EndPoint,
+) -> (Vec<Hit>, Vec<Surface>) {
+    let rays = RayBuffer::new(Arc::new(rays.to_vec()), Query::Closest, Some(gpu));
+    let count = rays.host.len();
+    let mut hits = HitBuffer::for_end(end, count, Residency::Device, Some(gpu)).unwrap();
+    hits.poison(Some(gpu)).unwrap();
+    let parameters = parameters(settings);
+    let mut clock = PhaseClock::new(Some(gpu));
+    structure.trace(TraceJob { rays: &rays, end, parameters: &parameters }, &mut hits, &mut clock).unwrap();
+    clock.finish().unwrap();
+    let surfaces = if end == EndPoint::Surface { hits.read_surfaces(Some(gpu)).unwrap() } else { Vec::new() };
+    (hits.read(Some(gpu)).unwrap(), surfaces)
+}
+
+/// Random triangles of many sizes, huge ones, needles, some through and behind the eye, edge-on, without area, before near,
+/// along the planes between faces, and copies of equal depth.
+fn hostile() -> Vec<[[f32; 3]; 3]> {
+    let mut numbers = Numbers::new(31);
+    let eye = viewpoint().eye.as_dvec3();
+    let mut triangles: Vec<[DVec3; 3]> = Vec::new();
+    for size in [0.05, 0.5, 5.0, 200.0] {
+        for _ in 0..40 {
+            let centre = eye + numbers.point() * 6.0;
+            let triangle = [0; 3].map(|_| centre + numbers.point() * size);
+            triangles.extend([triangle, triangle]);
+        }
+    }
+    for _ in 0..30 {
+        let (at, along, other) = (eye + numbers.point() * 3.0, numbers.direction(), numbers.direction());
+        triangles.push([at, at + along * 4.0, at + along * 2.0 + other * 1e-3]);
+        triangles.push([eye - along, eye + along * 3.0, eye + along + other * 0.3]);
+        triangles.push([eye + along, eye + along * 2.0 + other * 0.3, eye + along * 1.5 + other]);
+        triangles.push([at, at + along, at + along * 2.0]);
+        triangles.push([0; 3].map(|_| eye + numbers.point() * 0.08));
+    }
+    for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+        let aside = axis.any_orthonormal_vector();
+        for sign in [-1.0, 1.0] {
+            let seam = axis * sign + aside;
+            triangles.push([eye + seam, eye + seam * 7.0 + axis, eye + seam * 5.0 - axis]);
+            triangles.push([
+                eye + axis * sign * 900.0 - aside * 1e3,
+                eye + axis * sign * 900.0 + aside * 1e3,
+                eye - seam * 800.0,
+            ]);
+        }
+    }
+    triangles.into_iter().map(|corners| corners.map(|corner| corner.as_vec3().into())).collect()
+}
+
+fn rectangle(corner: DVec3, first: DVec3, second: DVec3) -> [[[f32; 3]; 3]; 2] {
+    let [corner, first, second] = [corner, first, second].map(|vector| vector.as_vec3().into());
+    rectangle_of(corner, first, second)
+}
+
+fn rays(count: usize) -> Vec<Ray> {
+    let mut numbers = Numbers::new(4);
+    let eye = viewpoint().eye.as_dvec3();
+    let any = |index: usize, numbers: &mut Numbers| match index % 4 {
+        // From the eye, through its neighbourhood, along axes, from anywhere.
+        0 => ray(eye, numbers.direction()),
+        1 => ray(eye + numbers.direction() * 3.0, -numbers.direction() * 0.05 + eye.normalize_or_zero()),
+        2 => ray(eye + numbers.point() * 4.0, [DVec3::X, DVec3::NEG_Y, DVec3::Z][index % 3]),
+        _ => ray(numbers.point() * 5.0, numbers.direction()),
+    };
+    (0..count).map(|index| any(index, &mut numbers)).collect()
+}
+
+/// What is stored of hostile triangles is what a rasterizer on the host draws, in order and linked both ways, by every storage,
+/// bounds, views, layers and march; and the lists have several layers.
+#[test]
+fn what_is_stored_is_what_a_rasterizer_draws() {
+    let gpu = gpu();
+    let geometry = soup(&hostile(), Some(&gpu));
+    let tracer = FragmentAbuffer::new(Arc::clone(&gpu)).unwrap();
+    let all = STORAGES.map(|storage| vec![("storage", storage)]).into_iter().chain([
+        vec![("storage", "s-buffer"), ("decoupled", "off")],
+        vec![("decoupled", "off"), ("buckets", "1")],
+        vec![("buckets", "13"), ("bounds", "boxes")],
+        vec![("storage", "ll"), ("march", "hi-z"), ("bounds", "boxes")],
+        vec![("storage", "dll"), ("layers", "one"), ("views", "six")],
+        vec![("views", "frame"), ("march", "hi-z")],
+        vec![("centre", "eye")],
+    ]);
+    for settings in all {
+        let statistics = built_by(&tracer, &gpu, &geometry, &settings).check();
+        let statistics = statistics.unwrap_or_else(|error| panic!("{settings:?}: {error}"));
+        let of = |name: &str| statistics.iter().find(|(each, _)| *each == name).unwrap().1;
+        let least = if settings.contains(&("layers", "one")) { 1.0 } else { 5.0 };
+        assert!(of("maximum_layers") >= least && of("fragments") > 1000.0, "{settings:?}: {statistics:?}");
+    }
+}
+
+/// All storages, with data in nodes or beside them, with skipping or without, with bounds by geometry or by boxes, over one
+/// buffer of a kind or one a view, give the same bits: hits and surfaces, for every march and several thicknesses.
+#[test]
+fn every_variant_gives_the_same_bits() {
+    let (gpu, small) = (gpu(), of_limit(600_000));
+    let rays = rays(1500);
+    let geometries = [&gpu, &small].map(|gpu| soup(&hostile(), Some(gpu)));
+    let tracers = [&gpu, &small].map(|gpu| FragmentAbuffer::new(Arc::clone(gpu)).unwrap());
+    let mut hits_seen = 0;
+    for march in ["steps", "pixels", "hi-z"] {
+        let mut expected: Vec<Option<(Vec<Hit>, Vec<Surface>)>> = vec![None; 3];
+        for storage in STORAGES {
+            let mut builds = vec![(0, "on", "geometry"), (0, "off", "boxes")];
+            // A device that binds little has a buffer a view.
+            builds.extend((march != "pixels").then_some((1, "on", "geometry")));
+            for (device, decoupled, bounds) in builds {
+                let gpu = [&gpu, &small][device];
+                let shape = [("storage", storage), ("decoupled", decoupled), ("bounds", bounds), ("march", march)];
+                let structure = built_by(&tracers[device], gpu, &geometries[device], &shape);
+                assert_eq!(structure.parts.is_by_view(), device == 1, "{shape:?}");
+                structure.check().unwrap();
+                let searches = [("0", "on", "16"), ("0.02", "off", "0"), ("2", "on", "1000")];
+                for (index, (thickness, skipping, above)) in searches.into_iter().enumerate() {
+                    let unit = if index == 2 { "pixels" } else { "diagonals" };
+                    for other in [skipping, if skipping == "on" { "off" } else { "on" }] {
+                        let mut settings = shape.to_vec();
+                        settings.extend([("thickness", thickness), ("thickness_in", unit), ("skipping", other)]);
+                        settings.push(("binary_search_above", above));
+                        let found = answer(gpu, &structure, &rays, &settings, EndPoint::Surface);
+                        let to_hits = answer(gpu, &structure, &rays, &settings, EndPoint::Hit).0;
+                        assert_eq!(to_hits, found.0, "{settings:?}");
+                        let expected = expected[index].get_or_insert_with(|| found.clone());
+                        let off = found.0.iter().zip(&expected.0).filter(|(a, b)| a != b).count();
+                        assert_eq!(off, 0, "{settings:?}");
+                        assert!(found.1 == expected.1, "{settings:?}");
+                        hits_seen += found.0.iter().filter(|hit| hit.is_hit()).count();
+                    }
+                }
+            }
+        }
+        // Negative control: another thickness does give others.
+        assert_ne!(expected[0], expected[1]);
+    }
+    assert!(hits_seen > 10_000, "{hits_seen}");
+}
+
+/// A device that binds no more bytes at once.
+fn of_limit(bytes: u64) -> Arc<Gpu> {
+    let mut gpu = Gpu::open(&AdapterChoice::default()).unwrap();
+    gpu.limits.max_storage_buffer_binding_size = bytes;
+    Arc::new(gpu)
+}
+
+/// What not even a buffer a view holds is an error that says what to turn down.
+#[test]
+fn too_much_is_refused() {
+    let gpu = of_limit(4096);
+    let geometry = soup(&hostile()[..4], Some(&gpu));
+    let tracer = FragmentAbuffer::new(Arc::clone(&gpu)).unwrap();
+    let mut clock = PhaseClock::new(Some(&gpu));
+    let refused = tracer.build_structure(&geometry, &viewpoint(), &parameters(&[]), &mut clock).err();
+    assert!(
+        matches!(&refused, Some(TracerError::TooLarge { turn_down, .. }) if turn_down.contains("--face")),
+        "{refused:?}"
+    );
+}
+
+/// A rebuild over more than there is room for stores what fits, says so, makes room, and then stores what a fresh build does:
+/// the same answers. By lists and by the s-buffer.
+#[test]
+fn a_structure_that_overflows_grows() {
+    let gpu = gpu();
+    let few = soup(&hostile()[..40], Some(&gpu));
+    let many = soup(&hostile(), Some(&gpu));
+    let rays = rays(400);
+    for storage in ["dllb", "s-buffer"] {
+        let settings = [("storage", storage)];
+        let mut structure = built(&gpu, &few, &settings);
+        assert!(!structure.make_room().unwrap());
+        let update = |structure: &mut FragmentStructure| {
+            let mut clock = PhaseClock::new(Some(&gpu));
+            structure.update(Update::Rebuild, &many, &viewpoint(), &parameters(&settings), &mut clock).unwrap();
+            clock.finish().unwrap();
+        };
+        update(&mut structure);
+        // Before it has grown it is whole as far as it goes.
+        answer(&gpu, &structure, &rays, &settings, EndPoint::Surface);
+        assert!(structure.check().is_err());
+        assert!(structure.make_room().unwrap());
+        update(&mut structure);
+        assert!(!structure.make_room().unwrap());
+        structure.check().unwrap();
+        let fresh = built(&gpu, &many, &settings);
+        let of = |structure| answer(&gpu, structure, &rays, &settings, EndPoint::Surface);
+        assert_eq!(of(&structure), of(&fresh), "{storage}");
+        assert_ne!(of(&structure), of(&built(&gpu, &few, &settings)));
+    }
+}
+
+/// Used bytes are those of VVP16's Table 2, with the device's own count of fragments and the 16 bytes that shading needs of each,
+/// for all five storages.
+#[test]
+fn memory_is_that_of_table_2() {
+    let gpu = gpu();
+    let geometry = soup(&hostile(), Some(&gpu));
+    let pixels = 63 * 41 + 6 * 40 * 40;
+    for (storage, per_pixel, per_fragment) in
+        [("s-buffer", 8, 8), ("ll", 4, 8), ("dll", 8, 12), ("llb", 8 + 4 * 5, 8), ("dllb", 8 + 8 * 5, 12)]
+    {
+        let structure = built(&gpu, &geometry, &[("storage", storage), ("buckets", "5")]);
+        let fragments = structure.check().unwrap().iter().find(|(name, _)| *name == "fragments").unwrap().1 as u64;
+        let report = structure.memory();
+        let used = |name: &str| report.structure.iter().find(|entry| entry.name == name).unwrap().used_bytes;
+        assert_eq!(used("pixel records"), pixels * per_pixel, "{storage}");
+        assert_eq!(used("id buffer") + used("data buffer"), fragments * (per_fragment + 16), "{storage}");
+        assert_eq!((report.geometry_bytes, report.surface_geometry_bytes), (0, 0));
+        // With data in the nodes the same is stored, but for the s-buffer's index of it.
+        let coupled = built(&gpu, &geometry, &[("storage", storage), ("buckets", "5"), ("decoupled", "off")]).memory();
+        let ids = coupled.structure.iter().find(|entry| entry.name == "id buffer").unwrap().used_bytes;
+        let saved = if storage == "s-buffer" { 4 } else { 0 };
+        assert_eq!(ids, fragments * (per_fragment + 16 - saved), "{storage}");
+    }
+}
+
+/// Minimal case: walls square to the rays' view, one behind the other. Rays from the eye hit the first, rays from behind the last
+/// one that they meet, whatever the list's direction; t is exact where the wall is square to the view; surfaces are the wall's.
+#[test]
+fn rays_find_the_wall_that_they_meet_first() {
+    let gpu = gpu();
+    let eye = viewpoint().eye.as_dvec3();
+    let wall = |depth: f64| rectangle(eye + DVec3::new(-3.0, -3.0, -depth), DVec3::X * 6.0, DVec3::Y * 6.0);
+    let walls: Vec<[[f32; 3]; 3]> = [2.0, 3.0, 3.5, 5.0].into_iter().flat_map(wall).collect();
+    let geometry = soup(&walls, Some(&gpu));
+    // Onto pixels' centres of the camera's view, from before, between and behind.
+    let starts = [(0.5, 2.0), (2.5, 3.0), (3.2, 3.5), (4.0, 5.0)];
+    let back = [(6.0, 5.0), (4.0, 3.5), (3.2, 3.0), (2.5, 2.0)];
+    for storage in STORAGES {
+        for march in ["steps", "pixels", "hi-z"] {
+            let settings = [("storage", storage), ("march", march), ("start_bias", "0")];
+            let structure = built(&gpu, &geometry, &settings);
+            let mut rays = Vec::new();
+            let mut expected = Vec::new();
+            for (from, to) in starts.into_iter().chain(back) {
+                let direction = DVec3::new(0.03, 0.05, -(to - from) / f64::abs(to - from));
+                let origin = eye + DVec3::new(0.1, -0.05, -from);
+                rays.push(ray(origin, direction));
+                expected.push(f64::abs(to - from) * direction.length());
+            }
+            let (hits, surfaces) = answer(&gpu, &structure, &rays, &settings, EndPoint::Surface);
+            for ((hit, surface), expected) in hits.iter().zip(&surfaces).zip(&expected) {
+                let context = format!("{storage} {march}: {hit:?} {expected}");
+                assert!(hit.is_hit() && (f64::from(hit.t) - expected).abs() < 1e-4 * expected, "{context}");
+                assert!((Vec3::from(surface.normal).z.abs() - 1.0).abs() < 1e-6, "{context}");
+            }
+        }
+    }
+}
+
+/// Minimal case: thickness. A ray that passes a surface between two fragments, as it runs against its slope, gets through at
+/// thickness 0 and is stopped by some thickness; with much of it rays that pass behind a plate in the distance are stopped, too.
+#[test]
+fn thickness_closes_gaps_and_invents_hits() {
+    let gpu = gpu();
+    let eye = viewpoint().eye.as_dvec3();
+    let plate = rectangle(eye + DVec3::new(-2.0, -1.0, -2.0), DVec3::X * 4.0, DVec3::new(0.0, 1.6, -2.0));
+    let geometry = soup(&plate, Some(&gpu));
+    let settings = |thickness| [("march", "pixels"), ("views", "frame"), ("thickness", thickness)];
+    let structure = built(&gpu, &geometry, &settings("0"));
+    let mut numbers = Numbers::new(8);
+    let through: Vec<Ray> = (0..400)
+        .map(|_| {
+            let target = eye + DVec3::new(numbers.signed(), 0.3 * numbers.signed(), -2.9);
+            ray(target + DVec3::new(0.4 * numbers.signed(), 1.0, -0.4), DVec3::new(0.0, -1.0, 0.4))
+        })
+        .collect();
+    let behind: Vec<Ray> =
+        (0..400).map(|_| ray(eye + DVec3::new(-1.5, 0.3 * numbers.signed(), -4.2), DVec3::X)).collect();
+    let share = |rays: &[Ray], thickness| {
+        let (hits, _) = answer(&gpu, &structure, rays, &settings(thickness), EndPoint::Hit);
+        hits.iter().filter(|hit| hit.is_hit()).count() as f64 / rays.len() as f64
+    };
+    let shares = ["0", "0.01", "0.05", "1"].map(|thickness| share(&through, thickness));
+    assert!(shares[0] < 0.9 && shares.is_sorted() && shares[3] > 0.98, "{shares:?}");
+    let invented = ["0", "0.01", "1"].map(|thickness| share(&behind, thickness));
+    assert!(invented[0] == 0.0 && invented[1] == 0.0 && invented[2] > 0.9, "{invented:?}");
+}
+
+/// Depths out of order, links that lead nowhere, in circles or to another pixel, tails, bounds and payloads that are off are
+/// noticed, by lists and by the s-buffer.
+#[test]
+fn a_spoilt_structure_is_noticed() {
+    let gpu = gpu();
+    let geometry = soup(&hostile(), Some(&gpu));
+    let tracer = FragmentAbuffer::new(Arc::clone(&gpu)).unwrap();
+    let spoils = |settings: &[(&str, &str)], what: &str, spoil: &dyn Fn(&FragmentStructure)| {
+        let structure = built_by(&tracer, &gpu, &geometry, settings);
+        structure.check().unwrap();
+        spoil(&structure);
+        assert!(structure.check().is_err(), "{what} is not noticed");
+    };
+    let write = |buffer: &tracebench_api::wgpu::Buffer, word: usize, value: u32| {
+        gpu.queue.write_buffer(buffer, word as u64 * 4, &value.to_le_bytes());
+    };
+    // A list of at least three fragments, its first two nodes.
+    let listed = |structure: &FragmentStructure| {
+        let part = &structure.parts.parts[0];
+        let read = |buffer: &tracebench_api::wgpu::Buffer| -> Vec<u32> {
+            bytemuck::pod_collect_to_vec(&gpu.read(buffer, buffer.size()).unwrap())
+        };
+        let (pixels, ids) = (read(&part.pixels), read(&part.ids));
+        let next = |link: u32| ids[(link as usize - 1) * 3 + 1];
+        let long = |word: &usize| pixels[*word] != 0 && next(pixels[*word]) != 0 && next(next(pixels[*word])) != 0;
+        // Heads of the first bucket: ten words a pixel.
+        let word = (0..part.pixel_count as usize).map(|pixel| pixel * 10).find(long).unwrap();
+        let first = pixels[word] - 1;
+        (word, first as usize, next(first + 1) as usize - 1)
+    };
+    let dllb: &[(&str, &str)] = &[];
+    spoils(dllb, "a depth out of order", &|structure| {
+        let (_, _, second) = listed(structure);
+        write(&structure.parts.parts[0].ids, second * 3, 1e9_f32.to_bits());
+    });
+    spoils(dllb, "a circle", &|structure| {
+        let (_, first, second) = listed(structure);
+        write(&structure.parts.parts[0].ids, second * 3 + 1, first as u32 + 1);
+    });
+    spoils(dllb, "a list cut off", &|structure| {
+        let (_, first, _) = listed(structure);
+        write(&structure.parts.parts[0].ids, first * 3 + 1, 0);
+    });
+    spoils(dllb, "a previous link", &|structure| {
+        let (_, _, second) = listed(structure);
+        write(&structure.parts.parts[0].ids, second * 3 + 2, 0);
+    });
+    spoils(dllb, "a tail", &|structure| {
+        let (word, first, _) = listed(structure);
+        write(&structure.parts.parts[0].pixels, word + 4, first as u32 + 1);
+    });
+    spoils(dllb, "a near bound", &|structure| {
+        let (word, _, _) = listed(structure);
+        write(&structure.parts.parts[0].pixels, word + 8, !1e-6_f32.to_bits());
+    });
+    spoils(&[("storage", "s-buffer")], "pieces that overlap", &|structure| {
+        let part = &structure.parts.parts[0];
+        let begins: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&part.pixels, part.pixels.size()).unwrap());
+        let pixel = begins.iter().position(|begin| *begin > 4).unwrap();
+        write(&part.pixels, pixel, begins[pixel] - 1);
+    });
+    spoils(&[("storage", "ll")], "payloads of others", &|structure| {
+        let part = &structure.parts.parts[0];
+        let payloads = part.payloads.as_ref().unwrap();
+        for word in 0..payloads.size() as usize / 4 {
+            write(payloads, word, 0x3f00_0000);
+        }
+    });
+}

@@ -1,0 +1,235 @@
+//! Tracing on the device.
+
+use bytemuck::{Pod, Zeroable};
+use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline};
+use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, TraceJob, TracerError};
+use tracebench_kit::{TouchedBits, bind_group, bind_group_at, compute_pipeline, dispatch_linear_groups};
+use tracebench_shaders::{
+    FRAGMENT_TRACE, FRAGMENT_TRACE_CONTIGUOUS, FRAGMENT_TRACE_CONTIGUOUS_COUNTED, FRAGMENT_TRACE_CONTIGUOUS_SPLIT,
+    FRAGMENT_TRACE_CONTIGUOUS_SPLIT_COUNTED, FRAGMENT_TRACE_CONTIGUOUS_SPLIT_SURFACES,
+    FRAGMENT_TRACE_CONTIGUOUS_SPLIT_SURFACES_COUNTED, FRAGMENT_TRACE_CONTIGUOUS_SURFACES,
+    FRAGMENT_TRACE_CONTIGUOUS_SURFACES_COUNTED, FRAGMENT_TRACE_COUNTED, FRAGMENT_TRACE_SPLIT,
+    FRAGMENT_TRACE_SPLIT_COUNTED, FRAGMENT_TRACE_SPLIT_SURFACES, FRAGMENT_TRACE_SPLIT_SURFACES_COUNTED,
+    FRAGMENT_TRACE_SURFACES, FRAGMENT_TRACE_SURFACES_COUNTED, Shader,
+};
+
+use crate::build::{Pipelines, WORKGROUP_SIZE};
+use crate::layout::MOST_VIEWS;
+use crate::structure::FragmentStructure;
+
+/// As `COUNTS` in shaders/fragment-abuffer/trace.wgsl.
+const COUNTERS: [&str; 5] = ["pixels_visited", "pixels_opened", "fragments_tested", "views_entered", "views_tested"];
+
+/// `MarchSettings` of shaders/fragment-abuffer/trace.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct MarchSettings {
+    /// Rays.
+    pub ray_count: u32,
+    /// Views.
+    pub view_count: u32,
+    /// 0: a number of steps a view, 1: every pixel, 2: up and down the pyramid.
+    pub march: u32,
+    /// Steps a view.
+    pub steps: u32,
+    /// Steps after which a ray is given up.
+    pub max_steps: u32,
+    /// 1: steps look at their middle.
+    pub centred: u32,
+    /// 1: a step asks for depths within its pixel alone.
+    pub span_by_pixel: u32,
+    /// 1: pixels, buckets and rests of lists that hold no hit are skipped.
+    pub skipping: u32,
+    /// Fragments beyond which a piece of the s-buffer is searched by halving.
+    pub binary_search_above: u32,
+    /// Scene units.
+    pub thickness: f32,
+    /// Widths of a pixel.
+    pub thickness_in_pixels: f32,
+    /// Pixels along the major axis.
+    pub start_bias: f32,
+    /// 1: fragments are as thick as that before their depth, not behind it.
+    pub thick_before: u32,
+    /// Nothing.
+    pub padding_a: u32,
+    /// Nothing.
+    pub padding_b: u32,
+    /// Nothing.
+    pub padding_c: u32,
+}
+
+/// Variants of the trace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct TraceKind {
+    /// Over the s-buffer, not lists.
+    pub contiguous: bool,
+    /// Views have buffers of their own.
+    pub split: bool,
+    /// To surfaces.
+    pub surfaces: bool,
+    /// Counting.
+    pub counted: bool,
+}
+
+impl TraceKind {
+    fn shader(self) -> Shader {
+        let all = [
+            FRAGMENT_TRACE,
+            FRAGMENT_TRACE_COUNTED,
+            FRAGMENT_TRACE_SURFACES,
+            FRAGMENT_TRACE_SURFACES_COUNTED,
+            FRAGMENT_TRACE_SPLIT,
+            FRAGMENT_TRACE_SPLIT_COUNTED,
+            FRAGMENT_TRACE_SPLIT_SURFACES,
+            FRAGMENT_TRACE_SPLIT_SURFACES_COUNTED,
+            FRAGMENT_TRACE_CONTIGUOUS,
+            FRAGMENT_TRACE_CONTIGUOUS_COUNTED,
+            FRAGMENT_TRACE_CONTIGUOUS_SURFACES,
+            FRAGMENT_TRACE_CONTIGUOUS_SURFACES_COUNTED,
+            FRAGMENT_TRACE_CONTIGUOUS_SPLIT,
+            FRAGMENT_TRACE_CONTIGUOUS_SPLIT_COUNTED,
+            FRAGMENT_TRACE_CONTIGUOUS_SPLIT_SURFACES,
+            FRAGMENT_TRACE_CONTIGUOUS_SPLIT_SURFACES_COUNTED,
+        ];
+        let bits = [self.counted, self.surfaces, self.split, self.contiguous];
+        all[bits.into_iter().enumerate().map(|(bit, is)| usize::from(is) << bit).sum::<usize>()]
+    }
+}
+
+/// The buffers of a trace that counts.
+pub(crate) struct Counting {
+    counts: Buffer,
+    touched: TouchedBits,
+    payloads_touched: TouchedBits,
+}
+
+impl Pipelines {
+    fn trace(&self, kind: TraceKind) -> Result<ComputePipeline, TracerError> {
+        let traces = self.traces.lock();
+        let mut traces = traces.map_err(|_| TracerError::Failed("a pipeline was left half made".to_owned()))?;
+        if let Some(pipeline) = traces.get(&kind) {
+            return Ok(pipeline.clone());
+        }
+        let pipeline = compute_pipeline(&self.gpu, kind.shader(), "trace")?;
+        traces.insert(kind, pipeline.clone());
+        Ok(pipeline)
+    }
+}
+
+impl FragmentStructure {
+    fn search(&self, job: &TraceJob<'_>) -> MarchSettings {
+        let TraceJob { parameters, rays, .. } = job;
+        let is = |name: &str, value: &str| u32::from(parameters.choice(name) == value);
+        let thickness = parameters.real("thickness");
+        let by_pixels = is("thickness_in", "pixels") == 1;
+        MarchSettings {
+            ray_count: rays.host.len() as u32,
+            view_count: self.layout.views.len() as u32,
+            march: is("march", "pixels") + 2 * is("march", "hi-z"),
+            steps: parameters.integer("view_steps") as u32,
+            max_steps: parameters.integer("max_steps") as u32,
+            centred: is("jitter", "off"),
+            span_by_pixel: is("span", "pixel"),
+            skipping: is("skipping", "on"),
+            binary_search_above: parameters.integer("binary_search_above") as u32,
+            thickness: if by_pixels { 0.0 } else { (thickness * self.geometry.diagonal) as f32 },
+            thickness_in_pixels: if by_pixels { thickness as f32 } else { 0.0 },
+            start_bias: parameters.real("start_bias") as f32,
+            thick_before: is("thick", "before"),
+            padding_a: 0,
+            padding_b: 0,
+            padding_c: 0,
+        }
+    }
+
+    /// Records a trace, by the counting variant where there is something to count into.
+    pub(crate) fn record(
+        &self,
+        job: &TraceJob<'_>,
+        hits: &HitBuffer,
+        counting: Option<&Counting>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        let pipelines = &*self.pipelines;
+        let (parts, count) = (&self.parts, job.rays.host.len());
+        let kind = TraceKind {
+            contiguous: self.layout.kind.is_contiguous(),
+            split: parts.is_by_view(),
+            surfaces: job.end == EndPoint::Surface,
+            counted: counting.is_some(),
+        };
+        let pipeline = pipelines.trace(kind)?;
+        let search = self.search(job);
+        let first = parts.of_view(0);
+        let [storage, settings, views] = [
+            pipelines
+                .uniform("storage", bytemuck::bytes_of(&self.layout.storage(first.pixel_count, first.capacity)))?,
+            pipelines.uniform("search", bytemuck::bytes_of(&search))?,
+            pipelines.uniform("views", bytemuck::bytes_of(&self.layout.traced(&parts.placed())))?,
+        ];
+        let pyramid = parts.pyramid.as_ref().unwrap_or(&first.pixels);
+        let mut bound = vec![
+            (0, &storage),
+            (1, &settings),
+            (2, &views),
+            (3, job.rays.on_device()?),
+            (4, hits.on_device(count)?),
+            (5, &first.pixels),
+            (6, &first.ids),
+            (7, pyramid),
+        ];
+        if kind.surfaces {
+            bound.extend([(8, first.data()), (9, hits.surfaces_on_device(count)?)]);
+        }
+        if let Some(counting) = counting {
+            bound.extend([(10, &counting.counts), (11, counting.touched.buffer())]);
+            bound.extend(kind.surfaces.then(|| (12, counting.payloads_touched.buffer())));
+        }
+        let numbered: Vec<_> = bound.into_iter().map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
+        let mut bindings = vec![bind_group_at(&pipelines.gpu, &pipeline.get_bind_group_layout(0), &numbered)];
+        if kind.split {
+            let further = self.further_views(kind.surfaces);
+            bindings.push(bind_group(&pipelines.gpu, &pipeline.get_bind_group_layout(1), &further));
+        }
+        let bindings: Vec<_> = bindings.iter().collect();
+        clock.device_phase("trace", |encoder| {
+            dispatch_linear_groups(encoder, &pipeline, &bindings, search.ray_count, WORKGROUP_SIZE);
+        })
+    }
+
+    /// The buffers of all views but the first, for variants that bind each view's; places of views that do not exist are taken by
+    /// one that does.
+    fn further_views(&self, surfaces: bool) -> Vec<BindingResource<'_>> {
+        let parts = (1..MOST_VIEWS).map(|view| self.parts.of_view(view));
+        let data = parts.clone().filter(|_| surfaces).map(|part| part.data());
+        let all = parts.clone().map(|part| &part.pixels).chain(parts.map(|part| &part.ids)).chain(data);
+        all.map(Buffer::as_entire_binding).collect()
+    }
+
+    pub(crate) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        let gpu = &*self.pipelines.gpu;
+        let rays = job.rays.host.len();
+        let bytes = (rays.max(1) * COUNTERS.len() * 4) as u64;
+        gpu.check_storage_binding("counts", bytes, "--size")?;
+        let nodes = self.parts.capacity();
+        let touched = |name| TouchedBits::new(gpu, name, nodes, "--face or --frame");
+        let counting = Counting {
+            counts: gpu.buffer("counts", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?,
+            touched: touched("fragments touched")?,
+            payloads_touched: touched("payloads touched")?,
+        };
+        let mut clock = PhaseClock::new(Some(gpu));
+        self.record(job, hits, Some(&counting), &mut clock)?;
+        clock.finish()?;
+        let counts: Vec<[u32; COUNTERS.len()]> = bytemuck::pod_collect_to_vec(&gpu.read(&counting.counts, bytes)?);
+        let of = |(index, name): (usize, &&'static str)| {
+            Counter::of(name, counts[..rays].iter().map(|count| u64::from(count[index])))
+        };
+        let mut counters: Vec<Counter> = COUNTERS.iter().enumerate().map(of).collect();
+        counters.push(Counter::of_set("fragments_touched", counting.touched.count(gpu)?));
+        if job.end == EndPoint::Surface {
+            counters.push(Counter::of_set("payloads_touched", counting.payloads_touched.count(gpu)?));
+        }
+        Ok(counters)
+    }
+}

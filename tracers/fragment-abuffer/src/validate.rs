@@ -1,0 +1,276 @@
+//! The structure read back: its lists followed from both ends, and the fragments of pixels held against a rasterizer on the host.
+
+use tracebench_api::TracerError;
+use tracebench_api::glam::Vec3;
+
+use crate::brute_force::{Allowed, allowed_fragments};
+use crate::layout::{Layout, Storage};
+use crate::parts::Part;
+use crate::structure::{FragmentStructure, check_order};
+
+/// Pixels of a view that are held against the host's rasterizer at most: every n-th along both axes.
+const MOST_COMPARED: u64 = 4096;
+
+/// Relative difference of a fragment's depth in two passes.
+const PASS_SLACK: f32 = 4e-6;
+
+/// A stored fragment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Fragment {
+    /// Eye depth, scene units.
+    pub depth: f32,
+    pub normal: Vec3,
+    pub material: u32,
+}
+
+/// A part's words, and how to read them.
+struct ReadBack<'a> {
+    layout: &'a Layout,
+    storage: Storage,
+    pixels: Vec<u32>,
+    ids: Vec<u32>,
+    data: Vec<u32>,
+    /// Fragments stored.
+    stored: u32,
+    /// How often each node was met.
+    met: Vec<u8>,
+}
+
+fn fail<T>(what: String) -> Result<T, TracerError> {
+    Err(TracerError::Failed(what))
+}
+
+impl ReadBack<'_> {
+    fn word(&self, pixel: u32, word: u32) -> u32 {
+        self.pixels[(pixel * self.storage.pixel_stride + word * self.storage.word_stride) as usize]
+    }
+
+    fn node_word(&self, node: u32, word: u32) -> u32 {
+        self.ids[(node * self.storage.node_words + word) as usize]
+    }
+
+    fn depth(&self, node: u32) -> f32 {
+        f32::from_bits(self.node_word(node, 0))
+    }
+
+    /// Near and far of a pixel's depth bounds; `None` where there are none.
+    fn bounds(&self, pixel: u32) -> Option<[f32; 2]> {
+        let word = self.storage.bounds_word;
+        let codes = [self.word(pixel, word), self.word(pixel, word + 1)];
+        (codes[1] != 0).then(|| [f32::from_bits(!codes[0]), f32::from_bits(codes[1])])
+    }
+
+    fn payload(&self, node: u32) -> [u32; 4] {
+        let moved = self.layout.kind.is_contiguous() && self.layout.decoupled;
+        let data = if moved { self.node_word(node, 1) } else { node };
+        let at = (data * self.storage.data_words + self.storage.data_offset) as usize;
+        std::array::from_fn(|word| self.data.get(at + word).copied().unwrap_or_default())
+    }
+
+    fn fragment(&self, node: u32) -> Fragment {
+        let [x, y, z, material] = self.payload(node);
+        Fragment { depth: self.depth(node), normal: Vec3::from([x, y, z].map(f32::from_bits)), material }
+    }
+
+    /// The nodes of a list by its next links, each met once; checks the previous links and the tail against them.
+    fn follow(&mut self, pixel: u32, bucket: u32) -> Result<Vec<u32>, TracerError> {
+        let mut nodes = Vec::new();
+        let mut link = self.word(pixel, bucket);
+        while link != 0 {
+            let node = link - 1;
+            if node >= self.stored || self.met[node as usize] > 0 {
+                return fail(format!("node {node} of pixel {pixel} does not exist or lies in two lists"));
+            }
+            self.met[node as usize] = 1;
+            if self.storage.double == 1 {
+                let previous = nodes.last().map_or(0, |node| node + 1);
+                if self.node_word(node, 2) != previous {
+                    return fail(format!("node {node} of pixel {pixel} is not linked back to the one before it"));
+                }
+            }
+            nodes.push(node);
+            link = self.node_word(node, 1);
+        }
+        let tail = nodes.last().map_or(0, |node| node + 1);
+        if self.storage.double == 1 && self.word(pixel, self.storage.buckets + bucket) != tail {
+            return fail(format!("the tail of pixel {pixel}, bucket {bucket}, is not the end of its list"));
+        }
+        Ok(nodes)
+    }
+
+    fn piece(&mut self, pixel: u32) -> Result<Vec<u32>, TracerError> {
+        let (begin, count) = (self.word(pixel, 0), self.word(pixel, 1));
+        for node in begin..begin + count {
+            if node >= self.stored || self.met[node as usize] > 0 {
+                return fail(format!("node {node} of pixel {pixel} does not exist or lies in two pieces"));
+            }
+            self.met[node as usize] = 1;
+        }
+        Ok((begin..begin + count).collect())
+    }
+
+    /// The nodes of a pixel by depth; checks that they stand in that order, of equal depths the least payload first, in the buckets of their depths, within the bounds.
+    fn nodes_of(&mut self, pixel: u32) -> Result<Vec<u32>, TracerError> {
+        let mut nodes = Vec::new();
+        if self.storage.contiguous == 1 {
+            nodes = self.piece(pixel)?;
+        } else {
+            for bucket in 0..self.storage.buckets {
+                let list = self.follow(pixel, bucket)?;
+                if let (Some(bounds), true) = (self.bounds_of(pixel), self.storage.buckets > 1) {
+                    for node in &list {
+                        check_bucket(self.depth(*node), bounds, bucket, self.storage.buckets)?;
+                    }
+                }
+                nodes.extend(list);
+            }
+        }
+        let mut first = None;
+        for node in &nodes {
+            let depth = self.depth(*node).to_bits();
+            match first {
+                Some((leader, at)) if depth == at && self.payload(*node) >= self.payload(leader) => {}
+                Some((_, at)) if depth <= at => {
+                    return fail(format!("node {node} of pixel {pixel} is out of the order of depths"));
+                }
+                _ => first = Some((*node, depth)),
+            }
+        }
+        if self.storage.bounds_word > 0 {
+            self.check_bounds(pixel, &nodes)?;
+        }
+        Ok(nodes)
+    }
+
+    fn bounds_of(&self, pixel: u32) -> Option<[f32; 2]> {
+        if self.storage.bounds_word > 0 { self.bounds(pixel) } else { None }
+    }
+
+    fn check_bounds(&self, pixel: u32, nodes: &[u32]) -> Result<(), TracerError> {
+        let (Some(first), Some(last)) = (nodes.first(), nodes.last()) else { return Ok(()) };
+        let Some([near, far]) = self.bounds(pixel) else {
+            return fail(format!("pixel {pixel} has fragments and no depth bounds"));
+        };
+        let (least, greatest) = (self.depth(*first), self.depth(*last));
+        let encloses = near <= least * (1.0 + PASS_SLACK) && far >= greatest * (1.0 - PASS_SLACK);
+        // Boxes are looser, and a single layer leaves out what is far.
+        let tight =
+            near >= least * (1.0 - PASS_SLACK) && (self.layout.one_layer || far <= greatest * (1.0 + PASS_SLACK));
+        if encloses && (tight || self.layout.by_boxes) {
+            return Ok(());
+        }
+        fail(format!("pixel {pixel} has bounds from {near} to {far} and fragments from {least} to {greatest}"))
+    }
+}
+
+/// A fragment lies in the bucket of its depth, or where rounding may decide in the next one.
+fn check_bucket(depth: f32, [near, far]: [f32; 2], bucket: u32, buckets: u32) -> Result<(), TracerError> {
+    let (near, far, depth) = (f64::from(near), f64::from(far), f64::from(depth));
+    let share = if far > near { ((depth - near) / (far - near)).clamp(0.0, 1.0) } else { 0.0 };
+    let at = share * f64::from(buckets);
+    let slack = 1e-4 + f64::from(buckets) * 1e-6 * depth / (far - near).max(1e-30);
+    let [low, high] = [at - slack, at + slack].map(|at| at.floor().clamp(0.0, f64::from(buckets - 1)) as u32);
+    if (low..=high).contains(&bucket) {
+        return Ok(());
+    }
+    fail(format!("a fragment of depth {depth} lies in bucket {bucket} of {buckets} from {near} to {far}"))
+}
+
+/// What following all lists tells.
+#[derive(Default)]
+struct Layers {
+    pixels: u64,
+    covered: u64,
+    fragments: u64,
+    most: usize,
+    compared: u64,
+}
+
+impl FragmentStructure {
+    pub(crate) fn check(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        let gpu = &*self.pipelines.gpu;
+        let taken = self.parts.taken(gpu)?;
+        check_order(&taken)?;
+        let mut layers = Layers::default();
+        for (part, taken) in self.parts.parts.iter().zip(&taken) {
+            if taken.fragments > part.capacity {
+                return fail(format!("{} fragments and room for {}", taken.fragments, part.capacity));
+            }
+            let read = |buffer: &tracebench_api::wgpu::Buffer| -> Result<Vec<u32>, TracerError> {
+                Ok(bytemuck::pod_collect_to_vec(&gpu.read(buffer, buffer.size())?))
+            };
+            let ids = read(&part.ids)?;
+            let mut back = ReadBack {
+                layout: &self.layout,
+                storage: self.layout.storage(part.pixel_count, part.capacity),
+                pixels: read(&part.pixels)?,
+                data: part.payloads.as_ref().map_or_else(|| Ok(ids.clone()), read)?,
+                ids,
+                stored: taken.fragments,
+                met: vec![0; taken.fragments as usize],
+            };
+            self.check_part(part, &mut back, &mut layers)?;
+            if let Some(node) = back.met.iter().position(|met| *met == 0) {
+                return fail(format!("node {node} lies in no list"));
+            }
+        }
+        let average = layers.fragments as f64 / (layers.covered as f64).max(1.0);
+        Ok(vec![
+            ("fragments", layers.fragments as f64),
+            ("pixels", layers.pixels as f64),
+            ("covered_pixels", layers.covered as f64),
+            ("average_layers", average),
+            ("maximum_layers", layers.most as f64),
+            ("compared_pixels", layers.compared as f64),
+        ])
+    }
+
+    fn check_part(&self, part: &Part, back: &mut ReadBack<'_>, layers: &mut Layers) -> Result<(), TracerError> {
+        for (view, first_pixel) in part.views.clone().zip(&part.first_pixels) {
+            let [width, height] = self.layout.views[view].size;
+            let step = (1..).find(|step| self.layout.pixels_of(view) / (step * step) <= MOST_COMPARED).unwrap_or(1);
+            let step = step as u32;
+            let allowed = allowed_fragments(&self.layout.views[view], &self.geometry, step);
+            for y in 0..height {
+                for x in 0..width {
+                    let nodes = back.nodes_of(first_pixel + y * width + x)?;
+                    layers.pixels += 1;
+                    layers.covered += u64::from(!nodes.is_empty());
+                    layers.fragments += nodes.len() as u64;
+                    layers.most = layers.most.max(nodes.len());
+                    if x % step == 0 && y % step == 0 {
+                        let stored: Vec<Fragment> = nodes.iter().map(|node| back.fragment(*node)).collect();
+                        let here = allowed.of([x, y]);
+                        let context = |what| format!("view {view}, pixel {x}, {y}: {what}");
+                        compare(&stored, here, self.layout.one_layer)
+                            .map_err(|what| TracerError::Failed(context(what)))?;
+                        layers.compared += 1;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Holds the fragments of a pixel against those that may and those that must be there.
+pub(crate) fn compare(stored: &[Fragment], allowed: &[Allowed], one_layer: bool) -> Result<(), String> {
+    if let Some(fragment) = stored.iter().find(|fragment| !allowed.iter().any(|each| each.fits(fragment))) {
+        return Err(format!("no triangle gives {fragment:?}"));
+    }
+    if stored.len() > allowed.len() {
+        return Err(format!("{} fragments, {} triangles may give one", stored.len(), allowed.len()));
+    }
+    if one_layer {
+        // What lies surely before the nearest fragment is missing.
+        let nearest = stored.first().map_or(f64::INFINITY, |fragment| f64::from(fragment.depth));
+        let nearer = allowed.iter().find(|each| each.must && each.depths[1] < nearest);
+        return nearer.map_or(Ok(()), |each| Err(format!("{each:?} is nearer than {nearest}")));
+    }
+    let mut required = allowed.iter().filter(|each| each.must);
+    if let Some(missing) = required.clone().find(|each| !stored.iter().any(|fragment| each.fits(fragment))) {
+        return Err(format!("{missing:?} is not stored"));
+    }
+    let least = required.by_ref().count();
+    if stored.len() < least { Err(format!("{} fragments instead of {least}", stored.len())) } else { Ok(()) }
+}
