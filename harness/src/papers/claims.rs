@@ -47,6 +47,9 @@ pub enum Test {
         table: String,
         /// The quantity, one of [`super::QUANTITIES`].
         quantity: String,
+        /// The paper's scenes that it is about, of whose stand-ins alone the quantity is taken; none for all scenes.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        scenes: Vec<String>,
         /// What it must be.
         rule: Rule,
     },

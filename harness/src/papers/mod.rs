@@ -17,10 +17,12 @@ mod verdict;
 pub use claims::{Claim, Over, Rule, Test, claims};
 pub use experiments::{EXPERIMENTS, Experiment, Row, Shown, StandIn, Step, TooManyRays, find};
 pub use published::{Paper, PublishedColumn, PublishedRow, PublishedTable, Setting, paper, papers, tables};
-pub(crate) use quantities::{MIXES, tiles, total_ms};
+pub(crate) use quantities::{
+    ABUFFER, MIXES, abuffer_formula, abuffer_ledger, bounces, counted, efficiency, layers, rays, tiles, total_ms, views,
+};
 pub use quantities::{Measure, QUANTITIES, Quantity, quantity};
 pub use rows::{Rows, SceneRows};
-pub(crate) use rows::{agreement, host_ms, integer, statistic, stored_bytes, trace};
+pub(crate) use rows::{agreement, footprint, host_ms, integer, statistic, stored_bytes, trace};
 pub use verdict::{JudgedClaim, MeasuredBy, SceneValue, Verdict, judge, judge_all};
 
 /// Why embedded data cannot be used.

@@ -3,6 +3,7 @@
 use serde_json::Value;
 use tracebench_api::{ClockKind, EndPoint};
 
+use super::experiments::Experiment;
 use crate::results::{Judgement, Run, Skipped, Times, TraceRecord, TracerRun};
 
 /// A run by scene.
@@ -14,6 +15,7 @@ pub struct Rows<'a> {
 }
 
 /// What was measured of one scene from one viewpoint, at every resolution.
+#[derive(Clone)]
 pub struct SceneRows<'a> {
     /// The scene's name, with the viewpoint's where the scene stands there twice.
     pub label: String,
@@ -44,6 +46,15 @@ impl<'a> Rows<'a> {
         }
         Self { run, scenes }
     }
+
+    /// The scenes alone that stand for some of a paper's in an experiment.
+    pub(super) fn standing_for(&self, experiment: &Experiment, published: &[String]) -> Self {
+        let wanted = |scene: &&SceneRows<'_>| {
+            let name = scene.runs.first().and_then(|run| experiment.stands_for(&run.scene.name));
+            name.is_some_and(|name| published.iter().any(|each| each == name))
+        };
+        Self { run: self.run, scenes: self.scenes.iter().filter(wanted).cloned().collect() }
+    }
 }
 
 fn same_place(one: &TracerRun, other: &TracerRun) -> bool {
@@ -57,6 +68,7 @@ fn same_place(one: &TracerRun, other: &TracerRun) -> bool {
 pub(crate) fn has(run: &TracerRun, parameter: &str, value: &str) -> bool {
     run.tracer.parameters.get(parameter).is_some_and(|found| match found {
         Value::String(text) => text == value,
+        Value::Number(number) => value.parse::<f64>().is_ok_and(|value| number.as_f64() == Some(value)),
         other => value.parse::<Value>().is_ok_and(|value| value == *other),
     })
 }
@@ -80,19 +92,40 @@ impl<'a> SceneRows<'a> {
         self.of_tracer(tracer).find(|run| values.iter().all(|(name, value)| has(run, name, value)))
     }
 
-    /// The runs by resolution of the ray image, from the lowest.
+    /// The run of a tracer that has these values, and else those of the tracer's first run, its resolution too. So rows are
+    /// told apart by what the experiment varies, whatever else is set for all of them.
+    pub fn like_first(&self, tracer: &str, values: &[(&str, &str)]) -> Option<&'a TracerRun> {
+        let first = self.of_tracer(tracer).next()?;
+        let given = |name: &String| values.iter().any(|(given, _)| given == name);
+        let alike = |run: &&TracerRun| {
+            resolution(run) == resolution(first)
+                && values.iter().all(|(name, value)| has(run, name, value))
+                && run.tracer.parameters.iter().all(|(name, value)| {
+                    given(name) || first.tracer.parameters.get(name).is_some_and(|other| other == value)
+                })
+        };
+        self.of_tracer(tracer).find(alike)
+    }
+
+    /// The runs by resolution: of the ray image, from the lowest, then of the views.
     pub fn by_resolution(&self) -> Vec<SceneRows<'a>> {
-        let pixels = |run: &TracerRun| run.viewpoint.ray_image.map(u64::from).iter().product::<u64>();
-        let mut resolutions: Vec<u64> = self.runs.iter().map(|run| pixels(run)).collect();
+        let mut resolutions: Vec<[u64; 3]> = self.runs.iter().map(|run| resolution(run)).collect();
         resolutions.sort_unstable();
         resolutions.dedup();
-        let at = |resolution: u64| SceneRows {
+        let at = |wanted: [u64; 3]| SceneRows {
             label: self.label.clone(),
-            runs: self.runs.iter().filter(|run| pixels(run) == resolution).copied().collect(),
+            runs: self.runs.iter().filter(|run| resolution(run) == wanted).copied().collect(),
             skipped: self.skipped.clone(),
         };
         resolutions.into_iter().map(at).collect()
     }
+}
+
+/// Pixels of ray image, frame and a face.
+fn resolution(run: &TracerRun) -> [u64; 3] {
+    let pixels = |size: [u32; 2]| size.map(u64::from).iter().product();
+    let viewpoint = &run.viewpoint;
+    [pixels(viewpoint.ray_image), pixels(viewpoint.frame), pixels([viewpoint.face; 2])]
 }
 
 /// A tracer's trace of a ray set.
@@ -118,9 +151,10 @@ pub(crate) fn time_ratio(one: &Times, other: &Times) -> Option<f64> {
 /// What DIRT's Table 3 counts of a trace's own buffers.
 const OF_A_TRACE: [&str; 4] = ["hit buffer: heads", "hit buffer: nodes", "mask texture", "shading buffer"];
 
-/// Bytes that a structure uses, by its own ledger, and where surfaces were traced the buffers that the paper counts with it.
+/// Bytes that a structure uses, by its own ledger, and of DIRT where surfaces were traced the buffers that its paper counts with it.
 pub(crate) fn stored_bytes(run: &TracerRun) -> f64 {
-    let to_surfaces = run.traces.iter().find(|trace| trace.end == EndPoint::Surface);
+    let own = run.traces.iter().filter(|_| run.tracer.name == "dirt");
+    let to_surfaces = own.into_iter().find(|trace| trace.end == EndPoint::Surface);
     let of_trace = to_surfaces.into_iter().flat_map(|trace| &trace.per_trace);
     let counted = of_trace.filter(|part| OF_A_TRACE.contains(&part.name.as_str()));
     run.memory.structure.iter().chain(counted).map(|part| part.used_bytes as f64).sum()
@@ -141,6 +175,14 @@ pub(crate) fn agreement(trace: &TraceRecord) -> Option<f64> {
     match &trace.judgement {
         Judgement::Closest(closest) => closest.agreement.tight,
         Judgement::Any(any) => any.occlusion.balanced_accuracy,
+    }
+}
+
+/// Agreement under `footprint`; of closest-hit sets alone.
+pub(crate) fn footprint(trace: &TraceRecord) -> Option<f64> {
+    match &trace.judgement {
+        Judgement::Closest(closest) => closest.agreement.footprint,
+        Judgement::Any(_) => None,
     }
 }
 

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::claims::{Claim, Test};
+use super::experiments;
 use super::quantities::quantity;
 use super::rows::Rows;
 use crate::results::Run;
@@ -100,17 +101,20 @@ fn on_hardware(run: &Run) -> bool {
 
 /// Judges one claim by a run that was made for its table, or is taken for it.
 pub fn judge(claim: &Claim, table: &str, rows: &Rows<'_>) -> JudgedClaim {
-    let (wanted, name, rule) = match &claim.test {
+    let (wanted, name, scenes, rule) = match &claim.test {
         Test::NotMeasurable { not_measurable } => {
             return JudgedClaim::not_measurable(claim, not_measurable);
         }
-        Test::Measured { table, quantity, rule } => (table, quantity, rule),
+        Test::Measured { table, quantity, scenes, rule } => (table, quantity, scenes, rule),
     };
     let quantity = quantity(name).filter(|_| wanted == table);
-    let values = quantity.map(|quantity| quantity.values(rows)).unwrap_or_default();
+    let about = experiments::find(wanted).filter(|_| !scenes.is_empty()).map(|made| rows.standing_for(made, scenes));
+    let values = quantity.map(|quantity| quantity.values(about.as_ref().unwrap_or(rows))).unwrap_or_default();
     let plain: Vec<f64> = values.iter().map(|value| value.value).collect();
     let (verdict, reason) = if values.is_empty() {
-        (Verdict::NotMeasured, Some(format!("the run has no scene with the rows of {wanted} that it takes")))
+        let scene =
+            if scenes.is_empty() { "scene".to_owned() } else { format!("scene in place of {}", scenes.join(" or ")) };
+        (Verdict::NotMeasured, Some(format!("the run has no {scene} with the rows of {wanted} that it takes")))
     } else if claim.needs_hardware_raster && !on_hardware(rows.run) {
         (Verdict::NotMeasurable, Some("needs times of hardware rasterization, the adapter is software".to_owned()))
     } else if rule.holds(&plain) {

@@ -1,13 +1,19 @@
 //! Quantities that decide claims: functions of a run, by name.
 
+mod abuffer;
 mod accuracy;
 mod memory;
 mod time;
 
 use super::rows::{Rows, SceneRows};
 use super::verdict::SceneValue;
+pub(crate) use abuffer::memory::{formula as abuffer_formula, ledger as abuffer_ledger};
+pub(crate) use abuffer::search::{bounces, efficiency, layers, views};
+pub(crate) use abuffer::{ABUFFER, counted, rays};
 pub(crate) use memory::tiles;
 pub(crate) use time::{MIXES, total_ms};
+
+use abuffer::{beside_dirt, peers, search, variants};
 
 /// Of what a quantity is a value.
 #[derive(Clone, Copy)]
@@ -97,6 +103,61 @@ pub const QUANTITIES: &[Quantity] = &[
     of_scene("tile_acceptance_false_misses", IN_A_MILLION, accuracy::tile_acceptance_false_misses),
     of_scene("one_view_agreement_change", "", accuracy::one_view_agreement_change),
     of_scene("one_layer_agreement_less_dirt", "", accuracy::one_layer_agreement_less_dirt),
+    of_scene("memory_below_abuffer", PERCENT, beside_dirt::memory_below),
+    of_scene("references_beyond_fragments", PERCENT, beside_dirt::references_beyond_fragments),
+    of_scene("build_below_abuffer", PERCENT, beside_dirt::build_below),
+    of_scene("trace_below_abuffer", PERCENT, beside_dirt::trace_below),
+    of_scene("dirt_trace_over_abuffer", "", beside_dirt::trace_over),
+    of_scenes("rank_of_saving_by_fragments", "", beside_dirt::rank_of_saving_by_fragments),
+    of_scenes("dirt_bytes_over_abuffer_where_fewest", "", beside_dirt::bytes_over_abuffer_where_fewest),
+    of_scene("fragments_false_misses_beyond_dirt", IN_A_MILLION, beside_dirt::false_misses_beyond_dirt),
+    of_scene("thickness_closes_and_invents", IN_A_MILLION, beside_dirt::thickness_closes_and_invents),
+    of_scene("froxels_gain_and_leave", IN_A_MILLION, beside_dirt::froxels_gain_and_leave),
+    of_scene("skipping_gain", "", search::skipping_gain),
+    of_scene("same_hits_without_skipping", "", search::same_hits_without_skipping),
+    of_scenes("rank_of_time_by_efficiency", "", search::rank_of_time_by_efficiency),
+    of_scenes("rank_of_build_by_fragments", "", search::rank_of_build_by_fragments),
+    of_scene("layers_of_two_bounces_over_one", "", search::layers_of_two_bounces_over_one),
+    of_scene("views_of_two_bounces_over_one", "", search::views_of_two_bounces_over_one),
+    of_scene("two_bounces_over_one", "", search::two_bounces_over_one),
+    of_scene("more_buckets_trace_where_deep", "", search::more_buckets_trace_where_deep),
+    of_scene("more_buckets_cost", "", search::more_buckets_cost),
+    of_scene("data_nodes_read", "", search::data_nodes_read),
+    of_scene("abuffer_bytes_over_formula", "", abuffer::memory::bytes_over_formula),
+    of_scene("largest_without_buckets_over_least_with", "", abuffer::memory::largest_without_buckets_over_least_with),
+    of_scene("dllb_beyond_llb_over_links", "", abuffer::memory::dllb_beyond_llb_over_links),
+    of_scene("dllb_pixel_bytes_over_textures", "", abuffer::memory::dllb_pixel_bytes_over_textures),
+    of_scene("dllb_id_node_bytes", "bytes", abuffer::memory::dllb_id_node_bytes),
+    of_scene("lbvh_build_over_abuffer", "", peers::lbvh_build_over_abuffer),
+    of_scene("bvh_build_over_abuffer", "", peers::bvh_build_over_abuffer),
+    of_scene("abuffer_trace_over_lbvh", "", peers::trace_over_lbvh),
+    of_scene("abuffer_trace_over_bvh", "", peers::trace_over_bvh),
+    of_scene("least_bvh_total_over_abuffer", "", peers::least_bvh_total_over_abuffer),
+    of_scene("break_even_samples", "samples", peers::break_even_samples),
+    of_scene("abuffer_footprint_agreement", "", peers::footprint_agreement),
+    of_scene("decoupling_gain", PERCENT, variants::decoupling_gain),
+    of_scene("skipping_gain_of_variants", PERCENT, variants::skipping_gain),
+    of_scenes("skipping_speedup_evenness", "", variants::skipping_speedup_evenness),
+    of_scene("decoupling_build_gain", PERCENT, variants::decoupling_build_gain),
+    of_scene("slowest_build_over_fastest", "", variants::slowest_build_over_fastest),
+    of_scene("bucketed_over_others", "", variants::bucketed_over_others),
+    of_scene("dllb_over_fastest_other", "", variants::dllb_over_fastest_other),
+    of_scene("covered_pixels_share", "", variants::covered_pixels_share),
+    of_scene("seven_views_over_one", "", abuffer::views::seven_views_over_one),
+    of_scene("all_layers_over_one", "", abuffer::views::all_layers_over_one),
+    of_scene("one_view_false_misses_beyond", IN_A_MILLION, abuffer::views::one_view_false_misses_beyond),
+    of_scene("one_layer_false_misses_beyond", IN_A_MILLION, abuffer::views::one_layer_false_misses_beyond),
+    of_scene("steps_over_hi_z", "", abuffer::views::steps_over_hi_z),
+    of_scene("sparse_steps_agreement_change", "", abuffer::views::sparse_steps_agreement_change),
+    of_scene("half_resolution_agreement_change", "", abuffer::views::half_resolution_agreement_change),
+    of_scene("resolution_exponent", "", abuffer::views::resolution_exponent),
+    of_scene("off_view_rays_of_six_faces", IN_A_MILLION, abuffer::views::off_view_rays_of_six_faces),
+    of_scene("fragments_beyond_centres_in_eye", PERCENT, abuffer::views::fragments_beyond_centres_in_eye),
+    of_scene("bounds_of_boxes_over_geometry", "", abuffer::views::bounds_of_boxes_over_geometry),
+    of_scene("camera_view_agreement_change", "", abuffer::views::camera_view_agreement_change),
+    of_scene("camera_view_agreement_change_fine", "", abuffer::views::camera_view_agreement_change_fine),
+    of_scene("views_asked_for_at_a_switch", "views", abuffer::views::views_asked_for_at_a_switch),
+    of_scene("halving_above_16_over_best", "", abuffer::views::halving_above_16_over_best),
 ];
 
 /// Finds a quantity by name.
@@ -117,4 +178,24 @@ fn least(values: impl IntoIterator<Item = f64>) -> Option<f64> {
 /// The mean of values, none of none.
 fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// Of ratios that which lies farthest from 1, none of none.
+fn farthest_from_one(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    values.into_iter().max_by(|a, b| a.ln().abs().total_cmp(&b.ln().abs()))
+}
+
+/// Kendall's rank correlation of pairs, from -1 (one falls as the other rises) to 1; pairs that are equal in one count as
+/// neither. None below three pairs, which have no order to speak of.
+fn rank_correlation(pairs: &[[f64; 2]]) -> Option<f64> {
+    let mut sum = 0.0;
+    let mut compared = 0_u32;
+    for (index, one) in pairs.iter().enumerate() {
+        for other in &pairs[..index] {
+            let product = (one[0] - other[0]) * (one[1] - other[1]);
+            sum += if product == 0.0 { 0.0 } else { product.signum() };
+            compared += 1;
+        }
+    }
+    (pairs.len() > 2).then(|| sum / f64::from(compared))
 }

@@ -13,7 +13,7 @@ const MEDIUM_TESSELLATION: f64 = 4.0;
 const CLOSED: f64 = 0.01;
 
 /// How many times as long a trace of a ray set takes in one row as in another.
-fn trace_ratio(one: &TracerRun, other: &TracerRun, rays: &str) -> Option<f64> {
+pub(super) fn trace_ratio(one: &TracerRun, other: &TracerRun, rays: &str) -> Option<f64> {
     time_ratio(&trace(one, rays)?.times, &trace(other, rays)?.times)
 }
 

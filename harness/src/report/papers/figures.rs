@@ -1,5 +1,8 @@
 //! Charts of experiments.
 
+use std::collections::BTreeSet;
+
+use super::measured::{STORAGES, WAYS, variant};
 use crate::papers::{self, Experiment, MIXES, Rows, SceneRows, Shown, host_ms, stored_bytes, total_ms};
 use crate::report::chart::series::{Panel, Series, SeriesChart};
 use crate::report::format::{file_stem, thousands};
@@ -15,7 +18,13 @@ pub(super) fn charts(experiment: &Experiment, rows: &Rows<'_>) -> Vec<SeriesChar
             Shown::Mixes => charts.extend(rows.scenes.iter().map(|scene| mixes(experiment, scene))),
             Shown::OverBuckets => charts.extend(rows.scenes.iter().map(|scene| over_buckets(experiment, scene))),
             Shown::MemoryOverResolution => charts.push(memory_over_resolution(experiment, rows)),
-            Shown::Throughput | Shown::Formula => {}
+            Shown::Variants => charts.push(variants(experiment, rows)),
+            Shown::Throughput
+            | Shown::Formula
+            | Shown::Bounces
+            | Shown::AbufferFormula
+            | Shown::Peers
+            | Shown::ViewsAndLayers => {}
         }
     }
     charts
@@ -136,15 +145,18 @@ fn mixes(experiment: &Experiment, scene: &SceneRows<'_>) -> SeriesChart {
     }
 }
 
-/// Bytes and references over resolution, a line a scene.
+/// Bytes and references or fragments over resolution, a line a tracer and scene.
 fn memory_over_resolution(experiment: &Experiment, rows: &Rows<'_>) -> SeriesChart {
     let steps = resolutions(&rows.scenes);
+    let tracers: BTreeSet<&str> =
+        rows.scenes.iter().flat_map(|scene| &scene.runs).map(|run| run.tracer.name.as_str()).collect();
     let panel = |title: &str, quantity: &str, of: &dyn Fn(&TracerRun) -> Option<f64>| {
-        let lines = rows.scenes.iter().map(|scene| {
-            let at = |image: &[u32; 2]| {
-                scene.runs.iter().find(|run| run.viewpoint.ray_image == *image).and_then(|run| of(run))
-            };
-            Series { label: scene.label.clone(), values: steps.iter().map(at).collect(), dashed: false }
+        let lines = rows.scenes.iter().flat_map(|scene| tracers.iter().map(move |tracer| (scene, *tracer)));
+        let lines = lines.map(|(scene, tracer)| {
+            let at =
+                |image: &[u32; 2]| scene.of_tracer(tracer).find(|run| run.viewpoint.ray_image == *image).and_then(of);
+            let values = steps.iter().map(at).collect();
+            Series { label: scene.label.clone(), values, dashed: tracer == papers::ABUFFER }
         });
         Panel {
             title: title.to_owned(),
@@ -156,14 +168,43 @@ fn memory_over_resolution(experiment: &Experiment, rows: &Rows<'_>) -> SeriesCha
     };
     SeriesChart {
         stem: stem(experiment, ""),
-        title: "DIRT's structure over resolution".to_owned(),
-        subtitle: "tiles of one pixel, one bucket; without hit and shading buffers".to_owned(),
-        key: None,
+        title: "Structures over resolution".to_owned(),
+        subtitle: "one bucket; of DIRT tiles of one pixel, with hit and shading buffers".to_owned(),
+        key: tracers.contains(papers::ABUFFER).then_some(["dirt", papers::ABUFFER]),
         panels: vec![
-            panel("Structure", "bytes used (MiB)", &|run| Some(stored_bytes(run) / MIB)),
-            panel("References stored", "references (millions)", &|run| {
-                Some(papers::statistic(run, "references")? / 1e6)
+            panel("Memory", "bytes used (MiB)", &|run| Some(stored_bytes(run) / MIB)),
+            panel("References or fragments stored", "stored (millions)", &|run| {
+                Some(papers::statistic(run, "references").or_else(|| papers::statistic(run, "fragments"))? / 1e6)
             }),
         ],
+    }
+}
+
+/// Traces of every storage over Figure 12's ways, a panel a scene; none where the rays could not be judged.
+fn variants(experiment: &Experiment, rows: &Rows<'_>) -> SeriesChart {
+    let panels = rows.scenes.iter().map(|scene| {
+        let time = |run: &TracerRun| {
+            let traced = papers::trace(run, experiment.rays).filter(|trace| papers::footprint(trace).is_some())?;
+            host_ms(&traced.times)
+        };
+        let line = |storage: &&str| Series {
+            label: (*storage).to_owned(),
+            values: WAYS.iter().map(|(_, way)| variant(scene, storage, *way).and_then(time)).collect(),
+            dashed: false,
+        };
+        Panel {
+            title: subtitle(scene),
+            setting: "data and skipping".to_owned(),
+            steps: WAYS.map(|(name, _)| name.to_owned()).to_vec(),
+            quantity: "time (ms, host clock)".to_owned(),
+            series: STORAGES.iter().map(line).collect(),
+        }
+    });
+    SeriesChart {
+        stem: stem(experiment, ""),
+        title: "Storages of the A-buffer: plain, decoupled, with skipping".to_owned(),
+        subtitle: format!("{} rays in one view", experiment.rays),
+        key: None,
+        panels: panels.collect(),
     }
 }

@@ -1,0 +1,75 @@
+//! What the benches of papers' tables share: a part of every experiment of a paper in one scene.
+
+use tracebench_api::EndPoint;
+use tracebench_harness::papers::{EXPERIMENTS, Experiment, Step};
+use tracebench_harness::plan::{Plan, RunPreset, SceneSource, TracerRequest, ViewRequest};
+use tracebench_harness::rays::{RAY_SETS, default_parameters, ray_parameters};
+
+use super::common::{self, Failure};
+
+/// The scene.
+const SCENE: &str = "room";
+/// Part of the run preset's triangles that the scene has: on a software adapter a draw takes as long as its triangles do.
+const SCALE: f64 = 0.125;
+/// Samples of every time in the harness's own measurement, at most.
+const MOST_SAMPLES: usize = 3;
+/// Rays of sets that start several from a pixel.
+const RAYS_A_PIXEL: &str = "2";
+
+/// What is left of a paper's experiments.
+pub struct Part {
+    /// The paper's short name.
+    pub paper: &'static str,
+    /// Ray sets that are traced where an experiment has them.
+    pub rays: &'static [&'static str],
+    /// Which steps are taken.
+    pub step: fn(&Step) -> bool,
+    /// Which rows are taken of an experiment.
+    pub row: fn(&Experiment, &TracerRequest) -> bool,
+}
+
+/// Runs every experiment that stands beside published tables, at half the run preset's resolutions and with a part of its
+/// triangles.
+pub fn run(part: &Part) -> Result<(), Failure> {
+    let own = |experiment: &&Experiment| experiment.paper == part.paper && !experiment.published.is_empty();
+    for experiment in EXPERIMENTS.iter().filter(own) {
+        common::run(&experiment.name.replace('-', "_"), |preset| plans(part, experiment, preset))?;
+    }
+    Ok(())
+}
+
+fn plans(part: &Part, experiment: &Experiment, preset: RunPreset) -> Result<Vec<Plan>, Failure> {
+    let known = ray_parameters();
+    let mut parameters = default_parameters();
+    parameters.set(&known, "pixel_random_count", RAYS_A_PIXEL)?;
+    for setting in experiment.settings {
+        let setting = setting.strip_prefix("rays.").and_then(|setting| setting.split_once('='));
+        let (parameter, value) = setting.ok_or_else(|| format!("{} has a setting that is none", experiment.name))?;
+        parameters.set(&known, parameter, value)?;
+    }
+    let wanted = |name: &str| experiment.rays.split(',').any(|rays| rays == name) && part.rays.contains(&name);
+    let half = |edge: u32| edge.div_ceil(2);
+    let base = Plan {
+        scenes: vec![SceneSource::Catalogue(SCENE.to_owned())],
+        tracers: Vec::new(),
+        ray_sets: RAY_SETS.iter().filter(|set| wanted(set.name)).copied().collect(),
+        ray_parameters: parameters,
+        preset: RunPreset {
+            ray_image: preset.ray_image.map(half),
+            frame: preset.frame.map(half),
+            face: half(preset.face),
+            samples: preset.samples.min(MOST_SAMPLES),
+            scene_scale: preset.scene_scale * SCALE,
+            ..preset
+        },
+        view: ViewRequest::Default,
+        time_s: 0.0,
+        seed: 1,
+        end: EndPoint::Hit,
+        table: Some(experiment.name),
+    };
+    let mut steps = experiment.requests();
+    steps.iter_mut().for_each(|step| step.retain(|request| (part.row)(experiment, request)));
+    let plans = experiment.plans(&base, &steps)?.into_iter().zip(experiment.steps);
+    Ok(plans.filter(|(plan, step)| (part.step)(step) && !plan.tracers.is_empty()).map(|(plan, _)| plan).collect())
+}

@@ -1,0 +1,74 @@
+//! Figure 11: beside hierarchies.
+
+use super::{ABUFFER, row};
+use crate::papers::quantities::{greatest, least};
+use crate::papers::rows::{SceneRows, footprint, host_ms, time_ratio, trace};
+use crate::results::TracerRun;
+
+/// The hierarchy built on the device, in place of TRBVH.
+const TRBVH: &str = "lbvh-gpu";
+/// The hierarchy built on the host, in place of SBVH.
+const SBVH: &str = "bvh-gpu";
+
+fn beside<'a>(scene: &SceneRows<'a>, hierarchy: &str) -> Option<[&'a TracerRun; 2]> {
+    Some([row(scene, &[])?, scene.find(hierarchy, &[])?])
+}
+
+/// Build of a hierarchy over that of the A-buffer, by the host's clock.
+fn build_over_abuffer(scene: &SceneRows<'_>, hierarchy: &str) -> Option<f64> {
+    let [abuffer, bvh] = beside(scene, hierarchy)?;
+    Some(host_ms(&bvh.build.times)? / host_ms(&abuffer.build.times)?)
+}
+
+pub(in crate::papers::quantities) fn lbvh_build_over_abuffer(scene: &SceneRows<'_>) -> Option<f64> {
+    build_over_abuffer(scene, TRBVH)
+}
+
+pub(in crate::papers::quantities) fn bvh_build_over_abuffer(scene: &SceneRows<'_>) -> Option<f64> {
+    build_over_abuffer(scene, SBVH)
+}
+
+/// Time of diffuse rays in the A-buffer over that in a hierarchy.
+fn trace_over(scene: &SceneRows<'_>, hierarchy: &str) -> Option<f64> {
+    let [abuffer, bvh] = beside(scene, hierarchy)?;
+    time_ratio(&trace(abuffer, "diffuse")?.times, &trace(bvh, "diffuse")?.times)
+}
+
+pub(in crate::papers::quantities) fn trace_over_lbvh(scene: &SceneRows<'_>) -> Option<f64> {
+    trace_over(scene, TRBVH)
+}
+
+pub(in crate::papers::quantities) fn trace_over_bvh(scene: &SceneRows<'_>) -> Option<f64> {
+    trace_over(scene, SBVH)
+}
+
+/// Build and a trace of diffuse rays, ms by the host's clock.
+fn times(run: &TracerRun) -> Option<[f64; 2]> {
+    Some([host_ms(&run.build.times)?, host_ms(&trace(run, "diffuse")?.times)?])
+}
+
+/// Build and trace of the better hierarchy over those of the A-buffer.
+pub(in crate::papers::quantities) fn least_bvh_total_over_abuffer(scene: &SceneRows<'_>) -> Option<f64> {
+    let ratio = |hierarchy: &&str| {
+        let [abuffer, bvh] = beside(scene, hierarchy)?;
+        Some(times(bvh)?.iter().sum::<f64>() / times(abuffer)?.iter().sum::<f64>())
+    };
+    least([TRBVH, SBVH].iter().filter_map(ratio))
+}
+
+/// Traces a frame from which on the hierarchy that gets there first takes no longer for build and traces; 0 where it builds no
+/// slower or traces no faster, so that there is nothing to repay or nothing to repay it with.
+pub(in crate::papers::quantities) fn break_even_samples(scene: &SceneRows<'_>) -> Option<f64> {
+    let samples = |hierarchy: &&str| {
+        let [abuffer, bvh] = beside(scene, hierarchy)?;
+        let ([own_build, own_trace], [build, trace]) = (times(abuffer)?, times(bvh)?);
+        let repaid = build > own_build && trace < own_trace;
+        Some(if repaid { (build - own_build) / (own_trace - trace) } else { 0.0 })
+    };
+    least([TRBVH, SBVH].iter().filter_map(samples))
+}
+
+/// Footprint agreement of diffuse rays, the best over the rows.
+pub(in crate::papers::quantities) fn footprint_agreement(scene: &SceneRows<'_>) -> Option<f64> {
+    greatest(scene.of_tracer(ABUFFER).filter_map(|run| footprint(trace(run, "diffuse")?)))
+}
