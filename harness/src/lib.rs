@@ -25,5 +25,6 @@ pub mod statistics;
 pub mod sweep;
 pub mod tables;
 pub mod truth;
+pub mod tune;
 pub mod updates;
 pub mod viewpoint;

@@ -68,6 +68,8 @@ pub enum ViewRequest {
     Named(String),
     /// A given pose.
     Given(Pose),
+    /// Another one of the same scene than a request means, by the rule of [`crate::viewpoint::other`].
+    Other(Box<ViewRequest>),
 }
 
 /// Resolutions from which a structure takes its own.

@@ -5,12 +5,11 @@ mod race;
 use tracebench_api::{Geometry, RayBuffer, TracerError};
 use tracebench_scenes::{Camera, Material, Mesh, Scene, SceneError};
 
-use crate::machine;
 use crate::plan::{Plan, Resolution, SceneSource, TracerRequest, ViewRequest};
 use crate::progress::Progress;
 use crate::records;
 use crate::registry::Device;
-use crate::results::{Run, SCHEMA, SceneRecord, Skipped, TracerRun, ViewpointRecord};
+use crate::results::{Provenance, Run, SCHEMA, SceneRecord, Skipped, TracerRun, ViewpointRecord};
 use crate::session::{Contender, RayRequest, Session, SessionError};
 use crate::truth::{Cache, Truth};
 use crate::viewpoint::{self, Pose};
@@ -32,6 +31,14 @@ pub enum RunError {
         name: String,
         /// The names that exist.
         known: String,
+    },
+    /// The scene cannot be seen from elsewhere.
+    #[error("scene {scene} has no other viewpoint than '{own}': nothing is seen from anywhere that the rule finds")]
+    NoOtherView {
+        /// The scene.
+        scene: String,
+        /// The own viewpoint.
+        own: String,
     },
     /// A tracer that was asked for by name cannot do it.
     #[error("{tracer}: {error}")]
@@ -80,12 +87,17 @@ pub fn load_scene(source: &SceneSource, scale: f64) -> Result<Scene, SceneError>
 /// The pose that a request means in a scene.
 ///
 /// # Errors
-/// [`RunError::UnknownView`] for a name that the scene does not have.
+/// [`RunError::UnknownView`] for a name that the scene does not have, [`RunError::NoOtherView`] where there is no other.
 pub fn choose_pose(request: &ViewRequest, scene: &str, cameras: &[Camera], truth: &Truth) -> Result<Pose, RunError> {
     match request {
         ViewRequest::Given(pose) => Ok(pose.clone()),
         ViewRequest::Default => Ok(cameras.first().map_or_else(|| viewpoint::find(truth), Pose::from)),
         ViewRequest::Named(name) => named_pose(name, scene, cameras),
+        ViewRequest::Other(than) => {
+            let own = choose_pose(than, scene, cameras, truth)?;
+            viewpoint::other(&own, cameras, truth)
+                .ok_or_else(|| RunError::NoOtherView { scene: scene.to_owned(), own: own.name })
+        }
     }
 }
 
@@ -204,10 +216,7 @@ pub(crate) fn begin(plans: &[Plan], device: &Device) -> Run {
     let first = plans.first();
     Run {
         schema: SCHEMA,
-        machine: machine::this_machine(adapter),
-        commit: machine::COMMIT.to_owned(),
-        dirty: machine::dirty(),
-        started: machine::utc_now(),
+        provenance: Provenance::now(adapter),
         seed: first.map_or(0, |plan| plan.seed),
         preset: first.map_or("", |plan| plan.preset.name).to_owned(),
         table: first.and_then(|plan| plan.table).map(str::to_owned),

@@ -8,10 +8,14 @@
 //! open of 16 horizontal directions. Otherwise the scene is an object: the eye stands outside, up and to the right in
 //! front of it, far enough that the bounding sphere fits the vertical field of view.
 
+mod other;
+
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use tracebench_api::{Geometry, ViewSet, Viewpoint};
 use tracebench_scenes::Camera;
+
+pub use other::other;
 
 use crate::truth::{Ray64, Truth};
 

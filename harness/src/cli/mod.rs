@@ -1,5 +1,5 @@
 //! The command line: `tracebench adapters | list | run | sweep | table | claims | compare | report | picture | stability |
-//! explain`.
+//! explain | tune`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
 
@@ -14,6 +14,7 @@ mod run;
 mod stability;
 mod sweep;
 mod table;
+mod tune;
 
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -54,7 +55,7 @@ enum Verb {
     Claims(claims::ClaimsArguments),
     /// Hold two runs against each other: what got slower or less accurate, what changed, what only one has.
     Compare(compare::CompareArguments),
-    /// Make every file that derives from a run.json or an updates.json again.
+    /// Make every file that derives from a run.json, an updates.json or a tune.json again.
     Report(run::ReportArguments),
     /// Draw what a tracer sees, or gets wrong, as a PNG.
     Picture(arguments::PictureArguments),
@@ -62,6 +63,8 @@ enum Verb {
     Stability(stability::StabilityArguments),
     /// Tell why a tracer's rays are wrong, by taking its known weaknesses away one after the other.
     Explain(explain::ExplainArguments),
+    /// Show what the choice of a parameter costs: its default beside the values that are best here and elsewhere.
+    Tune(tune::TuneArguments),
 }
 
 /// What ends the program early.
@@ -122,6 +125,7 @@ pub fn main() -> ExitCode {
         Verb::Picture(arguments) => run::picture(arguments, &progress),
         Verb::Stability(arguments) => stability::stability(arguments, &progress),
         Verb::Explain(arguments) => explain::explain(arguments, &progress),
+        Verb::Tune(arguments) => tune::tune(arguments, &progress),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -20,7 +20,7 @@ use crate::{report as reports, runner};
 
 #[derive(Args)]
 pub(super) struct ReportArguments {
-    /// A run.json or an updates.json, or the folder that holds it.
+    /// A run.json, an updates.json or a tune.json, or the folder that holds it.
     path: PathBuf,
 }
 
@@ -149,6 +149,7 @@ pub(super) fn report(arguments: &ReportArguments, progress: &Progress) -> Result
     let written = match reports::read_any(&arguments.path)? {
         Measured::Run(run) => reports::write_derived(&run, &directory)?,
         Measured::Updates(updates) => reports::write_updates_table(&updates, &directory)?,
+        Measured::Tuning(tuning) => reports::write_tuning_derived(&tuning, &directory)?,
     };
     for path in written {
         progress.say(&path.display().to_string());

@@ -44,11 +44,7 @@ pub(super) struct SweepArguments {
 
 impl SweepArguments {
     fn request(&self) -> Result<TracerRequest, CliError> {
-        let mut tracers = names::tracers(&self.tracer, &self.work.common.settings)?;
-        match (tracers.pop(), tracers.as_slice()) {
-            (Some(tracer), []) => Ok(tracer),
-            _ => Err(CliError::Argument(format!("--tracer '{}': a sweep takes one tracer", self.tracer))),
-        }
+        one_tracer(&self.tracer, &self.work.common.settings, "a sweep")
     }
 
     fn matter(&self) -> Result<Matter, CliError> {
@@ -78,6 +74,15 @@ impl SweepArguments {
     }
 }
 
+/// The only tracer that a verb takes.
+pub(super) fn one_tracer(list: &str, settings: &[String], verb: &str) -> Result<TracerRequest, CliError> {
+    let mut tracers = names::tracers(list, settings)?;
+    match (tracers.pop(), tracers.as_slice()) {
+        (Some(tracer), []) => Ok(tracer),
+        _ => Err(CliError::Argument(format!("--tracer '{list}': {verb} takes one tracer"))),
+    }
+}
+
 /// What is swept where nothing is said.
 fn default_axes(request: &TracerRequest) -> String {
     let description = (request.registration.describe)();
@@ -90,7 +95,7 @@ fn default_axes(request: &TracerRequest) -> String {
 }
 
 /// Reads lists like `tile_size,buckets=1,4,8,resolution`: what is no parameter's name is a value of the one before.
-fn axes(request: &TracerRequest, lists: &[String], option: &str) -> Result<Vec<AxisRecord>, CliError> {
+pub(super) fn axes(request: &TracerRequest, lists: &[String], option: &str) -> Result<Vec<AxisRecord>, CliError> {
     let described = (request.registration.describe)().parameters;
     let mut known: Vec<&str> = described.iter().map(|each| each.name).collect();
     known.push(RESOLUTION);

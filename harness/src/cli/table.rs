@@ -66,19 +66,21 @@ fn measure(
 
 /// Makes the table of what was measured before.
 fn again(table: Table, moving: bool, path: &Path, out: Option<&Path>) -> Result<(), CliError> {
+    let open = || match out {
+        Some(out) => OutputFolder::open(out).map(|folder| folder.path),
+        None => Ok(folder_of(path)),
+    };
     // Read before anything is written.
-    let found = if moving {
-        report::Measured::Updates(Box::new(report::read_updates(path)?))
+    let folder = if moving {
+        let updates = report::read_updates(path)?;
+        let folder = open()?;
+        report::write_updates_table(&updates, &folder)?;
+        folder
     } else {
-        report::Measured::Run(Box::new(report::read_run(path)?))
-    };
-    let folder = match out {
-        Some(out) => OutputFolder::open(out)?.path,
-        None => folder_of(path),
-    };
-    match found {
-        report::Measured::Run(run) => report::write_table(table, &run, &folder)?,
-        report::Measured::Updates(updates) => report::write_updates_table(&updates, &folder)?,
+        let run = report::read_run(path)?;
+        let folder = open()?;
+        report::write_table(table, &run, &folder)?;
+        folder
     };
     show(table, &folder)
 }

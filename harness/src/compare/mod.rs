@@ -172,10 +172,10 @@ impl Key {
 pub fn compare(a: (&str, &Run), b: (&str, &Run), threshold: f64) -> Comparison {
     let side = |(path, run): (&str, &Run)| Side {
         path: path.to_owned(),
-        commit: run.commit.clone(),
-        dirty: run.dirty,
-        started: run.started.clone(),
-        machine: run.machine.label(),
+        commit: run.provenance.commit.clone(),
+        dirty: run.provenance.dirty,
+        started: run.provenance.started.clone(),
+        machine: run.provenance.machine.label(),
     };
     let mut comparison = Comparison {
         schema: SCHEMA,
@@ -230,21 +230,21 @@ fn same_rays(a: &TraceRecord, b: &TraceRecord) -> bool {
 /// What differs between the runs as wholes, a sentence each.
 fn differences(a: &Run, b: &Run) -> Vec<String> {
     let adapter = |run: &Run| {
-        let adapter = run.machine.adapter.as_ref();
+        let adapter = run.provenance.machine.adapter.as_ref();
         adapter
             .map_or_else(|| "none".to_owned(), |each| format!("{}, {} {}", each.name, each.driver, each.driver_version))
     };
     let commit = |run: &Run| {
-        let mark = if run.dirty == Some(true) { " with changes" } else { "" };
-        format!("{}{mark}", run.commit)
+        let mark = if run.provenance.dirty == Some(true) { " with changes" } else { "" };
+        format!("{}{mark}", run.provenance.commit)
     };
     let parameters = |run: &Run| serde_json::to_string(&run.ray_parameters).unwrap_or_default();
     let both = [
-        ("processor", a.machine.cpu.clone(), b.machine.cpu.clone()),
-        ("threads", a.machine.threads.to_string(), b.machine.threads.to_string()),
+        ("processor", a.provenance.machine.cpu.clone(), b.provenance.machine.cpu.clone()),
+        ("threads", a.provenance.machine.threads.to_string(), b.provenance.machine.threads.to_string()),
         ("adapter", adapter(a), adapter(b)),
-        ("system", a.machine.os.clone(), b.machine.os.clone()),
-        ("compiler", a.machine.rustc.clone(), b.machine.rustc.clone()),
+        ("system", a.provenance.machine.os.clone(), b.provenance.machine.os.clone()),
+        ("compiler", a.provenance.machine.rustc.clone(), b.provenance.machine.rustc.clone()),
         ("commit", commit(a), commit(b)),
         ("preset", a.preset.clone(), b.preset.clone()),
         ("seed", a.seed.to_string(), b.seed.to_string()),

@@ -184,9 +184,9 @@ fn rows_match_by_content() {
         ["a: room bvh-cpu primary", "b: room bvh-cpu primary"]
     );
     let mut elsewhere = run.clone();
-    elsewhere.machine.threads = 64;
-    elsewhere.machine.adapter = None;
-    elsewhere.commit = "f".repeat(40);
+    elsewhere.provenance.machine.threads = 64;
+    elsewhere.provenance.machine.adapter = None;
+    elsewhere.provenance.commit = "f".repeat(40);
     elsewhere.seed += 1;
     let found = held(&run, &elsewhere);
     let about: Vec<&str> = found.differences.iter().map(|line| line.split(':').next().unwrap()).collect();

@@ -9,7 +9,7 @@ use super::{GIVEN_UP, Ladder, UNEXPLAINED};
 use crate::plan::{Plan, TracerRequest};
 use crate::records;
 use crate::registry::Device;
-use crate::results::{Machine, SceneRecord, Skipped, TracerRecord, ViewpointRecord};
+use crate::results::{Provenance, SceneRecord, Skipped, TracerRecord, ViewpointRecord};
 
 /// The schema that this program writes.
 pub const SCHEMA: u32 = 1;
@@ -19,14 +19,9 @@ pub const SCHEMA: u32 = 1;
 pub struct Explanation {
     /// [`SCHEMA`].
     pub schema: u32,
-    /// Where it ran.
-    pub machine: Machine,
-    /// Commit of the program, or "unknown".
-    pub commit: String,
-    /// Whether the program was built from a changed tree; `None` if unknown.
-    pub dirty: Option<bool>,
-    /// When it began, UTC, ISO 8601.
-    pub started: String,
+    /// Where, by which program and when; its fields stand among these.
+    #[serde(flatten)]
+    pub provenance: Provenance,
     /// Seed of the ray sets.
     pub seed: u64,
     /// Run preset.
@@ -111,10 +106,7 @@ impl Explanation {
         };
         Self {
             schema: SCHEMA,
-            machine: crate::machine::this_machine(device.as_ref().ok().map(|gpu| gpu.listing.clone())),
-            commit: crate::machine::COMMIT.to_owned(),
-            dirty: crate::machine::dirty(),
-            started: crate::machine::utc_now(),
+            provenance: Provenance::now(device.as_ref().ok().map(|gpu| gpu.listing.clone())),
             seed: plan.seed,
             preset: plan.preset.name.to_owned(),
             tracer: records::request_record(request),

@@ -87,7 +87,8 @@ impl Class {
 }
 
 /// A rule by which t is judged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Rule {
     /// Only hit or miss.
     HitMiss,
@@ -98,6 +99,9 @@ pub enum Rule {
 }
 
 impl Rule {
+    /// Every rule.
+    pub const ALL: [Self; 3] = [Self::HitMiss, Self::Tight, Self::Footprint];
+
     /// The name in results.
     pub fn name(self) -> &'static str {
         match self {

@@ -96,7 +96,7 @@ impl JudgedClaim {
 
 /// Whether a run's device times are those of hardware.
 fn on_hardware(run: &Run) -> bool {
-    run.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind != "software")
+    run.provenance.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind != "software")
 }
 
 /// Judges one claim by a run that was made for its table, or is taken for it.
@@ -125,10 +125,10 @@ pub fn judge(claim: &Claim, table: &str, rows: &Rows<'_>) -> JudgedClaim {
     let run = rows.run;
     let measured_by = MeasuredBy {
         table: table.to_owned(),
-        machine: run.machine.label(),
+        machine: run.provenance.machine.label(),
         preset: run.preset.clone(),
-        commit: run.commit.clone(),
-        started: run.started.clone(),
+        commit: run.provenance.commit.clone(),
+        started: run.provenance.started.clone(),
     };
     JudgedClaim {
         claim: claim.clone(),

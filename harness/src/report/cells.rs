@@ -26,8 +26,12 @@ pub(super) fn speed_cells(role: Role, run: &TracerRun, trace: &TraceRecord, judg
 /// Whether anything could be judged, and the cells that tell the accuracy of a trace: three of a closest-hit set, one of
 /// an any-hit set.
 pub(super) fn accuracies(trace: &TraceRecord) -> (bool, Vec<String>) {
-    let trials = metrics::trials(trace);
-    match &trace.judgement {
+    accuracies_of(&trace.judgement, metrics::trials(trace))
+}
+
+/// [`accuracies`] of so many rays that count.
+pub(super) fn accuracies_of(judgement: &Judgement, trials: u64) -> (bool, Vec<String>) {
+    match judgement {
         Judgement::Closest(closest) => (closest.agreement.tight.is_some(), agreements(closest, trials).to_vec()),
         Judgement::Any(any) => (any.occlusion.balanced_accuracy.is_some(), vec![accuracy(&any.occlusion, trials)]),
     }

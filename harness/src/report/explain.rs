@@ -28,13 +28,13 @@ pub fn write_explanation(found: &Explanation, folder: &Path) -> Result<PathBuf, 
 
 /// The page.
 pub fn explanation_page(found: &Explanation) -> String {
-    let dirty = if found.dirty == Some(true) { ", changed tree" } else { "" };
+    let dirty = if found.provenance.dirty == Some(true) { ", changed tree" } else { "" };
     let mut page = format!(
         "# Why rays of {} are wrong\n\n{}\n\nCommit {}{dirty}, {}, run preset {}, seed {}.\n\n",
         inline(&found.tracer.label()),
-        inline(&found.machine.label()),
-        found.commit,
-        found.started,
+        inline(&found.provenance.machine.label()),
+        found.provenance.commit,
+        found.provenance.started,
         found.preset,
         found.seed
     );

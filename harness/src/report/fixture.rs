@@ -6,8 +6,8 @@ use tracebench_api::{AdapterListing, ClockKind, EndPoint, HitBuffer, MemoryEntry
 
 use crate::results::{
     AnyJudgement, BuildRecord, ByRule, Classes, ClosestJudgement, CounterRecord, Headline, Judgement, Machine,
-    MemoryRecord, Occlusion, Percentiles, PhaseRecord, Run, SCHEMA, SceneRecord, Skipped, Times, TraceRecord,
-    TracerRecord, TracerRun, ViewpointRecord, WrongRay,
+    MemoryRecord, Occlusion, Percentiles, PhaseRecord, Provenance, Run, SCHEMA, SceneRecord, Skipped, Times,
+    TraceRecord, TracerRecord, TracerRun, ViewpointRecord, WrongRay,
 };
 use crate::statistics::{median, median_interval, wilson};
 
@@ -73,10 +73,7 @@ pub(crate) fn run(contenders: &[(&str, Quality)], sets: &[(&str, Query)]) -> Run
     let controls = [("oracle", 0.0, 0.0), ("always-miss", 1.0, 0.0), ("always-hit", 0.0, 0.3)];
     Run {
         schema: SCHEMA,
-        machine: machine(),
-        commit: "0123456789abcdef0123456789abcdef01234567".to_owned(),
-        dirty: Some(true),
-        started: "2031-05-06T07:08:09Z".to_owned(),
+        provenance: provenance(),
         seed: 20_260_101,
         preset: "quick".to_owned(),
         table: None,
@@ -90,6 +87,16 @@ pub(crate) fn run(contenders: &[(&str, Quality)], sets: &[(&str, Query)]) -> Run
             rays: None,
             reason: "not available on this machine: the adapter has no ray queries | none".to_owned(),
         }],
+    }
+}
+
+/// Where nothing was measured.
+pub(crate) fn provenance() -> Provenance {
+    Provenance {
+        machine: machine(),
+        commit: "0123456789abcdef0123456789abcdef01234567".to_owned(),
+        dirty: Some(true),
+        started: "2031-05-06T07:08:09Z".to_owned(),
     }
 }
 

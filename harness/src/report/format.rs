@@ -48,6 +48,17 @@ fn percent_decimals(trials: u64) -> usize {
     ((trials.max(1) as f64).log10().ceil() - 2.0).max(2.0) as usize
 }
 
+/// A difference of shares in percentage points, with so many decimals that one ray of `trials` shows; the sign always.
+pub(super) fn points(difference: f64, trials: u64) -> String {
+    if !difference.is_finite() {
+        return NONE.to_owned();
+    }
+    if difference == 0.0 {
+        return "0".to_owned();
+    }
+    format!("{:+.*}", percent_decimals(trials), difference * 100.0)
+}
+
 /// A share with its interval, in percent.
 pub(super) fn percent_with_interval(share: f64, interval: Option<[f64; 2]>, trials: u64) -> String {
     match interval {

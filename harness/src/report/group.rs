@@ -134,28 +134,33 @@ pub(super) fn groups(run: &Run) -> Vec<Group<'_>> {
             }
         }
     }
-    name_stems(&mut groups);
+    let told: Vec<_> =
+        groups.iter().map(|each| [&*each.scene.name, &*each.scene.sha256, &*each.viewpoint.name]).collect();
+    for (group, stem) in groups.iter_mut().zip(stems(&told)) {
+        group.stem = stem;
+    }
     groups
 }
 
-/// The scene's name where that is enough; else with the scene's hash, the viewpoint's name, at last a number.
-fn name_stems(groups: &mut [Group<'_>]) {
-    let plain: Vec<String> = groups.iter().map(|group| format::file_stem(&group.scene.name)).collect();
-    let hashed: Vec<String> = groups
-        .iter()
-        .zip(&plain)
-        .map(|(group, plain)| format!("{plain}-{}", format::file_stem(&format::hash_prefix(&group.scene.sha256))))
-        .collect();
+/// Parts of file names that tell scenes apart, of their names, hashes and viewpoints' names: the scene's name where that is
+/// enough; else with the scene's hash, the viewpoint's name, at last a number.
+pub(super) fn stems(of: &[[&str; 3]]) -> Vec<String> {
+    let plain: Vec<String> = of.iter().map(|[name, ..]| format::file_stem(name)).collect();
+    let hashed = |([_, hash, _], plain): (&[&str; 3], &String)| {
+        format!("{plain}-{}", format::file_stem(&format::hash_prefix(hash)))
+    };
+    let hashed: Vec<String> = of.iter().zip(&plain).map(hashed).collect();
     // Some file systems do not tell capitals from small letters.
     let shared = |names: &[String], name: &str| names.iter().filter(|other| other.eq_ignore_ascii_case(name)).count();
     let mut taken = BTreeSet::new();
-    for (index, group) in groups.iter_mut().enumerate() {
+    let mut stems = Vec::new();
+    for (index, [_, _, viewpoint]) in of.iter().enumerate() {
         let wanted = if shared(&plain, &plain[index]) == 1 {
             plain[index].clone()
         } else if shared(&hashed, &hashed[index]) == 1 {
             hashed[index].clone()
         } else {
-            format!("{}-{}", hashed[index], format::file_stem(&group.viewpoint.name))
+            format!("{}-{}", hashed[index], format::file_stem(viewpoint))
         };
         let mut stem = wanted.clone();
         let mut number = 2;
@@ -163,6 +168,7 @@ fn name_stems(groups: &mut [Group<'_>]) {
             stem = format!("{wanted}-{number}");
             number += 1;
         }
-        group.stem = stem;
+        stems.push(stem);
     }
+    stems
 }

@@ -24,6 +24,7 @@ mod sweep;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod tune;
 mod updates;
 mod verdict;
 
@@ -37,10 +38,12 @@ pub use explain::{explanation_page, write_explanation};
 pub use papers::{claims_text, write_claims};
 pub use stability::{STABILITY_TABLE, matrix as stability_matrix, write as write_stability};
 pub use sweep::SWEEP_PAGE;
+pub use tune::{TUNE_PAGE, tuning_overview, write_tuning, write_tuning_derived};
 pub use updates::{write_updates, write_updates_table};
 
 use crate::results::{Run, SCHEMA};
 use crate::tables::Table;
+use crate::tune::Tuning;
 use crate::updates::Updates;
 
 /// The file that holds everything.
@@ -97,7 +100,7 @@ pub fn write_derived(run: &Run, directory: &Path) -> Result<Vec<PathBuf>, Report
             write(&file.name, &file.contents)?;
         }
     }
-    remove_stale_charts(directory, &paths);
+    remove_stale_charts(directory, &paths, &chart::STEMS);
     Ok(paths)
 }
 
@@ -126,12 +129,12 @@ fn table_files(table: Table, run: &Run) -> Result<Vec<(String, Vec<u8>)>, Report
 }
 
 /// Charts of scenes that only an older run in the same folder had would pass for this one's.
-fn remove_stale_charts(directory: &Path, written: &[PathBuf]) {
+fn remove_stale_charts(directory: &Path, written: &[PathBuf], stems: &[&str]) {
     let entries = fs::read_dir(directory).into_iter().flatten().flatten();
     for path in entries.map(|entry| entry.path()).filter(|path| !written.contains(path)) {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let is_picture = [".svg", ".png"].iter().any(|ending| name.ends_with(ending));
-        if is_picture && chart::STEMS.iter().any(|stem| name.starts_with(stem)) {
+        if is_picture && stems.iter().any(|stem| name.starts_with(stem)) {
             // One that cannot be removed is in nobody's way.
             let _ = fs::remove_file(&path);
         }
@@ -159,6 +162,14 @@ pub fn read_updates(path: &Path) -> Result<Updates, ReportError> {
     read(path, updates::UPDATES_FILE, crate::updates::SCHEMA)
 }
 
+/// Reads a tuned parameter back, from its folder or from the file itself.
+///
+/// # Errors
+/// As [`read_run`].
+pub fn read_tuning(path: &Path) -> Result<Tuning, ReportError> {
+    read(path, tune::TUNE_FILE, crate::tune::SCHEMA)
+}
+
 /// What a folder holds.
 #[derive(Debug)]
 pub enum Measured {
@@ -166,20 +177,23 @@ pub enum Measured {
     Run(Box<Run>),
     /// Structures that follow animations.
     Updates(Box<Updates>),
+    /// A parameter, tuned.
+    Tuning(Box<Tuning>),
 }
 
-/// Reads whichever of the two there is: of a folder that holds both the run, of a file what its name says.
+/// Reads whichever of these there is: of a folder that holds several the first, of a file what its name says.
 ///
 /// # Errors
 /// As [`read_run`].
 pub fn read_any(path: &Path) -> Result<Measured, ReportError> {
-    let is_updates = if path.is_dir() {
-        !path.join(RUN_FILE).exists() && path.join(updates::UPDATES_FILE).exists()
-    } else {
-        path.file_name().is_some_and(|name| name == updates::UPDATES_FILE)
+    let holds = |file: &str| {
+        if path.is_dir() { path.join(file).exists() } else { path.file_name().is_some_and(|name| name == file) }
     };
-    if is_updates {
+    if !holds(RUN_FILE) && holds(updates::UPDATES_FILE) {
         return Ok(Measured::Updates(Box::new(read_updates(path)?)));
+    }
+    if !holds(RUN_FILE) && holds(tune::TUNE_FILE) {
+        return Ok(Measured::Tuning(Box::new(read_tuning(path)?)));
     }
     Ok(Measured::Run(Box::new(read_run(path)?)))
 }

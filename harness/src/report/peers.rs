@@ -216,9 +216,9 @@ fn rows(table: &Table, run: &Run, groups: &[Group<'_>]) -> Vec<Vec<String>> {
                 });
                 let mut row = structure_cells(one, reference);
                 row.extend(trace.map_or_else(|| vec![String::new(); 15], |trace| trace_cells(trace, beside)));
-                let dirty = run.dirty.map_or_else(String::new, |dirty| dirty.to_string());
-                row.extend([table.reference.to_owned(), run.commit.clone(), dirty, run.preset.clone()]);
-                row.push(run.machine.label());
+                let dirty = run.provenance.dirty.map_or_else(String::new, |dirty| dirty.to_string());
+                row.extend([table.reference.to_owned(), run.provenance.commit.clone(), dirty, run.preset.clone()]);
+                row.push(run.provenance.machine.label());
                 row.extend(statistics.iter().map(|name| number(statistic_of(one, name))));
                 let counter =
                     |name: &&String| number(trace.and_then(|trace| trace.counters.get(*name)).map(|each| each.per_ray));

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::markdown::Table;
 use super::{ReportError, chart, files, format};
 use crate::cases;
+use crate::results::Provenance;
 use crate::stability::{Cell, Stability, Verdict, percent};
 
 /// The file that holds everything.
@@ -95,7 +96,7 @@ pub(super) fn knob_value(value: f64) -> String {
 }
 
 fn page(stability: &Stability) -> String {
-    let Stability { machine, commit, dirty, started, .. } = stability;
+    let Provenance { machine, commit, dirty, started } = &stability.provenance;
     let mut text = format!(
         "# Stability\n\n{started}, commit {}. Machine: {}.\n\n![Wrong rays over strength](error_vs_strength.svg)\n\n{}",
         format::commit(commit, *dirty),

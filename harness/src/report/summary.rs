@@ -10,8 +10,8 @@ use super::group::{Group, RaySet, Role};
 use super::markdown::{Table, inline};
 use super::metrics::{self, Metric};
 use super::surfaces;
-use super::verdict;
-use crate::results::{AnyJudgement, Causes, Classes, Judgement, Run, Skipped};
+use super::verdict::{self, Verdict};
+use crate::results::{AnyJudgement, Causes, Classes, Judgement, Provenance, Run, Skipped};
 
 /// How many causes a row names.
 const TOP_CAUSES: usize = 5;
@@ -34,12 +34,26 @@ pub(super) fn summary(run: &Run, groups: &[Group<'_>]) -> String {
 
 /// What holds of the whole run, below a title.
 pub(super) fn head(run: &Run, title: &str) -> String {
+    let mut text = head_of(&run.provenance, &run.preset, run.seed, &verdict::controls(run), title);
+    text += "\n";
+    if run.provenance.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind == "software") {
+        text += "**The adapter is software: accuracy, counters and bytes lead; device times are those of a software \
+                 adapter and say little of hardware.**\n\n";
+    }
+    text += "Times are medians with an order-statistic interval in brackets; shares have 95 % Wilson intervals. Ties, \
+             rays whose truth hangs on rounding, are left out of every share. Each time names its clock; times of \
+             different clocks do not compare. ↑ more is better, ↓ less is better. 1 MiB is 2^20 bytes.\n";
+    text
+}
+
+/// Where, when and of what something was measured, below a title.
+pub(super) fn head_of(from: &Provenance, preset: &str, seed: u64, controls: &Verdict, title: &str) -> String {
     let mut text = format!("# {title}\n\n");
     let mut item = |name: &str, value: String| {
         let _ = writeln!(text, "- {name}: {}", inline(&value));
     };
-    item("Machine", run.machine.label());
-    if let Some(adapter) = &run.machine.adapter {
+    item("Machine", from.machine.label());
+    if let Some(adapter) = &from.machine.adapter {
         let timestamps = if adapter.timestamps { "device timestamps" } else { "no device timestamps" };
         item(
             "Adapter",
@@ -49,30 +63,22 @@ pub(super) fn head(run: &Run, title: &str) -> String {
             ),
         );
     }
-    let memory = run.machine.memory_bytes.map_or_else(|| "unknown".to_owned(), |bytes| format!("{} MiB", mib(bytes)));
-    item("System", format!("{}; memory {memory}; {}", run.machine.os, run.machine.rustc));
-    let tree = match run.dirty {
+    let memory = from.machine.memory_bytes.map_or_else(|| "unknown".to_owned(), |bytes| format!("{} MiB", mib(bytes)));
+    item("System", format!("{}; memory {memory}; {}", from.machine.os, from.machine.rustc));
+    let tree = match from.dirty {
         Some(true) => " with uncommitted changes",
         Some(false) => "",
         None => " (unknown whether the tree was changed)",
     };
-    item("Commit", format!("{}{tree}", run.commit));
-    let preset = match run.preset.as_str() {
+    item("Commit", format!("{}{tree}", from.commit));
+    let preset = match preset {
         "smoke" => "smoke (smoke run: figures only show that things work)",
         other => other,
     };
     item("Preset", preset.to_owned());
-    item("Seed", run.seed.to_string());
-    item("Started", run.started.clone());
-    item("Controls", verdict::controls(run).sentence());
-    text += "\n";
-    if run.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind == "software") {
-        text += "**The adapter is software: accuracy, counters and bytes lead; device times are those of a software \
-                 adapter and say little of hardware.**\n\n";
-    }
-    text += "Times are medians with an order-statistic interval in brackets; shares have 95 % Wilson intervals. Ties, \
-             rays whose truth hangs on rounding, are left out of every share. Each time names its clock; times of \
-             different clocks do not compare. ↑ more is better, ↓ less is better. 1 MiB is 2^20 bytes.\n";
+    item("Seed", seed.to_string());
+    item("Started", from.started.clone());
+    item("Controls", controls.sentence());
     text
 }
 

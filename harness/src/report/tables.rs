@@ -64,11 +64,11 @@ pub(super) fn traces(run: &Run, groups: &[Group<'_>]) -> Result<Vec<u8>, ReportE
             clock_code(trace.times.clock).to_owned(),
             clock_code(one.build.times.clock).to_owned(),
             trace.hits_sha256.clone(),
-            run.commit.clone(),
-            run.dirty.map_or_else(String::new, |dirty| dirty.to_string()),
+            run.provenance.commit.clone(),
+            run.provenance.dirty.map_or_else(String::new, |dirty| dirty.to_string()),
             run.preset.clone(),
             run.seed.to_string(),
-            run.machine.label(),
+            run.provenance.machine.label(),
         ];
         row.extend(metrics::COLUMNS.iter().map(|column| number((column.value)(one, trace))));
         row.extend(maps.row(trace));

@@ -55,7 +55,12 @@ fn derived_files_can_be_made_again() {
 fn the_summary_is_complete() {
     let run = fixture::crowded();
     let summary = summary::summary(&run, &group::groups(&run));
-    for wanted in [run.machine.label(), run.commit.clone(), run.started.clone(), run.seed.to_string()] {
+    for wanted in [
+        run.provenance.machine.label(),
+        run.provenance.commit.clone(),
+        run.provenance.started.clone(),
+        run.seed.to_string(),
+    ] {
         assert!(summary.contains(&wanted), "{wanted}");
     }
     for tracer in run.runs.iter().chain(&run.controls) {

@@ -72,11 +72,11 @@ fn page(updates: &Updates) -> String {
     let mut item = |name: &str, value: &str| {
         let _ = writeln!(text, "- {name}: {}", inline(value));
     };
-    item("Machine", &updates.machine.label());
-    item("Commit", &format::commit(&updates.commit, updates.dirty));
+    item("Machine", &updates.provenance.machine.label());
+    item("Commit", &format::commit(&updates.provenance.commit, updates.provenance.dirty));
     let smoke = if updates.preset == "smoke" { " (smoke run: figures only show that things work)" } else { "" };
     item("Preset", &format!("{}{smoke}", updates.preset));
-    item("Started", &updates.started);
+    item("Started", &updates.provenance.started);
     let _ = writeln!(
         text,
         "\nEvery structure is built over the first frame and follows {} frames, evenly over the animation (to its \
@@ -248,7 +248,7 @@ fn rows(updates: &Updates) -> Vec<Vec<String>> {
             number(over_fresh(&trace.times, beside.map(|fresh| &fresh.times)).map(|slower| 1.0 / slower)),
         ];
         cells.extend(accuracy_columns(trace));
-        cells.extend([updates.commit.clone(), updates.preset.clone(), updates.machine.label()]);
+        cells.extend([updates.provenance.commit.clone(), updates.preset.clone(), updates.provenance.machine.label()]);
         rows.push(cells);
     }
     rows

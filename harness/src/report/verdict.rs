@@ -2,6 +2,7 @@
 
 use crate::controls::Control;
 use crate::results::{Classes, Judgement, Run, TraceRecord, TracerRun, ViewpointRecord};
+use crate::tune::Tuning;
 
 /// What the controls say of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,20 +44,43 @@ pub(super) fn controls(run: &Run) -> Verdict {
 fn problem(run: &Run, control: Control, contender: &TracerRun, trace: &TraceRecord) -> Option<&'static str> {
     // Frame and faces shape structures, not rays; controls have none.
     let pose = |view: &ViewpointRecord| ViewpointRecord { frame: [0; 2], face: 0, ..view.clone() };
-    let beside = |one: &&TracerRun| {
-        one.tracer.name == control.description().name
-            && one.scene == contender.scene
-            && pose(&one.viewpoint) == pose(&contender.viewpoint)
-    };
-    let found = run
-        .controls
-        .iter()
-        .filter(beside)
+    let beside = |one: &&TracerRun| one.scene == contender.scene && pose(&one.viewpoint) == pose(&contender.viewpoint);
+    let rays = (trace.rays.as_str(), trace.rays_sha256.as_str(), trace.count);
+    problem_on(run.controls.iter().filter(beside), control, rays, &trace.judgement)
+}
+
+/// What is wrong with a control on rays (name, hash, number) beside a contender's judgement.
+fn problem_on<'a>(
+    runs: impl Iterator<Item = &'a TracerRun>,
+    control: Control,
+    rays: (&str, &str, u64),
+    judgement: &Judgement,
+) -> Option<&'static str> {
+    let found = runs
+        .filter(|one| one.tracer.name == control.description().name)
         .flat_map(|one| &one.traces)
-        .find(|one| one.rays == trace.rays && one.rays_sha256 == trace.rays_sha256 && one.count == trace.count);
+        .find(|one| (one.rays.as_str(), one.rays_sha256.as_str(), one.count) == rays);
     let Some(found) = found else { return Some("is missing") };
-    let (occluded, free) = hits_and_misses(&trace.judgement);
+    let (occluded, free) = hits_and_misses(judgement);
     control.check(&found.judgement, occluded, free).err().map(|_| "fails")
+}
+
+/// Looks for every control beside every ray set of a tuning, by the same rule.
+pub(super) fn tuning_controls(tuning: &Tuning) -> Verdict {
+    let mut failed = Vec::new();
+    for (scene, view) in tuning.scenes.iter().flat_map(|scene| scene.views.iter().map(move |view| (scene, view))) {
+        for set in &view.sets {
+            let Some(judged) = set.values.iter().find_map(|each| each.judged.as_ref()) else { continue };
+            for control in Control::ALL {
+                let rays = (set.rays.as_str(), set.rays_sha256.as_str(), set.count);
+                if let Some(problem) = problem_on(view.controls.iter(), control, rays, &judged.judgement) {
+                    let (name, place) = (control.description().name, &view.viewpoint.name);
+                    failed.push(format!("{name} {problem} on {} of {}, viewpoint {place}", set.rays, scene.scene.name));
+                }
+            }
+        }
+    }
+    if failed.is_empty() { Verdict::Sound } else { Verdict::Void(failed) }
 }
 
 /// The numbers of rays, without ties, that truth says hit and miss: a property of the rays, whoever traced them.

@@ -3,16 +3,18 @@
 //! docs/results.md describes each field; the schema number changes whenever a field changes its meaning or goes.
 
 mod judgement;
+mod provenance;
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use tracebench_api::{AdapterListing, ClockKind, EndPoint, MemoryEntry, PhaseSample, Query};
+use tracebench_api::{ClockKind, EndPoint, MemoryEntry, PhaseSample, Query};
 
 pub use judgement::{
     AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Headline, Judgement, Occlusion, Percentiles,
     SurfaceJudgement, WrongRay,
 };
+pub use provenance::{Machine, Provenance};
 
 use crate::sweep::SweepRecord;
 
@@ -24,14 +26,9 @@ pub const SCHEMA: u32 = 2;
 pub struct Run {
     /// [`SCHEMA`].
     pub schema: u32,
-    /// Where it ran.
-    pub machine: Machine,
-    /// Commit of the program, or "unknown".
-    pub commit: String,
-    /// Whether the program was built from a changed tree; `None` if unknown.
-    pub dirty: Option<bool>,
-    /// When it began, UTC, ISO 8601.
-    pub started: String,
+    /// Where, by which program and when; its fields stand among these.
+    #[serde(flatten)]
+    pub provenance: Provenance,
     /// Seed of the ray sets.
     pub seed: u64,
     /// Run preset: smoke, quick or paper. Figures of a smoke run only show that things work.
@@ -51,37 +48,6 @@ pub struct Run {
     pub runs: Vec<TracerRun>,
     /// What did not run, and why.
     pub skipped: Vec<Skipped>,
-}
-
-/// The machine.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Machine {
-    /// Processor.
-    pub cpu: String,
-    /// Hardware threads that the program may use.
-    pub threads: usize,
-    /// Main memory, bytes; `None` if unknown.
-    pub memory_bytes: Option<u64>,
-    /// Operating system.
-    pub os: String,
-    /// Compiler that built the program.
-    pub rustc: String,
-    /// The adapter used; `None` if no tracer needed one.
-    pub adapter: Option<AdapterListing>,
-}
-
-impl Machine {
-    /// The machine in one line, for captions.
-    pub fn label(&self) -> String {
-        let adapter = match &self.adapter {
-            None => "no adapter".to_owned(),
-            Some(adapter) if adapter.kind == "software" => {
-                format!("{} (software adapter: times say little of hardware)", adapter.name)
-            }
-            Some(adapter) => adapter.name.clone(),
-        };
-        format!("{}, {} threads; {adapter}", self.cpu, self.threads)
-    }
 }
 
 /// Something that was asked for and did not run.

@@ -8,13 +8,12 @@ use std::sync::Arc;
 use tracebench_api::{Geometry, Gpu, TracerError};
 
 use crate::cases::{Case, Expectation, Probe, Setup, expectation};
-use crate::machine;
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
 use crate::rays::RaySet;
 use crate::records;
 use crate::registry::Device;
-use crate::results::{Judgement, Skipped};
+use crate::results::{Judgement, Provenance, Skipped};
 use crate::runner::RunError;
 use crate::session::{Contender, PreparedRays, Session, SessionError};
 use crate::truth::Truth;
@@ -78,10 +77,7 @@ pub fn run(
     let needs_adapter = requests.iter().any(|request| request.registration.needs_device());
     let mut stability = Stability {
         schema: SCHEMA,
-        machine: machine::this_machine(gpu.filter(|_| needs_adapter).map(|gpu| gpu.listing.clone())),
-        commit: machine::COMMIT.to_owned(),
-        dirty: machine::dirty(),
-        started: machine::utc_now(),
+        provenance: Provenance::now(gpu.filter(|_| needs_adapter).map(|gpu| gpu.listing.clone())),
         counts: requests.iter().all(|request| request.changed.is_empty()),
         cases: Vec::new(),
         skipped,

@@ -6,7 +6,7 @@ use tracebench_api::{Query, TracerError};
 use super::Verdict;
 use crate::cases::expectation::Wrong;
 use crate::cases::{Expectation, Knob};
-use crate::results::{AnyJudgement, ByRule, Causes, Classes, Judgement, Machine, Occlusion, Skipped};
+use crate::results::{AnyJudgement, ByRule, Causes, Classes, Judgement, Occlusion, Provenance, Skipped};
 use crate::session::SessionError;
 
 /// The schema that this program writes.
@@ -17,14 +17,9 @@ pub const SCHEMA: u32 = 1;
 pub struct Stability {
     /// [`SCHEMA`].
     pub schema: u32,
-    /// Where it ran.
-    pub machine: Machine,
-    /// Commit of the program, or "unknown".
-    pub commit: String,
-    /// Whether the program was built from a changed tree; `None` if unknown.
-    pub dirty: Option<bool>,
-    /// When it began, UTC, ISO 8601.
-    pub started: String,
+    /// Where, by which program and when; its fields stand among these.
+    #[serde(flatten)]
+    pub provenance: Provenance,
     /// Whether verdicts count: no parameter was changed.
     pub counts: bool,
     /// The cases.

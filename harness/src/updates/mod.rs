@@ -13,13 +13,12 @@ use tracebench_scenes::Scene;
 
 pub use record::{FRESH_BUILD, SCHEMA, SceneUpdates, UpdateRow, Updates};
 
-use crate::machine;
 use crate::peers::Table;
 use crate::plan::{Plan, TracerRequest};
 use crate::progress::Progress;
 use crate::records;
 use crate::registry::Device;
-use crate::results::{Skipped, TracerRecord, TracerRun};
+use crate::results::{Provenance, Skipped, TracerRecord, TracerRun};
 use crate::runner::{self, Entry, LoadedScene, RunError};
 use crate::session::Contender;
 use crate::truth::Cache;
@@ -78,10 +77,7 @@ pub fn execute(
     let mut updates = Updates {
         schema: SCHEMA,
         table: table.name.to_owned(),
-        machine: machine::this_machine(gpu.filter(|_| needs_adapter).map(|gpu| gpu.listing.clone())),
-        commit: machine::COMMIT.to_owned(),
-        dirty: machine::dirty(),
-        started: machine::utc_now(),
+        provenance: Provenance::now(gpu.filter(|_| needs_adapter).map(|gpu| gpu.listing.clone())),
         seed: plan.seed,
         preset: plan.preset.name.to_owned(),
         ray_parameters: records::json_values(&plan.ray_parameters),

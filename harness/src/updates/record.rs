@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::results::{
-    Machine, MemoryRecord, SceneRecord, Skipped, Times, TraceRecord, TracerRecord, TracerRun, ViewpointRecord,
+    MemoryRecord, Provenance, SceneRecord, Skipped, Times, TraceRecord, TracerRecord, TracerRun, ViewpointRecord,
 };
 
 /// The schema that this program writes and reads.
@@ -21,14 +21,9 @@ pub struct Updates {
     pub schema: u32,
     /// The table that it was made for.
     pub table: String,
-    /// Where it ran.
-    pub machine: Machine,
-    /// Commit of the program, or "unknown".
-    pub commit: String,
-    /// Whether the program was built from a changed tree; `None` if unknown.
-    pub dirty: Option<bool>,
-    /// When it began, UTC, ISO 8601.
-    pub started: String,
+    /// Where, by which program and when; its fields stand among these.
+    #[serde(flatten)]
+    pub provenance: Provenance,
     /// Seed of the ray sets.
     pub seed: u64,
     /// Run preset.

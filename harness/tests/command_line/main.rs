@@ -8,6 +8,7 @@ mod stability;
 mod surfaces;
 mod sweeps;
 mod tables;
+mod tunings;
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;

@@ -180,7 +180,7 @@ fn outputs_that_cannot_be_written() {
         ("cut.json", "{\"schema\": 1, \"mach", "JSON"),
         ("other.json", "{\"schema\": 99}", "99"),
         ("none.json", "{}", "schema"),
-        ("fields.json", "{\"schema\": 2}", "machine"),
+        ("fields.json", "{\"schema\": 2}", "missing field"),
     ] {
         std::fs::write(bench.path(name), text).unwrap();
         bench.fails(&["report", name], 1, &[name, part]);

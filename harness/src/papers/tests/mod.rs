@@ -267,14 +267,14 @@ fn rasterization_is_timed_on_hardware_alone() {
     }
     let software = run_of(runs);
     let mut hardware = software.clone();
-    hardware.machine.adapter.as_mut().unwrap().kind = "discrete".to_owned();
+    hardware.provenance.machine.adapter.as_mut().unwrap().kind = "discrete".to_owned();
     let judged = |run: &Run| judge(&claim, "dirt-figure10", &Rows::of(run));
     let (here, there) = (judged(&software), judged(&hardware));
     assert_eq!((here.verdict, there.verdict), (Verdict::NotMeasurable, Verdict::Holds));
     assert!(here.values == there.values && (here.median.unwrap() - 2.0).abs() < 1e-9);
     hardware.runs.iter_mut().for_each(|run| run.build.times.median_ms = 10.0);
     assert_eq!(judged(&hardware).verdict, Verdict::DoesNotHold);
-    hardware.machine.adapter = None;
+    hardware.provenance.machine.adapter = None;
     assert_eq!(judged(&hardware).verdict, Verdict::NotMeasurable);
 }
 

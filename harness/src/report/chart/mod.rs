@@ -4,6 +4,7 @@ mod axis;
 mod canvas;
 mod frame;
 mod palette;
+mod plot;
 pub(super) mod series;
 mod speed;
 mod strength;
@@ -11,6 +12,7 @@ mod sweep;
 #[cfg(test)]
 mod tests;
 mod tolerance;
+mod tune;
 
 use tracebench_api::Query;
 
@@ -19,8 +21,9 @@ use super::format;
 use super::group::{Group, RaySet};
 use super::sweep::View;
 use super::verdict::{self, Verdict};
-use crate::results::{Run, TracerRun};
+use crate::results::{Provenance, Run, TracerRun};
 use crate::stability::Stability;
+use crate::tune::Tuning;
 use canvas::{DrawError, Figure};
 
 /// The most characters of a scene's name in a title.
@@ -29,6 +32,9 @@ const LONGEST_NAME: usize = 32;
 const LONGEST_SET: usize = 16;
 /// The most characters of a tracer's name in a legend.
 const LONGEST_TRACER: usize = 64;
+
+/// The most characters of a parameter's name or value.
+const LONGEST_VALUE: usize = 32;
 
 /// What the names of the charts' files begin with.
 pub(super) const STEMS: [&str; 4] = ["error_vs_speed_", "agreement_over_tolerance_", super::sweep::STEM, "figure_"];
@@ -73,6 +79,15 @@ pub(super) fn sweep_charts(run: &Run, views: &[View<'_>]) -> Result<Vec<ChartFil
     Ok(files)
 }
 
+/// The charts of a tuned parameter, one a scene by the names given.
+pub(super) fn tune_charts(tuning: &Tuning, stems: &[String]) -> Result<Vec<ChartFile>, ReportError> {
+    let mut files = Vec::new();
+    for (scene, stem) in tuning.scenes.iter().zip(stems) {
+        draw(stem, &tune::TuneFigure::new(tuning, scene), &mut files)?;
+    }
+    Ok(files)
+}
+
 fn draw(stem: &str, figure: &impl Figure, files: &mut Vec<ChartFile>) -> Result<(), ReportError> {
     let fail = |name: &str, error: DrawError| ReportError::Made { what: name.to_owned(), reason: error.to_string() };
     let name = format!("{stem}.svg");
@@ -113,9 +128,9 @@ fn caption(run: &Run, group: &Group<'_>) -> String {
         [clock] => format!("; clock: {clock}"),
         several => format!("; clocks: {} (times of different clocks do not compare)", several.join(", ")),
     };
-    let commit = format::commit(&run.commit, run.dirty);
+    let commit = format::commit(&run.provenance.commit, run.provenance.dirty);
     // The machine last: its name is the one that can be too long for the page.
-    let machine = run.machine.label();
+    let machine = run.provenance.machine.label();
     format!("Commit {commit}; preset {}{smoke}; {samples}{clocks}. Machine: {machine}.", run.preset)
 }
 
@@ -129,6 +144,18 @@ fn clocks(group: &Group<'_>) -> Vec<&'static str> {
         }
     }
     clocks
+}
+
+/// Where and by what figures were made that are no times.
+fn untimed_caption(from: &Provenance, preset: &str) -> String {
+    let smoke = if preset == "smoke" { " (figures only show that things work)" } else { "" };
+    let commit = format::commit(&from.commit, from.dirty);
+    format!("Commit {commit}; preset {preset}{smoke}. Machine: {}.", from.machine.label())
+}
+
+fn name_with_unit(name: &str, unit: &str) -> String {
+    let name = cut(name, LONGEST_VALUE);
+    if unit.is_empty() { name } else { format!("{name} ({unit})") }
 }
 
 /// A panel's title.

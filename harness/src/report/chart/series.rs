@@ -6,8 +6,8 @@ use super::axis::{LogAxis, labels, log_range};
 use super::canvas::{Canvas, Drawn, Figure, register};
 use super::frame::{Entry, Frame, Rect, Sample};
 use super::palette::{GREY, Shape, Style, Styles};
-use super::{ChartFile, LONGEST_TRACER, cut, draw};
-use crate::report::{ReportError, format};
+use super::{ChartFile, LONGEST_TRACER, cut, draw, untimed_caption};
+use crate::report::ReportError;
 use crate::results::Run;
 
 const FILLED: f64 = 4.0;
@@ -86,9 +86,7 @@ impl<'a> SeriesFigure<'a> {
             let entry = |sample, label: &str| Entry { sample, label: label.to_owned() };
             vec![entry(Sample::Line(grey), solid), entry(Sample::Hollow(grey), &format!("{dashed} (dashed)"))]
         });
-        let smoke = if run.preset == "smoke" { " (figures only show that things work)" } else { "" };
-        let commit = format::commit(&run.commit, run.dirty);
-        let caption = format!("Commit {commit}; preset {}{smoke}. Machine: {}.", run.preset, run.machine.label());
+        let caption = untimed_caption(&run.provenance, &run.preset);
         let titles = [chart.title.clone(), chart.subtitle.clone()];
         let frame = Frame::new(chart.panels.len(), titles, &caption, key, legend);
         Self { frame, panels: &chart.panels, styles }

@@ -71,8 +71,8 @@ impl StrengthFigure {
             "Wrong rays over the strength of one difficulty".to_owned(),
             "From left to right harder; ties are left out".to_owned(),
         ];
-        let commit = format::commit(&stability.commit, stability.dirty);
-        let caption = format!("Commit {commit}. Machine: {}.", stability.machine.label());
+        let commit = format::commit(&stability.provenance.commit, stability.provenance.dirty);
+        let caption = format!("Commit {commit}. Machine: {}.", stability.provenance.machine.label());
         let frame = Frame::new(panels.len(), titles, &caption, key, legend.collect());
         Self { frame, panels }
     }

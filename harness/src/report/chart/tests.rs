@@ -131,7 +131,7 @@ fn many_ray_sets() {
 #[test]
 fn odd_figures_and_long_texts() {
     let mut run = fixture::typical();
-    run.machine.cpu = "a processor whose maker spared no word ".repeat(20);
+    run.provenance.machine.cpu = "a processor whose maker spared no word ".repeat(20);
     run.runs[0].scene.name = "scene & <name> ".repeat(30);
     run.runs[1].scene = run.runs[0].scene.clone();
     run.runs[1].tracer.name = "tracer".repeat(60);

@@ -73,7 +73,7 @@ pub(super) fn table(run: &Run, sweep: &SweepRecord, views: &[View<'_>]) -> Resul
                 }
                 None => row.extend(vec![String::new(); 5]),
             }
-            row.extend([run.commit.clone(), run.preset.clone(), run.machine.label()]);
+            row.extend([run.provenance.commit.clone(), run.preset.clone(), run.provenance.machine.label()]);
             row.extend(metrics::COLUMNS.iter().map(|column| {
                 cell.measured.map_or_else(String::new, |(one, trace)| number((column.value)(one, trace)))
             }));

@@ -6,8 +6,10 @@ use tempfile::TempDir;
 use tracebench_api::{ClockKind, Query};
 
 use crate::report::fixture::{self, Quality};
+use crate::report::format::percent_with_interval;
 use crate::report::{read_run, write_derived, write_run};
 use crate::results::{Judgement, Run};
+use crate::statistics::wilson;
 use crate::sweep::{AxisRecord, PointRecord, RESOLUTION, SweepRecord};
 
 /// An axis: name, own value, values.
@@ -166,6 +168,33 @@ fn files_can_be_made_again() {
     let paths = write_derived(&run, elsewhere.path()).unwrap();
     assert!(paths.iter().all(|path| !path.to_string_lossy().contains("sweep")));
     assert!(!elsewhere.path().join("sweep_room_buckets_diffuse.svg").exists());
+}
+
+/// Proves that every agreement stands with its Wilson interval, on the page and in the table: the one that shares and rays give,
+/// so that a reader sees whether it changes along the axis.
+#[test]
+fn agreements_have_their_intervals() {
+    let run = sweep_run(&[RESOLUTIONS], &SETS[..1], false);
+    let folder = TempDir::new().unwrap();
+    write_run(&run, folder.path()).unwrap();
+    let page = std::fs::read_to_string(folder.path().join("sweep.md")).unwrap();
+    let rows = rows(&folder);
+    assert_eq!(rows.len(), 2);
+    for row in &rows {
+        for rule in ["hit_miss", "tight", "footprint"] {
+            let number = |name: String| row[&name].parse::<f64>().unwrap();
+            let share = number(format!("agreement_{rule}_share"));
+            let trials = number("count_rays".to_owned()) - number("ties_rays".to_owned());
+            let expected = wilson((share * trials).round() as u64, trials as u64).unwrap();
+            let ends = ["low", "high"].map(|end| number(format!("agreement_{rule}_{end}_share")));
+            assert_eq!(ends, expected, "{rule}");
+            let text = percent_with_interval(share, Some(expected), trials as u64);
+            let line = format!("| {}", row["value"]);
+            assert!(page.lines().any(|each| each.starts_with(&line) && each.contains(&text)), "{text}: {page}");
+        }
+    }
+    let tight = |row: usize| rows[row]["agreement_tight_low_share"].clone();
+    assert!(tight(0) != tight(1), "the points differ");
 }
 
 /// Proves that of rays that are all ties no speed is told.

@@ -1,0 +1,138 @@
+//! `tune`.
+
+use clap::Args;
+
+use super::arguments::{Matter, WorkArguments};
+use super::output::print;
+use super::run::{Work, say_skipped};
+use super::sweep::{axes, one_tracer};
+use super::{CliError, names};
+use crate::judge::Rule;
+use crate::plan::TracerRequest;
+use crate::progress::Progress;
+use crate::report;
+use crate::sweep::{AxisRecord, RESOLUTION};
+use crate::truth::Cache;
+use crate::tune::Tune;
+
+/// The tracer that is tuned where none is named: one with a thickness to choose.
+const TRACER: &str = "fragment-abuffer";
+
+#[derive(Args)]
+pub(super) struct TuneArguments {
+    /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. `all`: every listed one.
+    #[arg(long, default_value = "all")]
+    scene: String,
+    /// The tracer: NAME, NAME:PRESET or NAME@PARAMETER=VALUE.
+    #[arg(long, default_value = TRACER)]
+    tracer: String,
+    /// Ray sets: names from `list rays` with commas, or all.
+    #[arg(long, default_value = "specular,diffuse")]
+    rays: String,
+    /// The parameter, with the values of `list tracers` or with others (NAME=V,V,...); the preset's is always among them.
+    #[arg(long, value_name = "P[=V,V...]", default_value = "thickness", allow_hyphen_values = true)]
+    over: String,
+    /// The rule by which the best value is chosen; any-hit sets are judged by balanced accuracy.
+    #[arg(long, default_value = Rule::Footprint.name(), value_parser = Rule::ALL.map(Rule::name))]
+    rule: String,
+    #[command(flatten)]
+    work: WorkArguments,
+}
+
+impl TuneArguments {
+    fn request(&self) -> Result<TracerRequest, CliError> {
+        one_tracer(&self.tracer, &self.work.common.settings, "tune")
+    }
+
+    fn matter(&self) -> Result<Matter, CliError> {
+        Ok(Matter {
+            scenes: names::scenes(&self.scene)?,
+            tracers: vec![self.request()?],
+            ray_sets: names::ray_sets(&self.rays)?,
+            table: None,
+        })
+    }
+
+    fn rule(&self) -> Result<Rule, CliError> {
+        let found = Rule::ALL.into_iter().find(|rule| rule.name() == self.rule);
+        found.ok_or_else(|| names::unknown("rule", &self.rule, &Rule::ALL.map(Rule::name)))
+    }
+
+    fn axis(&self, request: &TracerRequest) -> Result<AxisRecord, CliError> {
+        let mut found = axes(request, std::slice::from_ref(&self.over), "--over")?;
+        let (Some(axis), []) = (found.pop(), found.as_slice()) else {
+            return Err(CliError::Argument(format!("--over '{}': tune takes one parameter", self.over)));
+        };
+        let name = &axis.name;
+        let why = if name == RESOLUTION {
+            format!("--over {name}: more is better, nobody has to tune it; `sweep` shows what it costs")
+        } else if request.changed.contains(name) {
+            format!("--over {name}: it is set already, and its default is what the preset says; leave it to tune")
+        } else if axis.values.len() < 2 {
+            format!("--over {name}: there is nothing to choose beside {}; give values as {name}=V,V,...", axis.own)
+        } else {
+            return Ok(axis);
+        };
+        Err(CliError::Argument(why))
+    }
+}
+
+pub(super) fn tune(arguments: &TuneArguments, progress: &Progress) -> Result<(), CliError> {
+    // Arguments are checked before any device or file is touched.
+    let request = arguments.request()?;
+    let (axis, rule) = (arguments.axis(&request)?, arguments.rule()?);
+    if arguments.work.samples.is_some() {
+        return Err(CliError::Argument("--samples: tune takes no times; `sweep` does".to_owned()));
+    }
+    let work = Work::prepare(&arguments.work, || arguments.matter(), progress)?;
+    let measured = Tune::new(&work.plan, &request, axis, rule)
+        .map_err(|error| CliError::Argument(format!("--over: {error}")))
+        .and_then(|tune| Ok(tune.execute(&work.device, &Cache::of_user(), progress)?));
+    let tuning = measured.inspect_err(|_| work.out.abandon())?;
+    say_skipped(&tuning.skipped, progress);
+    report::write_tuning(&tuning, &work.out.path)?;
+    let page = work.out.path.join(report::TUNE_PAGE);
+    print(&format!("{}\n{}\n", report::tuning_overview(&tuning), page.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser as _;
+
+    use super::*;
+
+    #[derive(clap::Parser)]
+    struct Line {
+        #[command(flatten)]
+        tune: TuneArguments,
+    }
+
+    fn axis(arguments: &[&str]) -> Result<AxisRecord, CliError> {
+        let line = Line::try_parse_from([&["tune"], arguments].concat()).unwrap();
+        line.tune.axis(&line.tune.request()?)
+    }
+
+    /// Proves that one parameter is tuned, by the values of its description unless others are given, round the preset's value,
+    /// and that anything else is refused with what to do.
+    #[test]
+    fn one_parameter_round_its_default() {
+        let found = axis(&[]).unwrap();
+        assert!(found.name == "thickness" && found.values.len() > 5 && found.values.contains(&found.own), "{found:?}");
+        let found = axis(&["--tracer", "screen-dda", "--over", "thickness=0.3,0.1"]).unwrap();
+        assert_eq!((found.values.join(" ").as_str(), found.own.as_str()), ("0.005 0.1 0.3", "0.005"));
+        for (arguments, part) in [
+            (&["--over", "thickness,start_bias"][..], "one parameter"),
+            (&["--over", "resolution"], "sweep"),
+            (&["--tracer", "screen-dda", "--over", "thickness=0.005"], "nothing to choose"),
+            (&["--over", "thicknes"], "'thickness'"),
+            (&["--over", "thickness=-1"], "a number from 0"),
+            (&["--tracer", "screen-dda@thickness=0.1"], "set already"),
+            (&["--tracer", "screen-dda", "--set", "screen-dda.thickness=0.1"], "set already"),
+            (&["--tracer", "dirt"], "no parameter of dirt"),
+            (&["--tracer", "all"], "one tracer"),
+        ] {
+            let message = axis(arguments).map_or_else(|error| error.to_string(), |_| String::new());
+            assert!(message.contains(part), "{arguments:?}: {message}");
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! A sweep: memory, build, trace and error over the values of one parameter, in small panels.
+//!
+//! One curve has one error panel with every rule in it; the curves of a grid have a panel a rule.
+
+mod panels;
+#[cfg(test)]
+mod tests;
+
+use plotters::prelude::DrawingBackend;
+
+use super::canvas::{Canvas, Drawn, Figure, register};
+use super::frame::{Entry, Frame, Sample};
+use super::palette::{GREY, INK, SHADE, Shape, Style, Styles};
+use super::plot::{Panel, Places, Values, draw_panel};
+use super::{LONGEST_VALUE, caption, cut, name_with_unit, panel_title, titles};
+use crate::report::sweep::{Curve, View};
+use crate::results::Run;
+use crate::sweep::RESOLUTION;
+use panels::{Rule, build, error_panel, errors, memory, rules, speed};
+
+const PLOT_HEIGHT: f64 = 190.0;
+
+/// The chart.
+#[derive(Debug)]
+pub(super) struct SweepFigure {
+    frame: Frame,
+    panels: Vec<Panel>,
+    values: Values,
+    /// The place of the tracer's own value.
+    own: Option<usize>,
+}
+
+impl SweepFigure {
+    /// Takes what it shows from a view.
+    pub(super) fn new(run: &Run, view: &View<'_>) -> Self {
+        // Texts are measured while the figure is laid out; a font that fails is reported when it is drawn.
+        let _ = register();
+        let rules = rules(view.set.query);
+        let alone = view.other.is_none();
+        let curve_styles = Styles::of_labels(view.curves.iter().map(curve_label));
+        let style_of = |curve: &Curve<'_>| {
+            if alone { Style { colour: INK, shape: Shape::Circle } } else { curve_styles.get(&curve_label(curve)) }
+        };
+        let rule_styles = Styles::of_labels(rules.iter().map(|(name, _)| (*name).to_owned()));
+        let mut panels = vec![memory(view, style_of), build(view, style_of), speed(view, style_of)];
+        if alone {
+            let series = rules.iter().flat_map(|rule| {
+                view.curves.iter().map(|curve| errors(view, curve, rule, rule_styles.get(rule.0))).collect::<Vec<_>>()
+            });
+            panels.push(error_panel(view, "wrong rays", rules, series.collect()));
+        } else {
+            for rule in rules {
+                let series = view.curves.iter().map(|curve| errors(view, curve, rule, style_of(curve)));
+                let title = format!("wrong rays: {}", rule.0);
+                panels.push(error_panel(view, &title, std::slice::from_ref(rule), series.collect()));
+            }
+        }
+        let skipped = |value: &String| {
+            let cells = || view.curves.iter().flat_map(|curve| &curve.cells).filter(|cell| cell.value == value);
+            cells().next().is_some() && cells().all(|cell| cell.measured.is_none())
+        };
+        let values = &view.axis.values;
+        let labels = values.iter().map(|value| cut(value, LONGEST_VALUE)).collect();
+        let name = name_with_unit(&view.axis.name, &view.axis.unit);
+        Self {
+            frame: frame(run, view, panels.len(), legend(view, rules, &rule_styles, &curve_styles)),
+            values: Values::even(name, values, labels, values.iter().map(skipped).collect()),
+            own: values.iter().position(|value| *value == view.axis.own),
+            panels,
+        }
+    }
+}
+
+fn curve_label(curve: &Curve<'_>) -> String {
+    curve.other.unwrap_or_default().to_owned()
+}
+
+fn legend(view: &View<'_>, rules: &[Rule], rule_styles: &Styles, curve_styles: &Styles) -> Vec<Entry> {
+    match view.other {
+        None => {
+            let entry = |rule: &Rule| Entry { sample: Sample::Line(rule_styles.get(rule.0)), label: rule.0.to_owned() };
+            rules.iter().map(entry).collect()
+        }
+        Some(other) => {
+            let label = |curve: &Curve<'_>| {
+                let own = if curve.other == Some(&other.own) { " (own)" } else { "" };
+                format!("{}={}{own}", other.name, cut(curve.other.unwrap_or_default(), LONGEST_VALUE))
+            };
+            let entry =
+                |curve| Entry { sample: Sample::Line(curve_styles.get(&curve_label(curve))), label: label(curve) };
+            view.curves.iter().map(entry).collect()
+        }
+    }
+}
+
+fn frame(run: &Run, view: &View<'_>, panels: usize, legend: Vec<Entry>) -> Frame {
+    let what = match &run.sweep {
+        Some(sweep) => format!("{} over {}", cut(&sweep.tracer, LONGEST_VALUE), cut(&view.axis.name, LONGEST_VALUE)),
+        None => cut(&view.axis.name, LONGEST_VALUE),
+    };
+    let [title, subtitle] = titles(&what, run, view.group);
+    let void = if subtitle.starts_with("VOID") { "VOID, CONTROLS FAIL: " } else { "" };
+    let subtitle = format!(
+        "{void}{}; viewpoint {}; shaded: the tracer's own value",
+        panel_title(view.set),
+        cut(&view.group.viewpoint.name, LONGEST_VALUE)
+    );
+    let grey = Style { colour: GREY, shape: Shape::Circle };
+    let mut key = vec![Entry { sample: Sample::Hollow(grey), label: "memory: of it used".to_owned() }];
+    key.push(Entry { sample: Sample::Dashes, label: "control".to_owned() });
+    let bars = "95 % interval of the error, order-statistic intervals of the times";
+    key.push(Entry { sample: Sample::Bars, label: bars.to_owned() });
+    let others = others(run, view);
+    let caption = format!("{others}{}", caption(run, view.group));
+    Frame::in_columns(if panels > 4 { 3 } else { 2 }, PLOT_HEIGHT, panels, [title, subtitle], &caption, key, legend)
+}
+
+/// The parameters that are not along the axes.
+fn others(run: &Run, view: &View<'_>) -> String {
+    let point = run.sweep.as_ref().and_then(|sweep| sweep.points.first());
+    let along = |name: &str| name == view.axis.name || view.other.is_some_and(|other| other.name == name);
+    let value = |value: &serde_json::Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+    let parameters = point.into_iter().flat_map(|point| &point.parameters).filter(|(name, _)| !along(name));
+    let parts: Vec<_> = parameters.map(|(name, v)| format!("{name}={}", cut(&value(v), LONGEST_VALUE))).collect();
+    let size = point.filter(|_| !along(RESOLUTION)).map(|point| {
+        let [width, height] = point.frame;
+        format!("frame {width}×{height}, faces {}", point.face)
+    });
+    match (parts.join(", "), size) {
+        (parts, None) if parts.is_empty() => String::new(),
+        (parts, None) => format!("Others: {parts}. "),
+        (parts, Some(size)) if parts.is_empty() => format!("Others: {size}. "),
+        (parts, Some(size)) => format!("Others: {parts}; {size}. "),
+    }
+}
+
+impl Figure for SweepFigure {
+    fn size(&self) -> (f64, f64) {
+        self.frame.size()
+    }
+
+    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
+        self.frame.draw(canvas)?;
+        for (index, panel) in self.panels.iter().enumerate() {
+            let places = Places::new(self.frame.panel(index), &self.values, &panel.scale);
+            if let Some(own) = self.own {
+                let (half, rect) = (places.column() / 2.0, places.rect);
+                canvas.fill((places.x(own) - half, rect.top), (places.x(own) + half, rect.bottom), SHADE)?;
+            }
+            draw_panel(canvas, panel, &self.values, &places)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,130 @@
+//! Charts of sweeps that were made up.
+
+use tracebench_api::{ClockKind, Query};
+
+use super::super::sweep_charts;
+use super::super::tests::{check_png, check_svg};
+use super::*;
+use crate::report::fixture::{self, Quality};
+use crate::report::group::groups;
+use crate::report::sweep::tests::{Swept, sweep_run};
+use crate::report::sweep::views;
+use crate::results::Judgement;
+
+/// Draws every chart of a sweep, looks at each, and gives their names and SVGs.
+fn check(run: &Run) -> Vec<(String, String)> {
+    let groups = groups(run);
+    let files = sweep_charts(run, &views(run.sweep.as_ref().unwrap(), &groups)).unwrap();
+    let mut drawn = Vec::new();
+    for file in files {
+        if file.name.ends_with(".svg") {
+            let svg = String::from_utf8(file.contents).unwrap();
+            check_svg(&file.name, &svg);
+            drawn.push((file.name, svg));
+        } else {
+            check_png(&file.name, &file.contents);
+        }
+    }
+    drawn
+}
+
+const SETS: [(&str, Query); 2] = [("diffuse", Query::Closest), ("ao", Query::Any)];
+const BUCKETS: Swept = ("buckets", "24", &["1", "4", "8", "16", "24", "32", "40"]);
+const RESOLUTIONS: Swept = (RESOLUTION, "1", &["1/4", "1/2", "1", "2"]);
+const CLIPS: Swept = ("clip", "polygon", &["polygon", "plane"]);
+
+/// A chart for every axis and ray set, with every value, the clocks, the machine, and each rule where they differ.
+#[test]
+fn ordinary_sweeps() {
+    let run = sweep_run(&[BUCKETS, RESOLUTIONS, CLIPS], &SETS, false);
+    let drawn = check(&run);
+    assert_eq!(drawn.len(), 3 * 2);
+    let svg = |name: &str| &drawn.iter().find(|(found, _)| found == name).unwrap().1;
+    for wanted in ["hit_miss", "tight", "footprint", ">\n40\n", "device timestamps", "Example Processor", "always-hit"]
+    {
+        assert!(svg("sweep_room_buckets_diffuse.svg").contains(wanted), "{wanted}");
+    }
+    assert!(svg("sweep_room_clip_ao.svg").contains("balanced accuracy"));
+    assert!(!svg("sweep_room_clip_ao.svg").contains("skipped"));
+}
+
+/// What was skipped is said in its place; a sweep of which nothing is left is drawn all the same.
+#[test]
+fn skipped_points() {
+    let mut run = sweep_run(&[BUCKETS], &SETS, false);
+    let gone = run.runs.pop().unwrap();
+    let sweep = run.sweep.as_mut().unwrap();
+    let point = sweep.points.iter_mut().find(|point| point.is_of(&gone)).unwrap();
+    point.skipped.insert(gone.scene.name.clone(), "too large".to_owned());
+    let drawn = check(&run);
+    // Once in each of four panels.
+    assert!(drawn.iter().all(|(_, svg)| svg.matches("skipped").count() == 4));
+    // One run stays, on a point that is not of the sweep: it is shown nowhere.
+    run.runs.truncate(1);
+    run.runs[0].viewpoint.face += 1;
+    assert!(check(&run).iter().all(|(_, svg)| svg.matches("nothing was measured").count() == 4));
+}
+
+/// Combinations: a curve a value of the second parameter, a panel a rule.
+#[test]
+fn grids() {
+    let drawn = check(&sweep_run(&[BUCKETS, RESOLUTIONS], &SETS, true));
+    assert_eq!(drawn.len(), 2);
+    for wanted in ["resolution=1/4", "resolution=1 (own)", "wrong rays: tight", "wrong rays: footprint"] {
+        assert!(drawn[0].1.contains(wanted), "{wanted}");
+    }
+}
+
+/// As many values as there may be, names longer than any page, a single value.
+#[test]
+fn long_names_and_many_values() {
+    let many: Vec<String> = (0..16).map(|index| format!("{}", 1000 * index)).collect();
+    let many: Vec<&str> = many.iter().map(String::as_str).collect();
+    let long = "a most particular and very long value of it ".repeat(4);
+    let longer = long.clone() + "again";
+    let name = "a parameter with a very long name ".repeat(5);
+    let run = sweep_run(
+        &[("buckets", "0", &many), (&name, &long, &[&long, &longer, "b"]), ("clip", "a", &["a"])],
+        &SETS,
+        false,
+    );
+    assert_eq!(check(&run).len(), 3 * 2);
+    check(&sweep_run(&[("buckets", "0", &many), (&name, &long, &[&long, &longer])], &SETS, true));
+}
+
+/// Figures that no run should have, and a run of nothing but ties, which shows no speed.
+#[test]
+fn odd_figures() {
+    let mut run = sweep_run(&[BUCKETS], &SETS, false);
+    let oddities = [f64::NAN, f64::INFINITY, 0.0, -1.0, 1e300];
+    for (odd, one) in oddities.into_iter().zip(&mut run.runs) {
+        one.build.times.median_ms = odd;
+        one.build.times.interval_ms = [odd, odd];
+        one.memory.structure_bytes = u64::MAX;
+        for trace in &mut one.traces {
+            trace.mrays_per_s = odd;
+            trace.times.interval_ms = [odd, odd];
+        }
+    }
+    check(&run);
+    let mut ties = sweep_run(&[BUCKETS], &[("diffuse", Query::Closest)], false);
+    for trace in ties.runs.iter_mut().flat_map(|one| &mut one.traces) {
+        if let Judgement::Closest(judgement) = &mut trace.judgement {
+            (judgement.agreement, judgement.interval) = Default::default();
+        }
+    }
+    // Neither errors nor speeds; memory and build are there.
+    assert_eq!(check(&ties)[0].1.matches("nothing was measured").count(), 2);
+}
+
+/// Without a wrong ray, and with nothing but wrong ones.
+#[test]
+fn no_errors_and_nothing_but_errors() {
+    for missed in [0.0, 1.0] {
+        let mut run = sweep_run(&[BUCKETS], &SETS, false);
+        let quality = Quality { missed, blur: missed, speed: 3.0, clock: ClockKind::Host };
+        let other = fixture::run(&[("dirt", quality)], &SETS).runs.remove(0);
+        run.runs.iter_mut().for_each(|one| one.traces.clone_from(&other.traces));
+        check(&run);
+    }
+}

@@ -1,0 +1,129 @@
+//! A tuned parameter: `tune.json`, and what is made of it: `tune.md`, `tune.csv`, a chart a scene.
+
+mod csv;
+mod page;
+#[cfg(test)]
+pub(in crate::report) mod tests;
+
+use std::path::{Path, PathBuf};
+
+use super::group::stems;
+use super::{ReportError, chart, files};
+use crate::judge::Rule;
+use crate::results::Judgement;
+use crate::tune::{Label, SceneTuned, SetTuned, Tuning, score};
+
+/// The file that holds everything.
+pub(super) const TUNE_FILE: &str = "tune.json";
+
+/// The page.
+pub const TUNE_PAGE: &str = "tune.md";
+
+/// What the names of its charts begin with.
+pub(in crate::report) const STEM: &str = "tune_";
+
+/// Writes `tune.json` and everything that derives from it, and gives the paths.
+///
+/// # Errors
+/// If the folder or a file cannot be written, or a chart cannot be drawn.
+pub fn write_tuning(tuning: &Tuning, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
+    files::create_directory(directory)?;
+    let path = directory.join(TUNE_FILE);
+    files::write(&path, &files::json(TUNE_FILE, tuning)?)?;
+    let mut paths = vec![path];
+    paths.extend(write_tuning_derived(tuning, directory)?);
+    Ok(paths)
+}
+
+/// Writes what is made of a tuned parameter: page, table and charts; gives the paths.
+///
+/// # Errors
+/// If the folder or a file cannot be written, or a chart cannot be drawn.
+pub fn write_tuning_derived(tuning: &Tuning, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
+    files::create_directory(directory)?;
+    let mut contents =
+        vec![(TUNE_PAGE.to_owned(), page::page(tuning).into_bytes()), (csv::NAME.to_owned(), csv::table(tuning)?)];
+    contents
+        .extend(chart::tune_charts(tuning, &chart_stems(tuning))?.into_iter().map(|file| (file.name, file.contents)));
+    let write = |(name, contents): (String, Vec<u8>)| {
+        let path = directory.join(name);
+        files::write(&path, &contents).map(|()| path)
+    };
+    let paths = contents.into_iter().map(write).collect::<Result<Vec<_>, _>>()?;
+    super::remove_stale_charts(directory, &paths, &[STEM]);
+    Ok(paths)
+}
+
+/// The part of the page that tells what every choice is worth in every scene.
+pub fn tuning_overview(tuning: &Tuning) -> String {
+    page::head(tuning)
+}
+
+/// What the charts of the scenes are called, without their ends.
+fn chart_stems(tuning: &Tuning) -> Vec<String> {
+    let told = |one: &SceneTuned| {
+        let viewpoint = one.views.first().map(|view| view.viewpoint.name.clone()).unwrap_or_default();
+        [one.scene.name.clone(), one.scene.sha256.clone(), viewpoint]
+    };
+    let told: Vec<_> = tuning.scenes.iter().map(told).collect();
+    let told: Vec<[&str; 3]> = told.iter().map(|each| each.each_ref().map(String::as_str)).collect();
+    stems(&told).into_iter().map(|stem| format!("{STEM}{stem}")).collect()
+}
+
+/// Wrong rays by class, by a rule; early and late hits only where a rule looks at t.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::report) struct Errors {
+    pub false_misses: u64,
+    pub false_hits: u64,
+    pub early: Option<u64>,
+    pub late: Option<u64>,
+}
+
+impl Errors {
+    pub(in crate::report) fn of(judgement: &Judgement, rule: Rule) -> Self {
+        let classes = match judgement {
+            Judgement::Any(any) => {
+                let table = &any.occlusion;
+                return Self {
+                    false_misses: table.false_free,
+                    false_hits: table.false_occluded,
+                    early: None,
+                    late: None,
+                };
+            }
+            Judgement::Closest(closest) if rule == Rule::Footprint => &closest.classes.footprint,
+            Judgement::Closest(closest) => &closest.classes.tight,
+        };
+        let of_t = |rays: u64| (rule != Rule::HitMiss).then_some(rays);
+        Self {
+            false_misses: classes.false_miss,
+            false_hits: classes.false_hit,
+            early: of_t(classes.early),
+            late: of_t(classes.late),
+        }
+    }
+}
+
+/// Rays that count: without ties.
+pub(in crate::report) fn trials(set: &SetTuned, judgement: &Judgement) -> u64 {
+    set.count.saturating_sub(super::metrics::ties(judgement))
+}
+
+/// The labels under which a value would have been chosen.
+pub(in crate::report) fn labels_of(set: &SetTuned, value: &str) -> Vec<Label> {
+    let chosen = set.choices.iter().filter(|choice| choice.value.as_deref() == Some(value));
+    chosen.map(|choice| choice.label).collect()
+}
+
+/// The name of what a set is scored by.
+pub(in crate::report) fn score_name(set: &SetTuned, rule: Rule) -> String {
+    match set.query {
+        tracebench_api::Query::Closest => format!("agreement {}", rule.name()),
+        tracebench_api::Query::Any => "balanced accuracy".to_owned(),
+    }
+}
+
+/// A value's score on a set.
+fn score_at(set: &SetTuned, value: &str, rule: Rule) -> Option<f64> {
+    score(&set.judged(value)?.judgement, rule)
+}

@@ -1,0 +1,194 @@
+//! `tune.md`.
+
+use std::fmt::Write as _;
+
+use tracebench_api::Query;
+
+use super::{Errors, chart_stems, labels_of, score_at, score_name, trials};
+use crate::report::cells::accuracies_of;
+use crate::report::format::{self, NONE, percent, percent_with_interval, points, significant, thousands};
+use crate::report::markdown::{Table, inline};
+use crate::report::{summary, verdict};
+use crate::tune::{Choice, Label, SceneTuned, SetTuned, Tuning, ViewTuned, interval};
+
+/// The whole page.
+pub(super) fn page(tuning: &Tuning) -> String {
+    let mut text = head(tuning);
+    for (scene, stem) in tuning.scenes.iter().zip(chart_stems(tuning)) {
+        let (name, triangles) = (inline(&scene.scene.name), thousands(scene.scene.triangles));
+        let _ = writeln!(
+            text,
+            "\n## {name} ({triangles} triangles)\n\n![{name}: errors over {}]({stem}.svg)",
+            tuning.axis.name
+        );
+        for (place, view) in scene.views.iter().enumerate() {
+            let whose = if place == 0 { "own" } else { "other" };
+            for set in &view.sets {
+                text += &one_set(tuning, whose, view, set);
+            }
+        }
+    }
+    text + &summary::skipped(&tuning.skipped)
+}
+
+/// What holds of the whole tuning, and what every choice is worth in every scene.
+pub(super) fn head(tuning: &Tuning) -> String {
+    let axis = &tuning.axis;
+    let title = format!("Tuning {} of {}", inline(&axis.name), inline(&tuning.tracer.label()));
+    let controls = verdict::tuning_controls(tuning);
+    let mut text = summary::head_of(&tuning.provenance, &tuning.preset, tuning.seed, &controls, &title);
+    let unit = if axis.unit.is_empty() { String::new() } else { format!(" ({})", inline(&axis.unit)) };
+    let _ = writeln!(
+        text,
+        "\n`{}`{unit}: {}.\n\nEvery value traces the same rays, in every scene from its own viewpoint and from another one. \
+         **Default** is the preset's value. **Tuned here** is the value that is best on the judged rays themselves: an upper \
+         bound, since whoever tunes has seen the answers. **Tuned elsewhere** is the value that is best from the scene's other \
+         viewpoint, **tuned on the other scenes** the one that is best on average over their own viewpoints; both are judged \
+         here. Best is by `{}`, of any-hit sets by balanced accuracy; of equal values the smaller. Losses are in percentage \
+         points, negative ones are gains; those in bold are beyond both 95 % Wilson intervals. Ties, rays whose truth hangs on rounding, are left out of \
+         every share.",
+        inline(&axis.name),
+        inline(&axis.effect),
+        tuning.rule.name()
+    );
+    for (rays, query) in ray_sets(tuning) {
+        text += &overview(tuning, &rays, query);
+    }
+    text
+}
+
+/// Names of the ray sets, in order of first appearance.
+fn ray_sets(tuning: &Tuning) -> Vec<(String, Query)> {
+    let mut sets = Vec::new();
+    for set in all_sets(tuning).map(|(_, _, set)| set) {
+        let set = (set.rays.clone(), set.query);
+        if !sets.contains(&set) {
+            sets.push(set);
+        }
+    }
+    sets
+}
+
+fn all_sets(tuning: &Tuning) -> impl Iterator<Item = (&SceneTuned, &ViewTuned, &SetTuned)> {
+    let views = tuning.scenes.iter().flat_map(|scene| scene.views.iter().map(move |view| (scene, view)));
+    views.flat_map(|(scene, view)| view.sets.iter().map(move |set| (scene, view, set)))
+}
+
+/// What every choice is worth in every scene, and on average.
+fn overview(tuning: &Tuning, rays: &str, query: Query) -> String {
+    let sets: Vec<_> = all_sets(tuning).filter(|(_, _, set)| set.rays == rays && set.query == query).collect();
+    let Some((_, _, first)) = sets.first() else { return String::new() };
+    let mut headings = vec!["scene".to_owned(), "viewpoint".to_owned()];
+    headings.extend(Label::ALL.map(|label| format!("{}: value, share ↑", label.name())));
+    headings.extend(losers().map(|label| format!("{} loses to tuned here ↓", label.name())));
+    let mut table = Table::new(&headings);
+    for (scene, view, set) in &sets {
+        let mut row = vec![scene.scene.name.clone(), view.viewpoint.name.clone()];
+        row.extend(Label::ALL.map(|label| worth(tuning, set, label)));
+        row.extend(losers().map(|label| lost(tuning, set, label, Label::TunedHere)));
+        table.row(&row);
+    }
+    let mut row = vec!["mean".to_owned(), format!("of {}", sets.len())];
+    let mean = |of: &dyn Fn(&SetTuned) -> Option<f64>| {
+        // Over the same sets in every column, or the columns would not compare.
+        let found: Option<Vec<f64>> = sets.iter().map(|(_, _, set)| of(set)).collect();
+        found.map(|found| found.iter().sum::<f64>() / found.len() as f64)
+    };
+    let all = sets.iter().map(|(_, _, set)| set.count).sum();
+    let cell = |share: Option<f64>| share.map_or(NONE.to_owned(), |share| format!("{} %", percent(share, all)));
+    row.extend(Label::ALL.map(|label| cell(mean(&|set| set.choice(label)?.score))));
+    let loss = |label| mean(&|set| set.choice(label)?.lost_to.get(&Label::TunedHere).copied());
+    row.extend(losers().map(|label| loss(label).map_or(NONE.to_owned(), |loss| points(loss, all))));
+    table.row(&row);
+    format!("\n## {}: {}, {}\n\n{}", inline(rays), format::query(query), score_name(first, tuning.rule), table.text)
+}
+
+/// Whatever is not tuned on the judged rays themselves.
+fn losers() -> impl Iterator<Item = Label> {
+    Label::ALL.into_iter().filter(|label| *label != Label::TunedHere)
+}
+
+fn worth(tuning: &Tuning, set: &SetTuned, label: Label) -> String {
+    let Some(choice) = set.choice(label) else { return NONE.to_owned() };
+    let Some(value) = &choice.value else { return NONE.to_owned() };
+    let judged = set.judged(value).zip(choice.score);
+    let share = judged.map(|(judged, score)| {
+        let interval = interval(&judged.judgement, tuning.rule);
+        percent_with_interval(score, interval, trials(set, &judged.judgement))
+    });
+    format!("{value}: {}", share.unwrap_or_else(|| NONE.to_owned()))
+}
+
+/// What a choice loses to another, in bold where their intervals do not meet.
+fn lost(tuning: &Tuning, set: &SetTuned, label: Label, to: Label) -> String {
+    let found = set.choice(label).zip(set.choice(to)).and_then(|(own, other)| {
+        let loss = *own.lost_to.get(&to)?;
+        let judgement = |choice: &Choice| Some(&set.judged(choice.value.as_deref()?)?.judgement);
+        let trials = trials(set, judgement(own)?);
+        let ends = interval(judgement(own)?, tuning.rule).zip(interval(judgement(other)?, tuning.rule));
+        let apart = ends.is_some_and(|([low, high], [least, most])| high < least || most < low);
+        let text = points(loss, trials);
+        Some(if apart { format!("**{text}**") } else { text })
+    });
+    found.unwrap_or_else(|| NONE.to_owned())
+}
+
+fn one_set(tuning: &Tuning, whose: &str, view: &ViewTuned, set: &SetTuned) -> String {
+    let name = inline(&view.viewpoint.name);
+    let [x, y, z] = view.viewpoint.eye.map(|each| significant(f64::from(each), 4));
+    let mut text = format!(
+        "\n### {}, {whose} viewpoint {name} at ({x}, {y}, {z}): {}, {} rays\n",
+        inline(&set.rays),
+        format::query(set.query),
+        thousands(set.count)
+    );
+    let accuracies: &[&str] = match set.query {
+        Query::Any => &["balanced accuracy ↑"],
+        Query::Closest => &["agreement hit_miss ↑", "agreement tight ↑", "agreement footprint ↑"],
+    };
+    let cells_of = |value: &str| match set.judged(value) {
+        Some(judged) => accuracies_of(&judged.judgement, trials(set, &judged.judgement)).1,
+        None => vec![NONE.to_owned(); accuracies.len()],
+    };
+    let mut headings = vec!["choice".to_owned(), tuning.axis.name.clone()];
+    headings.extend(accuracies.iter().map(|&name| name.to_owned()));
+    headings.extend(Label::ALL.map(|label| format!("loses to {}", label.name())));
+    let mut table = Table::new(&headings);
+    for choice in &set.choices {
+        let mut row = vec![choice.label.name().to_owned()];
+        row.push(choice.value.clone().unwrap_or_else(|| "nothing to choose by".to_owned()));
+        row.extend(cells_of(choice.value.as_deref().unwrap_or_default()));
+        row.extend(Label::ALL.map(|to| lost(tuning, set, choice.label, to)));
+        table.row(&row);
+    }
+    let _ = write!(text, "\n{}", table.text);
+    let mut headings = vec![tuning.axis.name.clone()];
+    headings.extend(accuracies.iter().map(|&name| name.to_owned()));
+    let by = match set.query {
+        Query::Any => "occlusion",
+        Query::Closest => tuning.rule.name(),
+    };
+    headings.extend(["false misses ↓", "false hits ↓", "early ↓", "late ↓"].map(|name| format!("{name} ({by})")));
+    headings.push("is".to_owned());
+    let mut table = Table::new(&headings);
+    for each in &set.values {
+        let mut row = vec![each.value.clone()];
+        row.extend(cells_of(&each.value));
+        let count = |rays: Option<u64>| rays.map_or_else(|| NONE.to_owned(), thousands);
+        let errors = each.judged.as_ref().map(|judged| Errors::of(&judged.judgement, tuning.rule));
+        row.push(count(errors.map(|errors| errors.false_misses)));
+        row.push(count(errors.map(|errors| errors.false_hits)));
+        row.push(count(errors.and_then(|errors| errors.early)));
+        row.push(count(errors.and_then(|errors| errors.late)));
+        let mut labels: Vec<&str> = labels_of(set, &each.value).into_iter().map(Label::name).collect();
+        if each.judged.is_none() {
+            labels.push("skipped, see below");
+        } else if score_at(set, &each.value, tuning.rule).is_none() {
+            labels.push("not judged: every ray is a tie");
+        }
+        row.push(labels.join(", "));
+        table.row(&row);
+    }
+    let _ = write!(text, "\n{}", table.text);
+    text
+}

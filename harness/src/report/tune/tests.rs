@@ -1,0 +1,227 @@
+//! Tunings made up for tests, and what is made of them.
+
+use std::collections::BTreeMap;
+
+use tempfile::TempDir;
+use tracebench_api::{ClockKind, Query};
+
+use crate::judge::Rule;
+use crate::report::fixture::{self, Quality};
+use crate::report::{Measured, read_any, read_tuning, write_tuning, write_tuning_derived};
+use crate::results::{Judgement, Skipped};
+use crate::sweep::AxisRecord;
+use crate::tune::{Judged, Label, SCHEMA, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned, choose};
+
+pub(in crate::report) const SETS: [(&str, Query); 2] = [("diffuse", Query::Closest), ("ao", Query::Any)];
+pub(in crate::report) const VALUES: [&str; 5] = ["0", "0.001", "0.01", "0.02", "0.1"];
+
+/// A tuning of a made-up tracer in scenes of given names, from so many viewpoints: from each the best value is another one, the
+/// third, the fourth, and so on, by whatever rule.
+pub(in crate::report) fn tuning(values: &[&str], scenes: &[&str], views: usize, sets: &[(&str, Query)]) -> Tuning {
+    let run_of = |missed: f64| {
+        let quality = Quality { missed, blur: 1e-4, speed: 1.0, clock: ClockKind::Host };
+        fixture::run(&[("screen-dda", quality)], sets)
+    };
+    let sample = run_of(0.1);
+    let axis = AxisRecord {
+        name: "thickness".to_owned(),
+        unit: "scene diagonals".to_owned(),
+        effect: "what thickness does".to_owned(),
+        own: values[1.min(values.len() - 1)].to_owned(),
+        values: values.iter().map(|value| (*value).to_owned()).collect(),
+    };
+    let mut made: Vec<SceneTuned> = Vec::new();
+    for (number, name) in scenes.iter().enumerate() {
+        let view = |view: usize| {
+            let best = (2 + view + number) % values.len();
+            let set = |(place, (rays, query)): (usize, &(&str, Query))| SetTuned {
+                rays: (*rays).to_owned(),
+                rays_sha256: sample.runs[0].traces[place].rays_sha256.clone(),
+                query: *query,
+                count: fixture::COUNT,
+                values: (0..values.len())
+                    .map(|index| {
+                        let trace =
+                            run_of(0.01 + 0.05 * index.abs_diff(best) as f64).runs.remove(0).traces.remove(place);
+                        let judged = Judged {
+                            hits_sha256: format!("{index:064x}"),
+                            statuses: BTreeMap::from([("hit".to_owned(), 7)]),
+                            judgement: trace.judgement,
+                        };
+                        ValueTuned { value: values[index].to_owned(), judged: Some(judged), skipped: None }
+                    })
+                    .collect(),
+                choices: Vec::new(),
+            };
+            let mut viewpoint = sample.runs[0].viewpoint.clone();
+            viewpoint.name = ["door", "window", "roof"][view].to_owned();
+            ViewTuned { viewpoint, sets: sets.iter().enumerate().map(set).collect(), controls: sample.controls.clone() }
+        };
+        let views = (0..views).map(view).collect();
+        let mut scene = sample.runs[0].scene.clone();
+        scene.name = (*name).to_owned();
+        made.push(SceneTuned { scene, views });
+    }
+    choose(&mut made, &axis.own, Rule::Footprint);
+    Tuning {
+        schema: SCHEMA,
+        provenance: fixture::provenance(),
+        seed: 1,
+        preset: "quick".to_owned(),
+        ray_parameters: BTreeMap::new(),
+        tracer: sample.runs[0].tracer.clone(),
+        axis,
+        rule: Rule::Footprint,
+        scenes: made,
+        skipped: vec![Skipped { tracer: None, scene: "hall".to_owned(), rays: None, reason: "no | place".to_owned() }],
+    }
+}
+
+fn typical() -> Tuning {
+    tuning(&VALUES, &["room", "hall"], 2, &SETS)
+}
+
+fn rows(folder: &TempDir) -> Vec<BTreeMap<String, String>> {
+    let mut reader = ::csv::Reader::from_path(folder.path().join("tune.csv")).unwrap();
+    let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    let row = |record: ::csv::StringRecord| header.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
+    reader.records().map(|record| row(record.unwrap())).collect()
+}
+
+/// Proves that a tuning read back is the same and makes the same files, that its JSON has the head of other records at its top,
+/// that a file of another schema is refused, and that charts of an earlier tuning go while others stay.
+#[test]
+fn files_can_be_made_again() {
+    let (folder, elsewhere) = (TempDir::new().unwrap(), TempDir::new().unwrap());
+    for name in ["tune_gone.svg", "sweep_stays.svg"] {
+        std::fs::write(folder.path().join(name), "").unwrap();
+    }
+    let paths = write_tuning(&typical(), folder.path()).unwrap();
+    let names: Vec<_> = paths.iter().map(|path| path.file_name().unwrap().to_str().unwrap()).collect();
+    let expected =
+        ["tune.json", "tune.md", "tune.csv", "tune_room.svg", "tune_room.png", "tune_hall.svg", "tune_hall.png"];
+    assert_eq!(names, expected);
+    let stands = |name: &str| folder.path().join(name).exists();
+    assert_eq!((stands("tune_gone.svg"), stands("sweep_stays.svg")), (false, true));
+    let again = read_tuning(folder.path()).unwrap();
+    assert_eq!(again, typical());
+    for path in write_tuning_derived(&again, elsewhere.path()).unwrap() {
+        let name = path.file_name().unwrap();
+        assert!(std::fs::read(&path).unwrap() == std::fs::read(folder.path().join(name)).unwrap(), "{name:?} differs");
+    }
+    assert!(matches!(read_any(folder.path()), Ok(Measured::Tuning(_))));
+    let file = folder.path().join("tune.json");
+    let text = std::fs::read_to_string(&file).unwrap();
+    assert!(
+        text.starts_with("{\"schema\":1,\"machine\":{\"cpu\":") && text.contains("},\"commit\":\"0123"),
+        "{text:.300}"
+    );
+    assert!(text.contains("\"rule\":\"footprint\"") && text.contains("\"label\":\"tuned_elsewhere\""));
+    std::fs::write(&file, text.replacen("\"schema\":1", "\"schema\":99", 1)).unwrap();
+    let error = read_any(&file).unwrap_err().to_string();
+    assert!(error.contains("schema 99") && error.contains("schema 1"), "{error}");
+}
+
+/// Proves that the table tells every value with its labels, its wrong rays by the rule, and what it loses: against the classes
+/// of the record, counted here.
+#[test]
+fn the_table_tells_what_each_value_loses() {
+    let mut made = typical();
+    made.scenes[1].views[1].sets[0].values[0] =
+        ValueTuned { value: "0".to_owned(), judged: None, skipped: Some("too large".to_owned()) };
+    choose(&mut made.scenes, "0.001", Rule::Footprint);
+    let folder = TempDir::new().unwrap();
+    write_tuning_derived(&made, folder.path()).unwrap();
+    let rows = rows(&folder);
+    assert_eq!(rows.len(), 2 * 2 * 2 * VALUES.len());
+    let of = |scene: &str, view: &str, rays: &str| {
+        let all =
+            rows.iter().filter(move |row| row["scene"] == scene && row["viewpoint"] == view && row["rays"] == rays);
+        all.collect::<Vec<_>>()
+    };
+    let labels = |row: &BTreeMap<String, String>| {
+        let of = ["is_default", "is_tuned_here", "is_tuned_elsewhere", "is_tuned_on_other_scenes"];
+        of.map(|name| row[name].parse::<bool>().unwrap())
+    };
+    // From the door the third value is best, from the window the fourth; in the hall each is one further.
+    let found: Vec<_> = of("room", "door", "diffuse").into_iter().map(labels).collect();
+    let none = [false; 4];
+    assert_eq!(
+        found,
+        [none, [true, false, false, false], [false, true, false, false], [false, false, true, true], none]
+    );
+    for (index, row) in of("room", "door", "diffuse").into_iter().enumerate() {
+        let set = &made.scenes[0].views[0].sets[0];
+        let Judgement::Closest(closest) = &set.values[index].judged.as_ref().unwrap().judgement else { panic!() };
+        let classes = &closest.classes.footprint;
+        let counted = ["false_miss_rays", "false_hit_rays", "early_rays", "late_rays"]
+            .map(|name| row[name].parse::<u64>().unwrap());
+        assert_eq!(counted, [classes.false_miss, classes.false_hit, classes.early, classes.late]);
+        let number = |name: &str| row[name].parse::<f64>().unwrap();
+        let trials = (fixture::COUNT - closest.ties) as f64;
+        let score = (classes.true_hit + classes.true_miss) as f64 / trials;
+        assert_eq!(number("score_share"), score);
+        assert_eq!(number("agreement_footprint_share"), score);
+        let [low, high] = closest.interval.footprint.unwrap();
+        assert_eq!((number("agreement_footprint_low_share"), number("agreement_footprint_high_share")), (low, high));
+        let Judgement::Closest(best) = &set.values[2].judged.as_ref().unwrap().judgement else { panic!() };
+        assert_eq!(number("lost_to_tuned_here_share"), best.agreement.footprint.unwrap() - score);
+        assert!(row["balanced_accuracy_share"].is_empty());
+    }
+    for row in of("room", "window", "ao") {
+        assert!(row["agreement_tight_share"].is_empty() && row["early_rays"].is_empty(), "{row:?}");
+        assert!(row["balanced_accuracy_share"] == row["score_share"] && !row["score_share"].is_empty(), "{row:?}");
+    }
+    let skipped: Vec<_> = rows.iter().filter(|row| !row["skipped"].is_empty()).collect();
+    assert_eq!(skipped.len(), 1);
+    assert!(skipped[0]["score_share"].is_empty() && skipped[0]["scene"] == "hall", "{skipped:?}");
+}
+
+/// Proves that the page names every label with its value and loss, sets losses in bold only where intervals are apart, and says
+/// when a control fails or is missing.
+#[test]
+fn the_page_labels_values_honestly() {
+    let made = typical();
+    let page = super::page::page(&made);
+    for wanted in
+        ["| default | 0.001 |", "| tuned here | 0.01 |", "| tuned elsewhere | 0.02 |", "tuned on the other scenes"]
+    {
+        assert!(page.contains(wanted), "{wanted}: {page}");
+    }
+    assert!(page.contains("no \\| place") && page.contains("all score what they must"));
+    // One value beside the best loses a twentieth of the hits, which is beyond any interval.
+    assert!(page.contains("| **+4.3"), "{page}");
+    let mut same = made.clone();
+    for set in same.scenes.iter_mut().flat_map(|scene| &mut scene.views).flat_map(|view| &mut view.sets) {
+        let first = set.values[0].judged.clone();
+        set.values.iter_mut().for_each(|each| each.judged = first.clone());
+    }
+    choose(&mut same.scenes, "0.001", Rule::Footprint);
+    let page = super::page::page(&same);
+    assert!(!page.contains("**+") && !page.contains("**-") && page.contains("| tuned here | 0 |"), "{page}");
+    let mut void = made.clone();
+    void.scenes[1].views[1].controls.remove(0);
+    let page = super::page::page(&void);
+    assert!(page.contains("**the run is void**: oracle is missing on diffuse of hall, viewpoint window"), "{page}");
+    let mut wrong = made;
+    wrong.scenes[0].views[0].controls[0].traces = wrong.scenes[0].views[0].controls[1].traces.clone();
+    assert!(super::page::page(&wrong).contains("oracle fails on diffuse of room, viewpoint door"));
+}
+
+/// Proves that one viewpoint, one scene and nothing but ties leave a page that says so.
+#[test]
+fn nothing_to_choose_by() {
+    let mut made = tuning(&VALUES, &["room"], 1, &SETS[..1]);
+    let page = super::page::page(&made);
+    assert_eq!(page.matches("| tuned elsewhere | nothing to choose by |").count(), 1, "{page}");
+    for value in &mut made.scenes[0].views[0].sets[0].values {
+        if let Some(Judged { judgement: Judgement::Closest(judgement), .. }) = &mut value.judged {
+            (judgement.agreement, judgement.interval) = Default::default();
+        }
+    }
+    choose(&mut made.scenes, "0.001", Rule::Footprint);
+    let page = super::page::page(&made);
+    assert!(page.contains("| tuned here | nothing to choose by |"), "{page}");
+    assert_eq!(page.matches("not judged: every ray is a tie").count(), VALUES.len());
+    assert_eq!(made.scenes[0].views[0].sets[0].choice(Label::Default).unwrap().score, None);
+}

@@ -1,0 +1,102 @@
+//! Which value would have been chosen, and what it is worth on rays that it was not chosen by.
+
+use std::collections::BTreeMap;
+
+use super::record::{Choice, Label, SceneTuned, SetTuned};
+use crate::judge::Rule;
+use crate::results::Judgement;
+
+/// The share of right answers by a rule, of any-hit sets the balanced accuracy; `None` if nothing was judged.
+pub fn score(judgement: &Judgement, rule: Rule) -> Option<f64> {
+    let share = match (judgement, rule) {
+        (Judgement::Any(any), _) => any.occlusion.balanced_accuracy,
+        (Judgement::Closest(closest), Rule::HitMiss) => closest.agreement.hit_miss,
+        (Judgement::Closest(closest), Rule::Tight) => closest.agreement.tight,
+        (Judgement::Closest(closest), Rule::Footprint) => closest.agreement.footprint,
+    };
+    share.filter(|share| share.is_finite())
+}
+
+/// The interval of [`score`].
+pub fn interval(judgement: &Judgement, rule: Rule) -> Option<[f64; 2]> {
+    match (judgement, rule) {
+        (Judgement::Any(any), _) => any.occlusion.balanced_accuracy_interval,
+        (Judgement::Closest(closest), Rule::HitMiss) => closest.interval.hit_miss,
+        (Judgement::Closest(closest), Rule::Tight) => closest.interval.tight,
+        (Judgement::Closest(closest), Rule::Footprint) => closest.interval.footprint,
+    }
+}
+
+fn score_of(set: &SetTuned, value: &str, rule: Rule) -> Option<f64> {
+    score(&set.judged(value)?.judgement, rule)
+}
+
+/// The value with the greatest mean score over ray sets, of those that were judged in all of them; of equal ones the first,
+/// which is the smaller where values are numbers. `None` without a set.
+fn best<'a>(sets: &[&'a SetTuned], rule: Rule) -> Option<&'a str> {
+    let mut best: Option<(f64, &str)> = None;
+    for each in &sets.first()?.values {
+        let scores: Option<Vec<f64>> = sets.iter().map(|set| score_of(set, &each.value, rule)).collect();
+        let Some(scores) = scores else { continue };
+        let mean = scores.iter().sum::<f64>() / scores.len() as f64;
+        if best.is_none_or(|(greatest, _)| mean > greatest) {
+            best = Some((mean, &each.value));
+        }
+    }
+    best.map(|(_, value)| value)
+}
+
+/// Whether anything of a set was judged: one of nothing but ties has no say.
+fn has_scores(set: &SetTuned, rule: Rule) -> bool {
+    set.values.iter().any(|each| score_of(set, &each.value, rule).is_some())
+}
+
+/// A viewpoint's ray set of a name.
+fn set_of<'a>(scene: &'a SceneTuned, view: usize, rays: &str) -> Option<&'a SetTuned> {
+    scene.views.get(view)?.sets.iter().find(|set| set.rays == rays)
+}
+
+/// Fills in the choices of every ray set.
+pub fn choose(scenes: &mut [SceneTuned], default: &str, rule: Rule) {
+    let mut chosen = Vec::new();
+    for (place, scene) in scenes.iter().enumerate() {
+        for (view, set) in
+            scene.views.iter().enumerate().flat_map(|(view, each)| each.sets.iter().map(move |s| (view, s)))
+        {
+            let elsewhere: Vec<&SetTuned> = (0..scene.views.len())
+                .filter(|other| *other != view)
+                .filter_map(|other| set_of(scene, other, &set.rays))
+                .collect();
+            let others = scenes.iter().enumerate().filter(|(other, _)| *other != place);
+            let others: Vec<&SetTuned> = others
+                .filter_map(|(_, other)| set_of(other, 0, &set.rays))
+                .filter(|other| other.query == set.query && has_scores(other, rule))
+                .collect();
+            let value = |label| match label {
+                Label::Default => Some(default),
+                Label::TunedHere => best(&[set], rule),
+                Label::TunedElsewhere => best(&elsewhere, rule),
+                Label::TunedOnOtherScenes => best(&others, rule),
+            };
+            chosen.push(choices(set, rule, value));
+        }
+    }
+    let sets = scenes.iter_mut().flat_map(|scene| &mut scene.views).flat_map(|view| &mut view.sets);
+    for (set, choices) in sets.zip(chosen) {
+        set.choices = choices;
+    }
+}
+
+fn choices<'a>(set: &SetTuned, rule: Rule, value: impl Fn(Label) -> Option<&'a str>) -> Vec<Choice> {
+    let scored = Label::ALL.map(|label| {
+        let value = value(label);
+        (label, value, value.and_then(|value| score_of(set, value, rule)))
+    });
+    let choice = |&(label, value, score): &(Label, Option<&str>, Option<f64>)| {
+        let others = scored.iter().filter(|(other, ..)| *other != label);
+        let lost: BTreeMap<Label, f64> =
+            others.filter_map(|(other, _, theirs)| Some((*other, (*theirs)? - score?))).collect();
+        Choice { label, value: value.map(str::to_owned), score, lost_to: lost }
+    };
+    scored.iter().map(choice).collect()
+}

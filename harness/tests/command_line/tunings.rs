@@ -1,0 +1,103 @@
+//! `tune`.
+
+use super::*;
+
+const SMALL: [&str; 6] = ["tune", "--quiet", "--preset", "smoke", "--size", "16x8"];
+const DDA: [&str; 2] = ["--tracer", "screen-dda"];
+
+fn tune(bench: &Bench, arguments: &[&str]) -> Outcome {
+    bench.call(&[&SMALL[..], &DDA, arguments].concat())
+}
+
+fn tuning(bench: &Bench, out: &str) -> Value {
+    serde_json::from_slice(&std::fs::read(bench.path(out).join("tune.json")).unwrap()).unwrap()
+}
+
+/// Proves that what is tuned is what `run` measures with the same values from the same viewpoints, bit for bit: the own one,
+/// and the next that the scene lists; that the best value is the one with the greatest agreement; and that `report` makes the same files.
+#[test]
+fn values_are_those_of_runs() {
+    let bench = Bench::new();
+    let outcome = tune(&bench, &["--scene", "room", "--over", "thickness=0,0.02", "--rays", "diffuse", "--out", "out"]);
+    assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
+    assert!(outcome.stdout.contains("all score what they must") && outcome.stdout.contains("tuned elsewhere"));
+    let found = tuning(&bench, "out");
+    let views = found["scenes"][0]["views"].as_array().unwrap();
+    assert_eq!(
+        (views.len(), &views[0]["viewpoint"]["name"], &views[1]["viewpoint"]["name"]),
+        (2, &json!("entrance"), &json!("corner"))
+    );
+    let named = "screen-dda,screen-dda@thickness=0,screen-dda@thickness=0.02";
+    for (view, name) in views.iter().zip(["entrance", "corner"]) {
+        bench.run(&["--tracer", named, "--rays", "diffuse", "--view", name], name);
+        let runs = bench.result(name)["runs"].as_array().unwrap().clone();
+        let set = &view["sets"][0];
+        let mut agreements = Vec::new();
+        for value in set["values"].as_array().unwrap() {
+            let thickness: f64 = value["value"].as_str().unwrap().parse().unwrap();
+            let run = runs.iter().find(|run| run["tracer"]["parameters"]["thickness"] == thickness).unwrap();
+            let trace = &run["traces"][0];
+            assert_eq!(
+                (&trace["rays_sha256"], &trace["hits_sha256"]),
+                (&set["rays_sha256"], &value["judged"]["hits_sha256"])
+            );
+            assert_eq!(trace["judgement"]["agreement"], value["judged"]["judgement"]["agreement"]);
+            assert_eq!(value["judged"]["judgement"]["wrong_rays"], json!([]));
+            agreements.push((trace["judgement"]["agreement"]["footprint"].as_f64().unwrap(), value["value"].clone()));
+        }
+        assert_eq!(agreements.len(), 3);
+        let greatest = agreements.iter().map(|(share, _)| *share).fold(0.0, f64::max);
+        let best = &agreements.iter().find(|(share, _)| *share == greatest).unwrap().1;
+        let chosen = |place: usize| set["choices"][place]["value"].clone();
+        assert_eq!((chosen(0), &chosen(1)), (json!("0.005"), best));
+        // They differ, so that another could have been taken for the best.
+        assert!(agreements.iter().any(|(share, _)| *share < greatest), "{agreements:?}");
+    }
+    assert_eq!(views[0]["sets"][0]["choices"][2]["value"], views[1]["sets"][0]["choices"][1]["value"]);
+    let before = names(&bench.path("out"));
+    let expected = ["tune.csv", "tune.json", "tune.md", "tune_room.png", "tune_room.svg"];
+    assert_eq!(before, expected.map(str::to_owned).into());
+    let read = |name: &String| std::fs::read(bench.path("out").join(name)).unwrap();
+    let contents: Vec<_> = before.iter().map(read).collect();
+    assert_eq!(bench.call(&["--quiet", "report", "out"]).status, 0);
+    assert!(names(&bench.path("out")) == before && before.iter().map(read).collect::<Vec<_>>() == contents);
+}
+
+/// Proves that a scene which is seen from nowhere else is tuned from its own viewpoint, with a note, and that a tuning of
+/// nothing is an error which leaves no folder.
+#[test]
+fn no_other_viewpoint() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("one.glb"), glb(&TRIANGLE)).unwrap();
+    let scene = ["--scene", "one.glb", "--rays", "primary", "--view", "0.25,0.25,40:0.25,0.25,0"];
+    let outcome = tune(&bench, &[&scene[..], &["--out", "out"]].concat());
+    assert_eq!(outcome.status, 0, "{outcome:?}");
+    let found = tuning(&bench, "out");
+    assert_eq!(found["scenes"][0]["views"].as_array().unwrap().len(), 1);
+    let reason = found["skipped"][0]["reason"].as_str().unwrap();
+    assert!(reason.contains("has no other viewpoint than 'given'"), "{reason}");
+    assert_eq!(found["scenes"][0]["views"][0]["sets"][0]["choices"][2]["value"], Value::Null);
+    assert!(std::fs::read_to_string(bench.path("out/tune.md")).unwrap().contains("nothing to choose by"));
+}
+
+/// Proves that wrong arguments end with status 2 and say what is wrong, and touch no file.
+#[test]
+fn wrong_arguments() {
+    let bench = Bench::new();
+    for (arguments, parts) in [
+        (vec!["--tracer", "screen"], vec!["'screen-dda'"]),
+        (vec!["--tracer", "all"], vec!["one tracer"]),
+        (vec!["--over", "thickness,start_bias"], vec!["one parameter"]),
+        (vec!["--over", "thick"], vec!["'thickness'"]),
+        (vec!["--over", "resolution"], vec!["sweep"]),
+        (vec!["--over", "thickness=-1"], vec!["a number from 0"]),
+        (vec!["--tracer", "screen-dda", "--set", "screen-dda.thickness=0.1"], vec!["set already"]),
+        (vec!["--rule", "loose"], vec!["footprint"]),
+        (vec!["--rays", "difuse"], vec!["'diffuse'"]),
+        (vec!["--samples", "3"], vec!["takes no times"]),
+        (vec!["--scene", "room,candy", "--view", "entrance"], vec!["candy has no viewpoint 'entrance'"]),
+    ] {
+        bench.fails(&[&SMALL[..], &arguments, &["--out", "out"]].concat(), 2, &parts);
+    }
+    assert!(names(bench.folder.path()).iter().all(|name| name == "cache"), "{:?}", names(bench.folder.path()));
+}
