@@ -188,7 +188,7 @@ fn of_traces() -> Vec<ParameterDescription> {
             "the unit of thickness: diagonals of the scene's bounds, or widths of a pixel where the ray is",
         ),
         choice(
-            "thick",
+            "thickness_side",
             Trace,
             THICK,
             "behind",

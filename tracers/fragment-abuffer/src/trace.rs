@@ -135,7 +135,7 @@ impl FragmentStructure {
             thickness: if by_pixels { 0.0 } else { (thickness * self.geometry.diagonal) as f32 },
             thickness_in_pixels: if by_pixels { thickness as f32 } else { 0.0 },
             start_bias: parameters.real("start_bias") as f32,
-            thick_before: is("thick", "before"),
+            thick_before: is("thickness_side", "before"),
             padding_a: 0,
             padding_b: 0,
             padding_c: 0,
