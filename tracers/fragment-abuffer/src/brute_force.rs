@@ -67,7 +67,9 @@ fn draw(view: &View, triangle: [DVec3; 3]) -> Option<Drawn> {
     let size = DVec2::new(f64::from(view.size[0]), f64::from(view.size[1]));
     // A little beyond the image, so that clipping adds no border that pixels' centres come near.
     let whole = TileBounds { low: DVec2::splat(-2.0), high: size + 2.0 };
-    let polygon = clipped_polygon(view, whole, triangle);
+    // What lies in the near plane or the far one may be drawn.
+    let grown = View { near: view.near * (1.0 - DEPTH_SLACK), far: view.far * (1.0 + DEPTH_SLACK), ..*view };
+    let polygon = clipped_polygon(&grown, whole, triangle);
     let scale = DVec2::new(0.5 * size.x / view.tan_half_width, -0.5 * size.y / view.tan_half_height);
     let place = |point: &DVec3| 0.5 * size + DVec2::new(point.x, point.y) / point.z * scale;
     let corners: Vec<DVec2> = polygon.iter().map(place).collect();

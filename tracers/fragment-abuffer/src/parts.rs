@@ -8,7 +8,7 @@ use tracebench_kit::{EmptyTarget, PrefixSum, PrefixSumPlan};
 
 use crate::layout::{Layout, PAYLOAD_WORDS, Placed};
 
-const TURN_DOWN: &str = "--face, --frame or fragment-abuffer.buckets";
+const TURN_DOWN: &str = "--face, --frame or fragment-abuffer.buckets, or choose fewer fragment-abuffer.views or layers";
 
 /// What ledgers call the buffers.
 const PIXELS: &str = "pixel records";
