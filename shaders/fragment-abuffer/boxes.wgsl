@@ -4,7 +4,7 @@
 #import tracebench::dispatch::linear_invocation
 #import tracebench::view::{View, to_eye_space}
 #import tracebench::depth_bounds::{near_code, far_code}
-#import tracebench::fragment_layout::{Storage, word_index}
+#import tracebench::fragment_layout::{Storage, DrawnView, word_index}
 
 struct Corner {
     @builtin(position) position: vec4<f32>,
@@ -52,13 +52,6 @@ fn bound(
     }
 }
 #else
-struct DrawnView {
-    view: View,
-    first_pixel: u32,
-    width: u32,
-    padding: vec2<u32>,
-}
-
 @group(0) @binding(0) var<uniform> shape: Storage;
 @group(0) @binding(1) var<uniform> drawn: DrawnView;
 @group(0) @binding(2) var<storage, read> boxes: array<u32>;

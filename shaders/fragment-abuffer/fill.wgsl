@@ -4,29 +4,18 @@
 #import tracebench::view::{View, to_eye_space, clip_position}
 #import tracebench::surface::unit_normal
 #import tracebench::depth_bounds::{near_code, far_code, depths_of, bucket_of}
-#import tracebench::fragment_layout::{Storage, word_index, BOUNDS_SLACK}
-
-struct DrawnView {
-    view: View,
-    first_pixel: u32,
-    width: u32,
-    padding: vec2<u32>,
-}
+#import tracebench::fragment_layout::{Storage, DrawnView, word_index, BOUNDS_SLACK}
 
 @group(0) @binding(0) var<uniform> shape: Storage;
 @group(0) @binding(1) var<uniform> drawn: DrawnView;
 @group(0) @binding(2) var<storage, read> positions: array<f32>;
 @group(0) @binding(3) var<storage, read> indices: array<u32>;
 @group(0) @binding(4) var<storage, read_write> pixels: array<atomic<u32>>;
-#ifdef TALLY
-// Fragments.
-@group(0) @binding(5) var<storage, read_write> taken: array<atomic<u32>>;
-#endif
-#ifdef COUNT
+#ifndef BOUNDS
+// Fragments, lists that could not be ordered.
 @group(0) @binding(5) var<storage, read_write> taken: array<atomic<u32>>;
 #endif
 #ifdef STORE
-@group(0) @binding(5) var<storage, read_write> taken: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> ids: array<u32>;
 #ifdef DECOUPLED
 @group(0) @binding(7) var<storage, read_write> payloads: array<u32>;

@@ -52,10 +52,13 @@ struct TracedView {
     level_offsets: array<vec4<u32>, 4>,
 }
 
-// What shading needs of a fragment.
-struct Payload {
-    normal: vec3<f32>,
-    material: u32,
+// Of a view that is drawn.
+struct DrawnView {
+    view: View,
+    // The view's first pixel, and the pixels of a row.
+    first_pixel: u32,
+    width: u32,
+    padding: vec2<u32>,
 }
 
 fn word_index(shape: Storage, pixel: u32, word: u32) -> u32 {

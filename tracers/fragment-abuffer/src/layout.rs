@@ -43,7 +43,7 @@ pub struct Storage {
     pub contiguous: u32,
 }
 
-/// `DrawnView` of shaders/fragment-abuffer/fill.wgsl and boxes.wgsl.
+/// `DrawnView` of shaders/fragment-abuffer/layout.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct DrawnView {
