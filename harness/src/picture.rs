@@ -8,12 +8,12 @@ use tracebench_api::{Hit, NO_PRIMITIVE, Query};
 use tracebench_scenes::Mesh;
 
 use crate::judge::{Class, Judge, Rule};
+use crate::measure::session::{Contender, PreparedRays};
+use crate::measure::{self, LoadedScene, RunError};
 use crate::plan::Plan;
 use crate::progress::Progress;
 use crate::registry::Device;
 use crate::report::{ReportError, files};
-use crate::runner::{self, LoadedScene, RunError};
-use crate::session::{Contender, PreparedRays};
 use crate::truth::{Cache, Ray64};
 
 /// What a picture shows.
@@ -69,11 +69,11 @@ pub fn draw(
     // Said before the work is done, not after.
     files::check_writable(path)?;
     let request = &plan.tracers[0];
-    let Some(scene) = runner::load(plan, progress)?.into_iter().next() else {
+    let Some(scene) = measure::load(plan, progress)?.into_iter().next() else {
         return Err(RunError::Nothing("there is no scene".to_owned()).into());
     };
     let mesh = scene.mesh.clone();
-    let loaded = runner::prepare(plan, scene, device, &Cache::of_user(), progress)?;
+    let loaded = measure::prepare(plan, scene, device, &Cache::of_user(), progress)?;
     let session = &loaded.session;
     let description = (request.registration.describe)();
     let name = description.name.to_owned();

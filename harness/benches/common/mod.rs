@@ -8,12 +8,12 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 use tracebench_api::{AdapterChoice, Gpu, Timing};
+use tracebench_harness::measure::session::{Contender, Session};
 use tracebench_harness::plan::{Plan, RunPreset, TracerRequest};
 use tracebench_harness::progress::Progress;
 use tracebench_harness::registry::Device;
-use tracebench_harness::session::{Contender, Session};
 use tracebench_harness::truth::Cache;
-use tracebench_harness::{report, runner};
+use tracebench_harness::{measure, report};
 
 pub type Failure = Box<dyn std::error::Error>;
 
@@ -65,7 +65,7 @@ fn device() -> Result<Device, Failure> {
 /// The harness's own measurement, interleaved and judged.
 fn measure(name: &str, plans: &[Plan], device: &Device) -> Result<(), Failure> {
     let folder = folder(name);
-    let run = runner::execute_all(plans, device, &Cache::of_user(), &Progress::new(false))?;
+    let run = measure::execute_all(plans, device, &Cache::of_user(), &Progress::new(false))?;
     let written = report::write_run(&run, &folder)?;
     for skipped in &run.skipped {
         println!("skipped {}: {}", skipped.tracer.as_deref().unwrap_or("all tracers"), skipped.reason);
@@ -85,10 +85,10 @@ fn folder(name: &str) -> PathBuf {
 
 /// Criterion's statistics over the same work, by the same clock.
 fn sample(name: &str, plan: &Plan, device: &Device, criterion: &mut Criterion) -> Result<(), Failure> {
-    for scene in runner::load(plan, &Progress::new(true))? {
+    for scene in measure::load(plan, &Progress::new(true))? {
         // Criterion compares with the last time by name: another preset is other work.
         let title = format!("{} {name} {}", plan.preset.name, scene.name);
-        let loaded = runner::prepare(plan, scene, device, &Cache::of_user(), &Progress::new(true))?;
+        let loaded = measure::prepare(plan, scene, device, &Cache::of_user(), &Progress::new(true))?;
         let session = &loaded.session;
         let mut contenders = Vec::new();
         for request in &plan.tracers {

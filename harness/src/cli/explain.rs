@@ -6,10 +6,10 @@ use super::arguments::{Matter, WorkArguments};
 use super::output::print;
 use super::run::{Work, say_skipped};
 use super::{CliError, names};
-use crate::explain::{self, LADDERS};
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
 use crate::report;
+use crate::studies::explain::{self, LADDERS};
 use crate::truth::Cache;
 
 #[derive(Args)]

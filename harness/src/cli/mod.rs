@@ -22,11 +22,11 @@ use std::sync::Arc;
 use clap::{Parser, Subcommand};
 use tracebench_api::{AdapterChoice, Gpu, TracerError};
 
+use crate::measure::RunError;
 use crate::picture::PictureError;
 use crate::progress::{self, Progress};
 use crate::registry::Device;
 use crate::report::ReportError;
-use crate::runner::RunError;
 
 /// Comparative benchmark of image-space ray tracers: speed and accuracy of the same rays, side by side.
 #[derive(Parser)]

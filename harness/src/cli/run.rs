@@ -16,7 +16,7 @@ use crate::registry::Device;
 use crate::report::Measured;
 use crate::results::{Run, Skipped};
 use crate::truth::Cache;
-use crate::{report as reports, runner};
+use crate::{measure, report as reports};
 
 #[derive(Args)]
 pub(super) struct ReportArguments {
@@ -67,7 +67,7 @@ impl Work {
 
     /// Runs the plan and writes everything.
     pub(super) fn measure(&self, progress: &Progress) -> Result<Run, CliError> {
-        let run = runner::execute(&self.plan, &self.device, &Cache::of_user(), progress)
+        let run = measure::execute(&self.plan, &self.device, &Cache::of_user(), progress)
             .inspect_err(|_| self.out.abandon())?;
         say_skipped(&run.skipped, progress);
         reports::write_run(&run, &self.out.path)?;

@@ -9,8 +9,9 @@ use super::run::{OutputFolder, needs_device};
 use super::{CliError, names, open_device};
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
-use crate::stability::Stability;
-use crate::{report, stability};
+use crate::report;
+use crate::studies::stability;
+use crate::studies::stability::Stability;
 
 #[derive(Args)]
 pub(super) struct StabilityArguments {
@@ -62,7 +63,7 @@ fn outcome(found: &Stability) -> Result<(), CliError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stability::Verdict;
+    use crate::studies::stability::Verdict;
 
     /// Surprises in either direction and void cases end with 1 and name case and tracer, unless parameters were changed.
     #[test]

@@ -10,7 +10,7 @@ use super::{CliError, names};
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
 use crate::report;
-use crate::sweep::{AxisRecord, RESOLUTION, Sweep, SweepError, parameter_axis, resolution_axis};
+use crate::studies::sweep::{AxisRecord, RESOLUTION, Sweep, SweepError, parameter_axis, resolution_axis};
 use crate::truth::Cache;
 
 /// The tracer of a sweep that names none, and what of it is swept.

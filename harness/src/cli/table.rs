@@ -9,10 +9,10 @@ use super::{CliError, names};
 use crate::papers::Experiment;
 use crate::peers::{self, Subject};
 use crate::progress::Progress;
+use crate::studies::updates::{self, DEFAULT_FRAMES};
 use crate::tables::Table;
 use crate::truth::Cache;
-use crate::updates::{self, DEFAULT_FRAMES};
-use crate::{report, runner};
+use crate::{measure, report};
 
 pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(), CliError> {
     let table = names::table(&arguments.name)?;
@@ -57,7 +57,7 @@ fn measure(
     let steps = names::steps(experiment, settings)?;
     let plans = experiment.plans(&work.plan, &steps).map_err(|error| CliError::Argument(error.to_string()));
     let run = plans
-        .and_then(|plans| Ok(runner::execute_all(&plans, &work.device, &Cache::of_user(), progress)?))
+        .and_then(|plans| Ok(measure::execute_all(&plans, &work.device, &Cache::of_user(), progress)?))
         .inspect_err(|_| work.out.abandon())?;
     say_skipped(&run.skipped, progress);
     report::write_run(&run, &work.out.path)?;

@@ -11,9 +11,9 @@ use crate::judge::Rule;
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
 use crate::report;
-use crate::sweep::{AxisRecord, RESOLUTION};
+use crate::studies::sweep::{AxisRecord, RESOLUTION};
+use crate::studies::tune::Tune;
 use crate::truth::Cache;
-use crate::tune::Tune;
 
 /// The tracer that is tuned where none is named: one with a thickness to choose.
 const TRACER: &str = "fragment-abuffer";

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::format::{self, thousands};
 use super::markdown::{Table as Markdown, inline};
 use super::{ReportError, files};
-use crate::explain::{Explained, Explanation, SceneExplained};
+use crate::studies::explain::{Explained, Explanation, SceneExplained};
 
 /// The file that holds everything.
 const EXPLAIN_FILE: &str = "explain.json";

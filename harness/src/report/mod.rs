@@ -42,9 +42,9 @@ pub use tune::{TUNE_PAGE, tuning_overview, write_tuning, write_tuning_derived};
 pub use updates::{write_updates, write_updates_table};
 
 use crate::results::{Run, SCHEMA};
+use crate::studies::tune::Tuning;
+use crate::studies::updates::Updates;
 use crate::tables::Table;
-use crate::tune::Tuning;
-use crate::updates::Updates;
 
 /// The file that holds everything.
 pub const RUN_FILE: &str = "run.json";
@@ -159,7 +159,7 @@ pub fn read_run(path: &Path) -> Result<Run, ReportError> {
 /// # Errors
 /// As [`read_run`].
 pub fn read_updates(path: &Path) -> Result<Updates, ReportError> {
-    read(path, updates::UPDATES_FILE, crate::updates::SCHEMA)
+    read(path, updates::UPDATES_FILE, crate::studies::updates::SCHEMA)
 }
 
 /// Reads a tuned parameter back, from its folder or from the file itself.
@@ -167,7 +167,7 @@ pub fn read_updates(path: &Path) -> Result<Updates, ReportError> {
 /// # Errors
 /// As [`read_run`].
 pub fn read_tuning(path: &Path) -> Result<Tuning, ReportError> {
-    read(path, tune::TUNE_FILE, crate::tune::SCHEMA)
+    read(path, tune::TUNE_FILE, crate::studies::tune::SCHEMA)
 }
 
 /// What a folder holds.

@@ -7,7 +7,7 @@ use super::markdown::Table;
 use super::{ReportError, chart, files, format};
 use crate::cases;
 use crate::results::Provenance;
-use crate::stability::{Cell, Stability, Verdict, percent};
+use crate::studies::stability::{Cell, Stability, Verdict, percent};
 
 /// The file that holds everything.
 const STABILITY_FILE: &str = "stability.json";

@@ -10,7 +10,7 @@ use super::metrics;
 use super::tables::{accuracy_columns, code, number, to_csv};
 use super::{ReportError, cells, files, summary};
 use crate::results::{Judgement, Times, TraceRecord};
-use crate::updates::{FRESH_BUILD, SceneUpdates, UpdateRow, Updates};
+use crate::studies::updates::{FRESH_BUILD, SceneUpdates, UpdateRow, Updates};
 
 /// The file that holds everything.
 pub(super) const UPDATES_FILE: &str = "updates.json";

@@ -1,8 +1,8 @@
 //! Whether the controls of a run scored what they must; one that did not, or is not there, voids the run.
 
-use crate::controls::Control;
+use crate::measure::controls::Control;
 use crate::results::{Classes, Judgement, Run, TraceRecord, TracerRun, ViewpointRecord};
-use crate::tune::Tuning;
+use crate::studies::tune::Tuning;
 
 /// What the controls say of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -16,7 +16,7 @@ pub use judgement::{
 };
 pub use provenance::{Machine, Provenance};
 
-use crate::sweep::SweepRecord;
+use crate::studies::sweep::SweepRecord;
 
 /// The schema that this program writes and reads.
 pub const SCHEMA: u32 = 2;

@@ -11,7 +11,7 @@ use tracebench_harness::cases::{CASES, Case, Expectation, MOST_TIES, Rule, expec
 use tracebench_harness::plan::TracerRequest;
 use tracebench_harness::progress::Progress;
 use tracebench_harness::registry::{Registration, TRACERS};
-use tracebench_harness::stability::{CaseRecord, Stability, Verdict, run};
+use tracebench_harness::studies::stability::{CaseRecord, Stability, Verdict, run};
 use tracebench_tests::{adapter_has_ray_queries, available};
 
 fn gpu() -> Arc<Gpu> {

@@ -2,10 +2,10 @@
 
 use super::*;
 use tracebench_harness::cases::find;
-use tracebench_harness::controls::Control;
+use tracebench_harness::measure::controls::Control;
+use tracebench_harness::measure::session::Contender;
 use tracebench_harness::registry;
-use tracebench_harness::session::Contender;
-use tracebench_harness::stability::{Candidate, measure, prepare};
+use tracebench_harness::studies::stability::{Candidate, measure, prepare};
 use tracebench_tests::{Fake, Manner};
 
 /// `bvh-cpu` or a control in its place, with one expectation.

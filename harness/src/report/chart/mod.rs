@@ -22,8 +22,8 @@ use super::group::{Group, RaySet};
 use super::sweep::View;
 use super::verdict::{self, Verdict};
 use crate::results::{Provenance, Run, TracerRun};
-use crate::stability::Stability;
-use crate::tune::Tuning;
+use crate::studies::stability::Stability;
+use crate::studies::tune::Tuning;
 use canvas::{DrawError, Figure};
 
 /// The most characters of a scene's name in a title.

@@ -7,7 +7,7 @@ use super::canvas::{Align, Canvas, DrawError, Drawn, shorten, text_width};
 use super::frame::{AXIS_SIZE, Rect, TICK_SIZE};
 use super::palette::{CONTROL, GREY, INK, SHADE, Style};
 use crate::report::format::significant;
-use crate::sweep::Multiple;
+use crate::studies::sweep::Multiple;
 
 /// Height of the row for zero at the foot of a panel of shares; a logarithm never gets there.
 const ZERO_ROW: f64 = 24.0;

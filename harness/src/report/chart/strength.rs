@@ -9,7 +9,7 @@ use super::palette::{GREY, SHADE, Shape, Style, Styles};
 use super::{LONGEST_TRACER, cut};
 use crate::report::format;
 use crate::report::stability::knob_value;
-use crate::stability::{CaseRecord, Stability};
+use crate::studies::stability::{CaseRecord, Stability};
 
 /// Height of the row for zero at the foot of a panel; a logarithm never gets there.
 const ZERO_ROW: f64 = 26.0;

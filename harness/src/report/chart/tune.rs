@@ -13,7 +13,7 @@ use crate::report::format;
 use crate::report::tune::{Errors, score_name, trials};
 use crate::report::verdict::{self, Verdict};
 use crate::statistics::wilson;
-use crate::tune::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ViewTuned, interval, score};
+use crate::studies::tune::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ViewTuned, interval, score};
 
 const PLOT_HEIGHT: f64 = 220.0;
 /// The most characters of a viewpoint's name in a panel's title.
@@ -284,7 +284,7 @@ mod tests {
     use super::super::tune_charts;
     use super::*;
     use crate::report::tune::tests::{SETS, VALUES, tuning};
-    use crate::tune::choose;
+    use crate::studies::tune::choose;
 
     /// Draws every chart, looks at each, and gives the SVGs.
     fn check(tuning: &Tuning) -> Vec<String> {

@@ -10,7 +10,7 @@ use std::borrow::Cow;
 use super::ReportError;
 use super::group::{Group, RaySet};
 use crate::results::{Run, TraceRecord, TracerRun};
-use crate::sweep::{AxisRecord, PointRecord, RESOLUTION, SweepRecord};
+use crate::studies::sweep::{AxisRecord, PointRecord, RESOLUTION, SweepRecord};
 
 /// The page of a sweep.
 pub const SWEEP_PAGE: &str = "sweep.md";

@@ -9,7 +9,7 @@ use crate::report::group::Role;
 use crate::report::markdown::{Table, inline};
 use crate::report::{cells, metrics, summary};
 use crate::results::{Judgement, Run, TraceRecord, TracerRun};
-use crate::sweep::{RESOLUTION, SweepRecord};
+use crate::studies::sweep::{RESOLUTION, SweepRecord};
 
 /// The whole page.
 pub(super) fn page(run: &Run, sweep: &SweepRecord, views: &[View<'_>]) -> String {

@@ -10,7 +10,7 @@ use crate::report::format::percent_with_interval;
 use crate::report::{read_run, write_derived, write_run};
 use crate::results::{Judgement, Run};
 use crate::statistics::wilson;
-use crate::sweep::{AxisRecord, PointRecord, RESOLUTION, SweepRecord};
+use crate::studies::sweep::{AxisRecord, PointRecord, RESOLUTION, SweepRecord};
 
 /// An axis: name, own value, values.
 pub(in crate::report) type Swept<'a> = (&'a str, &'a str, &'a [&'a str]);

@@ -5,7 +5,7 @@ use crate::judge::Rule;
 use crate::report::ReportError;
 use crate::report::tables::{code, number, to_csv};
 use crate::results::Judgement;
-use crate::tune::{Label, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned, interval, score};
+use crate::studies::tune::{Label, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned, interval, score};
 
 /// Its name.
 pub(super) const NAME: &str = "tune.csv";

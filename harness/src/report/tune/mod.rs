@@ -11,7 +11,7 @@ use super::group::stems;
 use super::{ReportError, chart, files};
 use crate::judge::Rule;
 use crate::results::Judgement;
-use crate::tune::{Label, SceneTuned, SetTuned, Tuning, score};
+use crate::studies::tune::{Label, SceneTuned, SetTuned, Tuning, score};
 
 /// The file that holds everything.
 pub(super) const TUNE_FILE: &str = "tune.json";

@@ -9,7 +9,7 @@ use crate::report::cells::accuracies_of;
 use crate::report::format::{self, NONE, percent, percent_with_interval, points, significant, thousands};
 use crate::report::markdown::{Table, inline};
 use crate::report::{summary, verdict};
-use crate::tune::{Choice, Label, SceneTuned, SetTuned, Tuning, ViewTuned, interval};
+use crate::studies::tune::{Choice, Label, SceneTuned, SetTuned, Tuning, ViewTuned, interval};
 
 /// The whole page.
 pub(super) fn page(tuning: &Tuning) -> String {

@@ -9,8 +9,8 @@ use crate::judge::Rule;
 use crate::report::fixture::{self, Quality};
 use crate::report::{Measured, read_any, read_tuning, write_tuning, write_tuning_derived};
 use crate::results::{Judgement, Skipped};
-use crate::sweep::AxisRecord;
-use crate::tune::{Judged, Label, SCHEMA, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned, choose};
+use crate::studies::sweep::AxisRecord;
+use crate::studies::tune::{Judged, Label, SCHEMA, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned, choose};
 
 pub(in crate::report) const SETS: [(&str, Query); 2] = [("diffuse", Query::Closest), ("ao", Query::Any)];
 pub(in crate::report) const VALUES: [&str; 5] = ["0", "0.001", "0.01", "0.02", "0.1"];

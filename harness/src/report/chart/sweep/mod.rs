@@ -15,7 +15,7 @@ use super::plot::{Panel, Places, Values, draw_panel};
 use super::{LONGEST_VALUE, caption, cut, name_with_unit, panel_title, titles};
 use crate::report::sweep::{Curve, View};
 use crate::results::Run;
-use crate::sweep::RESOLUTION;
+use crate::studies::sweep::RESOLUTION;
 use panels::{Rule, build, error_panel, errors, memory, rules, speed};
 
 const PLOT_HEIGHT: f64 = 190.0;

@@ -4,7 +4,7 @@ use tracebench_api::{Description, Parameters, Preset, Ray, Tracer};
 use tracebench_tests::{Fake, Manner};
 
 use super::*;
-use crate::controls::Control;
+use crate::measure::controls::Control;
 use crate::rays::{RAY_SETS, default_parameters};
 
 /// A triangle that fills half of the image.

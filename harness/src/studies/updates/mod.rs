@@ -1,7 +1,7 @@
 //! Structures that follow animations: how long each way of following takes, and what quality it leaves.
 //!
 //! Every tracer and way has a structure of its own, built over the first frame; then all follow frame by frame, in turn. At
-//! the last frame they trace the same rays beside fresh builds over it, by the same runner, judge and controls as a run.
+//! the last frame they trace the same rays beside fresh builds over it, by the same measure, judge and controls as a run.
 
 mod record;
 
@@ -13,14 +13,14 @@ use tracebench_scenes::Scene;
 
 pub use record::{FRESH_BUILD, SCHEMA, SceneUpdates, UpdateRow, Updates};
 
+use crate::measure::records;
+use crate::measure::session::Contender;
+use crate::measure::{self, Entry, LoadedScene, RunError};
 use crate::peers::Table;
 use crate::plan::{Plan, TracerRequest};
 use crate::progress::Progress;
-use crate::records;
 use crate::registry::Device;
 use crate::results::{Provenance, Skipped, TracerRecord, TracerRun};
-use crate::runner::{self, Entry, LoadedScene, RunError};
-use crate::session::Contender;
 use crate::truth::Cache;
 
 /// An animation whose vertices all end within so many scene diagonals of where they began comes back to its start.
@@ -86,7 +86,7 @@ pub fn execute(
         scenes: Vec::new(),
         skipped: Vec::new(),
     };
-    for scene in runner::load(plan, progress)? {
+    for scene in measure::load(plan, progress)? {
         if scene.animation.is_none() {
             let reason = "it does not move".to_owned();
             updates.skipped.push(Skipped { tracer: None, scene: scene.name, rays: None, reason });
@@ -154,7 +154,7 @@ fn measure_scene(
     let Film { scene, times_s, positions } = film;
     let plan = &Plan { time_s: scene.time_s, ..plan.clone() };
     let (triangles, materials) = (scene.mesh.triangles.clone(), scene.mesh.triangle_materials.clone());
-    let LoadedScene { record: scene, pose, session } = runner::prepare(plan, scene, device, cache, progress)?;
+    let LoadedScene { record: scene, pose, session } = measure::prepare(plan, scene, device, cache, progress)?;
     updates.skipped.extend(session.skipped.iter().cloned());
     let skip = |request: &TracerRequest, way: &str, error: &TracerError| Skipped {
         tracer: Some(format!("{} ({way})", request.name())),
@@ -194,14 +194,14 @@ fn measure_scene(
         Moving { positions: &positions, triangles, materials, gpu: session.gpu_handle(), passes: updates.passes };
     moving.follow(&mut followers, session.viewpoint(), progress)?;
     let samples = plan.preset.samples;
-    runner::sample_builds(&session, &mut entries, samples, progress);
+    measure::sample_builds(&session, &mut entries, samples, progress);
     for follower in followers {
         roles.push((follower.way.name, Some(follower.request)));
         entries.push(follower.entry);
     }
-    runner::validate(&mut entries, progress);
+    measure::validate(&mut entries, progress);
     for rays in &session.rays {
-        runner::sample_traces(&session, rays, &mut entries, samples, progress)?;
+        measure::sample_traces(&session, rays, &mut entries, samples, progress)?;
     }
     let viewpoint = records::viewpoint_record(plan, &pose, &session);
     let (mut controls, mut rows) = (Vec::new(), Vec::new());
@@ -212,8 +212,8 @@ fn measure_scene(
                 let tracer = entry.contender.description.name.to_owned();
                 return Err(RunError::Tracer { tracer, error: error.clone() });
             }
-            (None, None) => controls.push(runner::tracer_run(entry, &scene, &viewpoint)?),
-            (None, Some(request)) => rows.push(row(runner::tracer_run(entry, &scene, &viewpoint)?, way, &request)),
+            (None, None) => controls.push(measure::tracer_run(entry, &scene, &viewpoint)?),
+            (None, Some(request)) => rows.push(row(measure::tracer_run(entry, &scene, &viewpoint)?, way, &request)),
         }
     }
     // A tracer's ways stand together.

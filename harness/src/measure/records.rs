@@ -8,12 +8,12 @@ use tracebench_api::{
 };
 use tracebench_scenes::{Origin, Scene};
 
+use crate::measure::session::{Contender, PreparedRays, Session};
 use crate::plan::{Plan, TracerRequest};
 use crate::results::{
     BuildRecord, CounterRecord, Judgement, MemoryRecord, PhaseRecord, SceneRecord, SurfaceJudgement, Times,
     TraceRecord, TracerRecord, ViewpointRecord,
 };
-use crate::session::{Contender, PreparedRays, Session};
 use crate::statistics::{median, median_interval};
 use crate::viewpoint::Pose;
 

@@ -8,14 +8,14 @@ use std::sync::Arc;
 use tracebench_api::{Geometry, Gpu, TracerError};
 
 use crate::cases::{Case, Expectation, Probe, Setup, expectation};
+use crate::measure::RunError;
+use crate::measure::records;
+use crate::measure::session::{Contender, PreparedRays, Session, SessionError};
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
 use crate::rays::RaySet;
-use crate::records;
 use crate::registry::Device;
 use crate::results::{Judgement, Provenance, Skipped};
-use crate::runner::RunError;
-use crate::session::{Contender, PreparedRays, Session, SessionError};
 use crate::truth::Truth;
 
 pub use record::{CaseRecord, Cell, ExpectationRecord, KnobRecord, Measured, SCHEMA, Stability, Strength};

@@ -11,13 +11,13 @@ pub use choice::{choose, interval, score};
 pub use record::{Choice, Judged, Label, SCHEMA, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned};
 
 use crate::judge::Rule;
+use crate::measure::records;
+use crate::measure::{self, RunError};
 use crate::plan::{Plan, RunPreset, SceneSource, TracerRequest, ViewRequest};
 use crate::progress::Progress;
-use crate::records;
 use crate::registry::Device;
 use crate::results::{Run, Skipped, TracerRun};
-use crate::runner::{self, RunError};
-use crate::sweep::{AxisRecord, Sweep, SweepError};
+use crate::studies::sweep::{AxisRecord, Sweep, SweepError};
 use crate::truth::Cache;
 
 /// A parameter of a plan's only tracer, to be tuned.
@@ -47,8 +47,8 @@ impl Tune {
     /// [`RunError`] as its variants say.
     pub fn execute(self, device: &Device, cache: &Cache, progress: &Progress) -> Result<Tuning, RunError> {
         // What is wrong with the last scene is said before the first is measured.
-        drop(runner::load(&self.plan, progress)?);
-        let begun = runner::begin(std::slice::from_ref(&self.plan), device);
+        drop(measure::load(&self.plan, progress)?);
+        let begun = measure::begin(std::slice::from_ref(&self.plan), device);
         let mut tuning = Tuning {
             schema: SCHEMA,
             provenance: begun.provenance,

@@ -6,8 +6,8 @@ use serde::Serialize;
 use tracebench_api::Query;
 
 use super::{GIVEN_UP, Ladder, UNEXPLAINED};
+use crate::measure::records;
 use crate::plan::{Plan, TracerRequest};
-use crate::records;
 use crate::registry::Device;
 use crate::results::{Provenance, SceneRecord, Skipped, TracerRecord, ViewpointRecord};
 

@@ -12,12 +12,12 @@ use tracebench_api::{Hit, Status, TracerError};
 pub use record::{Explained, Explanation, RemedyRecord, SCHEMA, SceneExplained};
 
 use crate::judge::{Class, Rule};
+use crate::measure::records;
+use crate::measure::session::{Contender, PreparedRays, Session};
+use crate::measure::{self, RunError};
 use crate::plan::{Plan, TracerRequest};
 use crate::progress::Progress;
-use crate::records;
 use crate::registry::Device;
-use crate::runner::{self, RunError};
-use crate::session::{Contender, PreparedRays, Session};
 use crate::truth::Cache;
 
 /// A cause of wrong rays, and the parameter that takes it away.
@@ -135,8 +135,8 @@ pub fn execute(
         Contender::create(description, request.parameters.clone(), || request.registration.create(device))
             .map_err(fail)?;
     let mut found = Explanation::begin(plan, request, ladder, device);
-    for scene in runner::load(plan, progress)? {
-        let loaded = runner::prepare(plan, scene, device, cache, progress)?;
+    for scene in measure::load(plan, progress)? {
+        let loaded = measure::prepare(plan, scene, device, cache, progress)?;
         let session = &loaded.session;
         found.skipped.extend(session.skipped.iter().cloned());
         check_controls(session)?;

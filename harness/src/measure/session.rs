@@ -9,8 +9,8 @@ use tracebench_api::{
 };
 use tracebench_scenes::CameraPath;
 
-use crate::controls::{Control, KnownAnswers};
 use crate::judge::{Class, Judge, JudgeError, Rule};
+use crate::measure::controls::{Control, KnownAnswers};
 use crate::progress::Progress;
 use crate::rays::{self, RayError, RayScene, RaySet, Starts};
 use crate::results::{Judgement, Skipped, SurfaceJudgement};

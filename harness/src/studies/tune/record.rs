@@ -8,7 +8,7 @@ use tracebench_api::Query;
 
 use crate::judge::Rule;
 use crate::results::{Judgement, Provenance, SceneRecord, Skipped, TracerRecord, TracerRun, ViewpointRecord};
-use crate::sweep::AxisRecord;
+use crate::studies::sweep::AxisRecord;
 
 /// The schema that this program writes and reads.
 pub const SCHEMA: u32 = 1;

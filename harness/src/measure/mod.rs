@@ -1,16 +1,18 @@
 //! Runs a plan: builds and traces interleaved over the contenders, judges, and writes everything down.
 
+pub mod controls;
 mod race;
+pub(crate) mod records;
+pub mod session;
 
 use tracebench_api::{Geometry, RayBuffer, TracerError};
 use tracebench_scenes::{Camera, Material, Mesh, Scene, SceneError};
 
+use crate::measure::session::{Contender, RayRequest, Session, SessionError};
 use crate::plan::{Plan, Resolution, SceneSource, TracerRequest, ViewRequest};
 use crate::progress::Progress;
-use crate::records;
 use crate::registry::Device;
 use crate::results::{Provenance, Run, SCHEMA, SceneRecord, Skipped, TracerRun, ViewpointRecord};
-use crate::session::{Contender, RayRequest, Session, SessionError};
 use crate::truth::{Cache, Truth};
 use crate::viewpoint::{self, Pose};
 

@@ -6,12 +6,12 @@ use std::time::{Duration, Instant};
 use tracebench_api::{HitBuffer, Timing, TracerError, Viewpoint};
 
 use super::RunError;
-use crate::controls::Control;
+use crate::measure::controls::Control;
+use crate::measure::records::{self, Traced};
+use crate::measure::session::{Contender, PreparedRays, Session};
 use crate::plan::{Resolution, TracerRequest};
 use crate::progress::Progress;
-use crate::records::{self, Traced};
 use crate::results::{TraceRecord, TracerRecord};
-use crate::session::{Contender, PreparedRays, Session};
 
 /// A validation that takes longer is told where no bar can be shown.
 const LONG_VALIDATION: Duration = Duration::from_secs(2);

@@ -6,8 +6,8 @@ use tracebench_api::{Query, TracerError};
 use super::Verdict;
 use crate::cases::expectation::Wrong;
 use crate::cases::{Expectation, Knob};
+use crate::measure::session::SessionError;
 use crate::results::{AnyJudgement, ByRule, Causes, Classes, Judgement, Occlusion, Provenance, Skipped};
-use crate::session::SessionError;
 
 /// The schema that this program writes.
 pub const SCHEMA: u32 = 1;

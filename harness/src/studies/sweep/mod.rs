@@ -12,12 +12,12 @@ use tracebench_api::{ParameterError, RayBuffer};
 pub use axis::{MOST_VALUES, Multiple, RESOLUTION, parameter_axis, resolution_axis};
 pub use record::{AxisRecord, PointRecord, SweepRecord};
 
+use crate::measure::records;
+use crate::measure::{self, Refused, RunError};
 use crate::plan::{Plan, Resolution, RunPreset, TracerRequest};
 use crate::progress::Progress;
-use crate::records;
 use crate::registry::Device;
 use crate::results::{Run, Skipped};
-use crate::runner::{self, Refused, RunError};
 use crate::truth::Cache;
 
 /// The most points of a sweep: every structure is held at once.
@@ -144,7 +144,7 @@ impl Sweep {
     /// held at once; what fails then is skipped with the reason.
     ///
     /// # Errors
-    /// As [`runner::execute`].
+    /// As [`measure::execute`].
     pub fn execute(
         mut self,
         required: bool,
@@ -157,14 +157,14 @@ impl Sweep {
             RayBuffer::check_fits(gpu, width * height)?;
         }
         let plan = &self.plan;
-        let mut run = runner::begin(std::slice::from_ref(plan), device);
-        let mut refused = runner::execute_into(&mut run, std::slice::from_ref(plan), device, cache, progress)?;
+        let mut run = measure::begin(std::slice::from_ref(plan), device);
+        let mut refused = measure::execute_into(&mut run, std::slice::from_ref(plan), device, cache, progress)?;
         if plan.tracers.len() > 1 {
             let mut still = Vec::new();
             for one in refused {
                 let tracers = vec![plan.tracers[one.contender].clone()];
                 let alone = Plan { tracers, scenes: vec![plan.scenes[one.scene_index].clone()], ..plan.clone() };
-                let again = runner::execute_into(&mut run, &[alone], device, cache, progress)?;
+                let again = measure::execute_into(&mut run, &[alone], device, cache, progress)?;
                 still.extend(again.into_iter().map(|again| Refused { contender: one.contender, ..again }));
             }
             refused = still;
@@ -174,7 +174,7 @@ impl Sweep {
         }
         self.say_skipped(&mut run);
         if run.runs.is_empty() {
-            return Err(runner::nothing(&run));
+            return Err(measure::nothing(&run));
         }
         run.sweep = Some(self.record);
         Ok(run)
