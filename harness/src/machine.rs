@@ -1,8 +1,38 @@
 //! What machine this is, and which program.
 
+use serde::{Deserialize, Serialize};
 use tracebench_api::AdapterListing;
 
-use crate::results::Machine;
+/// The machine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Machine {
+    /// Processor.
+    pub cpu: String,
+    /// Hardware threads that the program may use.
+    pub threads: usize,
+    /// Main memory, bytes; `None` if unknown.
+    pub memory_bytes: Option<u64>,
+    /// Operating system.
+    pub os: String,
+    /// Compiler that built the program.
+    pub rustc: String,
+    /// The adapter used; `None` if no tracer needed one.
+    pub adapter: Option<AdapterListing>,
+}
+
+impl Machine {
+    /// The machine in one line, for captions.
+    pub fn label(&self) -> String {
+        let adapter = match &self.adapter {
+            None => "no adapter".to_owned(),
+            Some(adapter) if adapter.kind == "software" => {
+                format!("{} (software adapter: times say little of hardware)", adapter.name)
+            }
+            Some(adapter) => adapter.name.clone(),
+        };
+        format!("{}, {} threads; {adapter}", self.cpu, self.threads)
+    }
+}
 
 /// Commit that the program was built from, or "unknown".
 pub const COMMIT: &str = env!("TRACEBENCH_COMMIT");
@@ -10,6 +40,12 @@ pub const COMMIT: &str = env!("TRACEBENCH_COMMIT");
 /// Whether the tree had changes when the program was built.
 pub fn dirty() -> Option<bool> {
     env!("TRACEBENCH_DIRTY").parse().ok()
+}
+
+/// Hash of the running program's file; empty if it cannot be read.
+pub fn program_sha256() -> String {
+    let program = std::env::current_exe().and_then(std::fs::read).unwrap_or_default();
+    if program.is_empty() { String::new() } else { crate::hash::sha256_of(&program) }
 }
 
 /// Looks at this machine.

@@ -7,13 +7,15 @@ use glam::DVec3;
 use tracebench_api::{Hit, NO_PRIMITIVE, Query};
 use tracebench_scenes::Mesh;
 
+use crate::files;
+use crate::files::FileError;
 use crate::judge::{Class, Judge, Rule};
-use crate::measure::session::{Contender, PreparedRays};
+use crate::measure::Crew;
+use crate::measure::session::PreparedRays;
 use crate::measure::{self, LoadedScene, RunError};
 use crate::plan::Plan;
 use crate::progress::Progress;
 use crate::registry::Device;
-use crate::report::{ReportError, files};
 use crate::truth::{Cache, Ray64};
 
 /// What a picture shows.
@@ -35,7 +37,7 @@ pub enum PictureError {
     Run(#[from] RunError),
     /// The file could not be written.
     #[error(transparent)]
-    Write(#[from] ReportError),
+    Write(#[from] FileError),
     /// The picture could not be encoded.
     #[error("cannot encode the picture: {0}")]
     Encode(String),
@@ -75,12 +77,9 @@ pub fn draw(
     let mesh = scene.mesh.clone();
     let loaded = measure::prepare(plan, scene, device, &Cache::of_user(), progress)?;
     let session = &loaded.session;
-    let description = (request.registration.describe)();
-    let name = description.name.to_owned();
+    let name = request.name().to_owned();
     let failed = |error| RunError::Tracer { tracer: name.clone(), error };
-    let mut contender =
-        Contender::create(description, request.parameters.clone(), || request.registration.create(device))
-            .map_err(failed)?;
+    let mut contender = Crew::default().contender(request, device).map_err(failed)?;
     session.sample_build(&mut contender).map_err(failed)?;
     let [width, height] = plan.preset.ray_image;
     let Some(rays) = session.rays.first() else {

@@ -2,10 +2,12 @@
 
 use std::path::PathBuf;
 
-use tracebench_api::{EndPoint, ParameterError, Parameters, Preset};
+use serde_json::json;
+use tracebench_api::{EndPoint, ParameterError, ParameterScope, Parameters, Preset, Value};
 
 use crate::rays::RaySet;
 use crate::registry::Registration;
+use crate::results::ShardRecord;
 use crate::viewpoint::Pose;
 
 /// Largest edge of a frame or image, pixels.
@@ -122,9 +124,41 @@ impl TracerRequest {
         Ok(())
     }
 
+    /// The values that shape its structure.
+    pub fn build_parameters(&self) -> impl Iterator<Item = (String, Value)> {
+        let described = (self.registration.describe)().parameters;
+        let shapes =
+            move |name: &str| described.iter().any(|each| each.name == name && each.scope == ParameterScope::Build);
+        let chosen = self.parameters.iter().filter(|(name, _)| shapes(name));
+        chosen.map(|(name, value)| (name.to_owned(), value.clone())).collect::<Vec<_>>().into_iter()
+    }
+
     /// Whether the run fails without a device.
     pub fn must_have_device(&self) -> bool {
         self.required && self.registration.needs_device()
+    }
+}
+
+/// A part of a plan: every so manieth of its places.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// Which, from 1.
+    pub index: u32,
+    /// Of how many.
+    pub count: u32,
+    /// Hash of the whole plan.
+    pub plan_sha256: String,
+}
+
+impl Shard {
+    /// Whether a scene with its viewpoint, by its place in the plan, is of this part.
+    pub fn takes(&self, place: usize) -> bool {
+        place % self.count as usize + 1 == self.index as usize
+    }
+
+    /// As records have it.
+    pub fn record(&self) -> ShardRecord {
+        ShardRecord { index: self.index, count: self.count, plan_sha256: self.plan_sha256.clone() }
     }
 }
 
@@ -151,6 +185,31 @@ pub struct Plan {
     pub end: EndPoint,
     /// Name of the table that the run is made for, if it is made for one.
     pub table: Option<&'static str>,
+}
+
+impl Plan {
+    /// Everything that it says, as data: plans of the same words mean the same work.
+    pub fn describe(&self) -> serde_json::Value {
+        let scene = |source: &SceneSource| match source {
+            SceneSource::Catalogue(name) => name.clone(),
+            SceneSource::File(path) => path.display().to_string(),
+        };
+        let tracer = |request: &TracerRequest| {
+            let resolution = request.resolution.map(|of| (of.frame, of.face));
+            json!({ "name": request.name(), "preset": request.preset.name(), "parameters": request.parameters,
+                    "changed": request.changed, "required": request.required, "resolution": resolution })
+        };
+        let RunPreset { name, ray_image, frame, face, samples, scene_scale } = self.preset;
+        json!({
+            "scenes": self.scenes.iter().map(scene).collect::<Vec<_>>(),
+            "tracers": self.tracers.iter().map(tracer).collect::<Vec<_>>(),
+            "rays": self.ray_sets.iter().map(|set| set.name).collect::<Vec<_>>(),
+            "ray_parameters": self.ray_parameters,
+            "preset": name, "ray_image": ray_image, "frame": frame, "face": face, "samples": samples,
+            "scene_scale": scene_scale, "view": format!("{:?}", self.view), "time_s": self.time_s, "seed": self.seed,
+            "end": self.end, "table": self.table,
+        })
+    }
 }
 
 #[cfg(test)]

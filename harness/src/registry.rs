@@ -7,7 +7,8 @@ use tracebench_api::{Description, Gpu, Residency, Tracer, TracerError};
 /// The device, or why there is none: what a tracer that needs one is skipped for.
 pub type Device = Result<Arc<Gpu>, TracerError>;
 
-type Create = fn(Device) -> Result<Box<dyn Tracer>, TracerError>;
+/// How a tracer is created.
+pub type Create = fn(Device) -> Result<Box<dyn Tracer>, TracerError>;
 
 /// What kind of structure a tracer searches. Tracers of one family are peers: they stand in one table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,6 +70,11 @@ pub const TRACERS: &[Registration] = &[
 ];
 
 impl Registration {
+    /// A tracer that is in no registry, as tests have them.
+    pub fn given(describe: fn() -> Description, family: Family, create: Create) -> Self {
+        Self { describe, family, create }
+    }
+
     /// Creates the tracer with its pipelines.
     ///
     /// # Errors

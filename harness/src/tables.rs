@@ -1,7 +1,7 @@
 //! Every table that `tracebench table` makes: of peers, and of the papers' tables and figures.
 
 use crate::papers::{self, EXPERIMENTS, Experiment};
-use crate::peers::{self, TABLES};
+use crate::peers::{self, Subject, TABLES};
 
 /// A table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +45,11 @@ impl Table {
             Self::Peers(table) => table.rays,
             Self::Paper(experiment) => experiment.rays,
         }
+    }
+
+    /// Whether it is over animations.
+    pub fn is_moving(self) -> bool {
+        matches!(self, Self::Peers(peers::Table { subject: Subject::Moving, .. }))
     }
 
     /// Whether a tracer of this name belongs into it.

@@ -8,7 +8,8 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 use tracebench_api::{AdapterChoice, Gpu, Timing};
-use tracebench_harness::measure::session::{Contender, Session};
+use tracebench_harness::measure::session::Session;
+use tracebench_harness::measure::{Contender, Context, Crew, Journal};
 use tracebench_harness::plan::{Plan, RunPreset, TracerRequest};
 use tracebench_harness::progress::Progress;
 use tracebench_harness::registry::Device;
@@ -65,7 +66,8 @@ fn device() -> Result<Device, Failure> {
 /// The harness's own measurement, interleaved and judged.
 fn measure(name: &str, plans: &[Plan], device: &Device) -> Result<(), Failure> {
     let folder = folder(name);
-    let run = measure::execute_all(plans, device, &Cache::of_user(), &Progress::new(false))?;
+    let (cache, progress, journal) = (Cache::of_user(), Progress::new(false), Journal::none());
+    let run = measure::execute_all(plans, &Context::new(device, &cache, &progress, &journal))?;
     let written = report::write_run(&run, &folder)?;
     for skipped in &run.skipped {
         println!("skipped {}: {}", skipped.tracer.as_deref().unwrap_or("all tracers"), skipped.reason);
@@ -85,6 +87,7 @@ fn folder(name: &str) -> PathBuf {
 
 /// Criterion's statistics over the same work, by the same clock.
 fn sample(name: &str, plan: &Plan, device: &Device, criterion: &mut Criterion) -> Result<(), Failure> {
+    let mut crew = Crew::default();
     for scene in measure::load(plan, &Progress::new(true))? {
         // Criterion compares with the last time by name: another preset is other work.
         let title = format!("{} {name} {}", plan.preset.name, scene.name);
@@ -92,11 +95,8 @@ fn sample(name: &str, plan: &Plan, device: &Device, criterion: &mut Criterion) -
         let session = &loaded.session;
         let mut contenders = Vec::new();
         for request in &plan.tracers {
-            let description = (request.registration.describe)();
-            let created =
-                Contender::create(description, request.parameters.clone(), || request.registration.create(device));
             // What this machine cannot run has been named as skipped by the measurement.
-            let Ok(mut contender) = created else { continue };
+            let Ok(mut contender) = crew.contender(request, device) else { continue };
             session.sample_build(&mut contender)?;
             contenders.push((label(request), contender));
         }

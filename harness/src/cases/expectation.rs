@@ -2,6 +2,7 @@
 
 use super::{bvh_cpu, dirt, exact, fragment_abuffer, screen_dda};
 pub use crate::judge::Rule;
+use crate::results::{ExpectationRecord, Surprise, Wrong};
 
 /// What is expected of a tracer with its published preset on a case. Shares are of the rays that are no tie.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,51 +62,6 @@ pub fn column(tracer: &str) -> Column {
     COLUMNS.iter().find(|(name, _)| *name == tracer).map_or(&[], |(_, column)| column)
 }
 
-/// Shares of wrong rays under the three rules; of any-hit rays the same three times.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Wrong {
-    /// Hit or miss is wrong.
-    pub hit_miss: f64,
-    /// Under `tight`.
-    pub tight: f64,
-    /// Under `footprint`.
-    pub footprint: f64,
-}
-
-impl Wrong {
-    /// The share under a rule.
-    pub fn under(&self, rule: Rule) -> f64 {
-        match rule {
-            Rule::HitMiss => self.hit_miss,
-            Rule::Tight => self.tight,
-            Rule::Footprint => self.footprint,
-        }
-    }
-}
-
-/// A surprise at one strength.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Surprise {
-    /// More rays are wrong than may be.
-    Failure {
-        /// Share of wrong rays.
-        wrong: f64,
-        /// The rule.
-        rule: Rule,
-        /// Most that were allowed, share.
-        allowed: f64,
-    },
-    /// Fewer rays are wrong than a known failure must have.
-    Success {
-        /// Share of wrong rays.
-        wrong: f64,
-        /// The rule.
-        rule: Rule,
-        /// Least that were expected, share.
-        expected: f64,
-    },
-}
-
 impl Expectation {
     /// The rule that it is about.
     pub fn rule(&self) -> Rule {
@@ -118,29 +74,38 @@ impl Expectation {
 
     /// Whether a device may be too small at one of a knob's values.
     pub fn may_be_refused(&self, values: &[f64], index: usize) -> bool {
-        match self {
-            Self::Refusable { from, .. } => values.iter().position(|value| value == from).is_some_and(|at| index >= at),
-            _ => false,
-        }
+        self.record().may_be_refused(values, index)
     }
 
     /// What is surprising about the wrong rays at one of a knob's values.
     pub fn surprise(&self, values: &[f64], index: usize, shares: &Wrong) -> Option<Surprise> {
-        let rule = self.rule();
-        let wrong = shares.under(rule);
-        let at_most = |allowed: f64| (wrong > allowed).then_some(Surprise::Failure { wrong, rule, allowed });
+        self.record().surprise(values, index, shares)
+    }
+
+    /// As records have it.
+    pub fn record(&self) -> ExpectationRecord {
+        let record = |kind: &str, most_wrong, reason: &str| ExpectationRecord {
+            kind: kind.to_owned(),
+            rule: self.rule(),
+            most_wrong,
+            from: None,
+            least_wrong: None,
+            refusable_from: None,
+            reason: reason.to_owned(),
+            source: String::new(),
+        };
         match *self {
-            Self::Refusable { otherwise, .. } => otherwise.surprise(values, index, shares),
-            Self::Exact => at_most(0.0),
-            Self::Bounded { most_wrong, .. } => at_most(most_wrong),
-            Self::KnownFailure { from, below, least_wrong, .. } => {
-                let first = values.iter().position(|value| *value == from).unwrap_or(0);
-                if index < first {
-                    return at_most(below);
-                }
-                let expected = if index + 1 == values.len() { least_wrong } else { below };
-                (wrong < expected || wrong <= below).then_some(Surprise::Success { wrong, rule, expected })
+            Self::Refusable { from, otherwise } => {
+                ExpectationRecord { refusable_from: Some(from), ..otherwise.record() }
             }
+            Self::Exact => record("exact", 0.0, ""),
+            Self::Bounded { most_wrong, reason, .. } => record("bounded", most_wrong, reason),
+            Self::KnownFailure { from, below, least_wrong, reason, source, .. } => ExpectationRecord {
+                from: Some(from),
+                least_wrong: Some(least_wrong),
+                source: source.to_owned(),
+                ..record("known_failure", below, reason)
+            },
         }
     }
 }

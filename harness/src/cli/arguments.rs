@@ -7,6 +7,7 @@ use clap::Args;
 use tracebench_api::EndPoint;
 use tracebench_scenes::{SCALE_MAX, SCALE_MIN};
 
+use super::work::OutputArguments;
 use super::{CliError, names};
 use crate::peers::Subject;
 use crate::picture::What;
@@ -51,7 +52,7 @@ pub(super) struct TableArguments {
     /// Measures nothing: makes the table of what was measured before, a file or the folder that holds it.
     #[arg(long, value_name = "RUN", conflicts_with_all = [
         "scene", "rays", "frames", "size", "frame", "face", "view", "time", "scale", "settings", "adapter", "preset",
-        "samples", "seed",
+        "samples", "seed", "resume", "shard",
     ])]
     pub from: Option<PathBuf>,
     #[command(flatten)]
@@ -85,9 +86,8 @@ pub(super) struct WorkArguments {
     /// hit, too).
     #[arg(long, value_name = "hit|surface", default_value = "hit", value_parser = end)]
     pub end: EndPoint,
-    /// Folder for the results; a new one below tracebench-out/ if not given.
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: OutputArguments,
 }
 
 /// What a run is about, beside [`WorkArguments`].

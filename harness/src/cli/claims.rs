@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::output::print;
-use super::run::OutputFolder;
+use super::work::OutputFolder;
 use super::{CliError, names};
 use crate::report;
 

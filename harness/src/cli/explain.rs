@@ -1,16 +1,17 @@
 //! `explain`.
 
 use clap::Args;
+use serde_json::Value;
 
 use super::arguments::{Matter, WorkArguments};
 use super::output::print;
-use super::run::{Work, say_skipped};
+use super::work::{Clock, Work, described};
 use super::{CliError, names};
+use crate::measure::Context;
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
 use crate::report;
 use crate::studies::explain::{self, LADDERS};
-use crate::truth::Cache;
 
 #[derive(Args)]
 pub(super) struct ExplainArguments {
@@ -60,11 +61,12 @@ pub(super) fn explain(arguments: &ExplainArguments, progress: &Progress) -> Resu
         return Err(CliError::Argument("--samples: explain takes no times".to_owned()));
     }
     let work = Work::prepare(&arguments.work, || arguments.matter(), progress)?;
-    let found = explain::execute(&work.plan, &request, ladder, &work.device, &Cache::of_user(), progress)
-        .inspect_err(|_| work.out.abandon())?;
-    say_skipped(&found.skipped, progress);
-    let page = report::write_explanation(&found, &work.out.path)?;
-    print(&format!("{}\n{}\n", report::explanation_page(&found), page.display()))?;
+    let plan = described("explain", std::slice::from_ref(&work.plan), Value::Null);
+    let execute = |context: &Context<'_>| explain::execute(&work.plan, &request, ladder, context);
+    let run = work.bench.measure(&plan, Clock::Untimed, progress, execute)?;
+    let Some(found) = &run.explanation else { return Ok(()) };
+    let page = work.bench.out.path.join(report::EXPLAIN_PAGE);
+    print(&format!("{}\n{}\n", report::explanation_page(&run, found), page.display()))?;
     match found.unexplained() {
         0 => Ok(()),
         left => Err(CliError::Other(format!("{left} rays are wrong on the last rung: no known cause explains them"))),

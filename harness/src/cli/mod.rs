@@ -15,6 +15,7 @@ mod stability;
 mod sweep;
 mod table;
 mod tune;
+mod work;
 
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -55,7 +56,7 @@ enum Verb {
     Claims(claims::ClaimsArguments),
     /// Hold two runs against each other: what got slower or less accurate, what changed, what only one has.
     Compare(compare::CompareArguments),
-    /// Make every file that derives from a run.json, an updates.json or a tune.json again.
+    /// Make every file that derives from a run.json, of whatever verb, again.
     Report(run::ReportArguments),
     /// Draw what a tracer sees, or gets wrong, as a PNG.
     Picture(arguments::PictureArguments),

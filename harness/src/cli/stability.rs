@@ -1,12 +1,12 @@
 //! `stability`.
 
-use std::path::PathBuf;
-
 use clap::Args;
+use serde_json::json;
 
 use super::output::print;
-use super::run::{OutputFolder, needs_device};
+use super::work::{Bench, Clock, OutputArguments, described, needs_device};
 use super::{CliError, names, open_device};
+use crate::measure::records;
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
 use crate::report;
@@ -28,9 +28,8 @@ pub(super) struct StabilityArguments {
     /// Adapter: part of its name, or its number in `adapters`.
     #[arg(long, value_name = "NAME", value_parser = clap::builder::NonEmptyStringValueParser::new())]
     adapter: Option<String>,
-    /// Folder for the results; a new one below tracebench-out/ if not given.
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    output: OutputArguments,
 }
 
 pub(super) fn stability(arguments: &StabilityArguments, progress: &Progress) -> Result<(), CliError> {
@@ -40,13 +39,14 @@ pub(super) fn stability(arguments: &StabilityArguments, progress: &Progress) -> 
     let cases = names::cases(&arguments.case)?;
     let required = requests.iter().any(TracerRequest::must_have_device);
     let device = open_device(arguments.adapter.as_deref(), needs_device(&requests), required)?;
-    let out = match &arguments.out {
-        Some(path) => OutputFolder::open(path)?,
-        None => OutputFolder::fresh()?,
-    };
-    let found = stability::run(&cases, &requests, &device, progress).inspect_err(|_| out.abandon())?;
-    report::write_stability(&found, &out.path)?;
-    let written = out.path.join(report::STABILITY_TABLE);
+    let bench = Bench::open(device, &arguments.output)?;
+    let words = |request: &TracerRequest| records::request_record(request);
+    let tracers: Vec<_> = requests.iter().map(words).collect();
+    let names: Vec<&str> = cases.iter().map(|case| case.name).collect();
+    let plan = described("stability", &[], json!({ "cases": names, "tracers": tracers }));
+    let run = bench.measure(&plan, Clock::Untimed, progress, |context| stability::run(&cases, &requests, context))?;
+    let Some(found) = Stability::of(&run) else { return Ok(()) };
+    let written = bench.out.path.join(report::STABILITY_TABLE);
     print(&format!("{}\n{}\n", report::stability_matrix(&found), written.display()))?;
     outcome(&found)
 }
@@ -63,7 +63,9 @@ fn outcome(found: &Stability) -> Result<(), CliError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::{Context, Journal};
     use crate::studies::stability::Verdict;
+    use crate::truth::Cache;
 
     /// Surprises in either direction and void cases end with 1 and name case and tracer, unless parameters were changed.
     #[test]
@@ -71,11 +73,13 @@ mod tests {
         let requests = names::tracers("bvh-cpu", &[]).unwrap();
         let device = Err(tracebench_api::TracerError::Unavailable("none is needed".to_owned()));
         let cases = names::cases("edge-on").unwrap();
-        let found = stability::run(&cases, &requests, &device, &Progress::new(true)).unwrap();
+        let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
+        let run = stability::run(&cases, &requests, &Context::new(&device, &cache, &quiet, &journal)).unwrap();
+        let found = Stability::of(&run).unwrap();
         assert!(outcome(&found).is_ok());
         for verdict in [Verdict::UnexpectedFailure, Verdict::UnexpectedSuccess] {
             let mut changed = found.clone();
-            changed.cases[0].tracers[0].verdict = verdict;
+            changed.cases[0].cells[0].verdict = verdict;
             let error = outcome(&changed).unwrap_err();
             assert!(error.to_string().contains("edge-on, bvh-cpu: exact"), "{error}");
             assert_eq!(error.exit_code(), std::process::ExitCode::from(1));
@@ -83,7 +87,7 @@ mod tests {
             assert!(outcome(&changed).is_ok());
         }
         let mut void = found;
-        void.cases[0].void = Some("the oracle erred".to_owned());
+        void.cases[0].case.void = Some("the oracle erred".to_owned());
         assert!(outcome(&void).unwrap_err().to_string().contains("the oracle erred"));
         assert!(report::stability_matrix(&void).contains("edge-on (VOID)"));
     }

@@ -1,17 +1,18 @@
 //! `sweep`.
 
 use clap::Args;
+use serde_json::json;
 use tracebench_api::Invalidation;
 
 use super::arguments::{Matter, WorkArguments};
 use super::output::print;
-use super::run::{Work, say_skipped};
+use super::work::{Clock, Work, described};
 use super::{CliError, names};
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
 use crate::report;
-use crate::studies::sweep::{AxisRecord, RESOLUTION, Sweep, SweepError, parameter_axis, resolution_axis};
-use crate::truth::Cache;
+use crate::results::AxisRecord;
+use crate::studies::sweep::{RESOLUTION, Sweep, SweepError, parameter_axis, resolution_axis};
 
 /// The tracer of a sweep that names none, and what of it is swept.
 const TRACER: &str = "dirt";
@@ -144,79 +145,17 @@ pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(
     let checked = arguments.work.plan(arguments.matter()?, || false)?;
     Sweep::new(&checked, axes.clone(), grid).map_err(|error| refused(&error, option))?;
     let work = Work::prepare(&arguments.work, || arguments.matter(), progress)?;
-    let sweep = Sweep::new(&work.plan, axes, grid).map_err(|error| {
+    let sweep = Sweep::new(&work.plan, axes.clone(), grid).map_err(|error| {
         // The preset of the adapter's kind may have other edges.
-        work.out.abandon();
+        work.bench.out.abandon();
         refused(&error, option)
     })?;
     progress.say(&format!("{} points", sweep.len()));
     let required = work.plan.tracers.iter().any(TracerRequest::must_have_device);
-    let run = sweep.execute(required, &work.device, &Cache::of_user(), progress).inspect_err(|_| work.out.abandon())?;
-    say_skipped(&run.skipped, progress);
-    report::write_run(&run, &work.out.path)?;
-    let page = work.out.path.join(report::SWEEP_PAGE);
+    let plan = described("sweep", std::slice::from_ref(&work.plan), json!({ "axes": axes, "grid": grid }));
+    work.bench.measure(&plan, Clock::Timed, progress, |context| sweep.execute(required, context))?;
+    let page = work.bench.out.path.join(report::SWEEP_PAGE);
     let text = std::fs::read_to_string(&page)
         .map_err(|error| CliError::Other(format!("cannot read {}: {error}", page.display())))?;
     print(&format!("{text}\n{}\n", page.display()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::registry::TRACERS;
-
-    fn parse(lists: &[&str]) -> Result<Vec<AxisRecord>, CliError> {
-        let request = names::tracers("dirt", &[]).unwrap().remove(0);
-        let lists: Vec<String> = lists.iter().map(|list| (*list).to_owned()).collect();
-        axes(&request, &lists, "--over")
-    }
-
-    /// Names and values share the comma: a value belongs to the name before it, a name without values has those of its
-    /// description, and what is wrong is said with what would be right.
-    #[test]
-    fn lists_of_names_and_values() {
-        let found = parse(&["tile_size,buckets=1,4,8,resolution", "coverage,clip=plane"]).unwrap();
-        let found: Vec<_> = found.iter().map(|axis| (axis.name.as_str(), axis.values.join(" "))).collect();
-        let expected = [
-            ("tile_size", "1 2 4 8"),
-            ("buckets", "1 4 8 24"),
-            ("resolution", "1/4 1/2 1 2"),
-            ("coverage", "conservative standard"),
-            ("clip", "polygon plane"),
-        ];
-        assert_eq!(found, expected.map(|(name, values)| (name, values.to_owned())));
-        for (list, part) in [
-            ("bucket", "'buckets'"),
-            ("buckets,4", "no parameter of dirt '4'"),
-            ("buckets=", "no values"),
-            ("buckets=,4", "no values"),
-            ("buckets=4,,8", "empty"),
-            ("", "empty"),
-            (",", "empty"),
-            ("buckets=0", "1 to 256"),
-            ("buckets=1e9", "1 to 256"),
-            ("buckets=4,clp=plane", "'clip'"),
-            ("buckets,buckets=4", "twice"),
-            ("resolution=0", "1/N"),
-            ("resolution=2/3", "1/N"),
-            ("buckets=1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16", "16 are the most"),
-        ] {
-            let message = parse(&[list]).map(|_| String::new()).unwrap_or_else(|error| error.to_string());
-            assert!(message.contains(part), "{list}: {message}");
-        }
-    }
-
-    /// What is swept where nothing is said can be swept, and no value of any parameter reads like a parameter's name.
-    #[test]
-    fn every_tracer_can_be_swept() {
-        for registration in TRACERS {
-            let request = TracerRequest::of(registration, tracebench_api::Preset::Published);
-            let described = (registration.describe)().parameters;
-            let found = axes(&request, &[default_axes(&request)], "--over").unwrap();
-            assert!(!found.is_empty() && found.iter().all(|axis| axis.values.contains(&axis.own)));
-            for value in described.iter().flat_map(|each| &each.sweep) {
-                assert!(described.iter().all(|each| each.name != value.to_string()), "{value}");
-            }
-        }
-    }
 }

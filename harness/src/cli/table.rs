@@ -2,21 +2,23 @@
 
 use std::path::Path;
 
+use serde_json::{Value, json};
+
 use super::arguments::TableArguments;
 use super::output::print;
-use super::run::{OutputFolder, Work, folder_of, say_skipped};
+use super::run::folder_of;
+use super::work::{Clock, OutputFolder, Work, described};
 use super::{CliError, names};
+use crate::measure::{self, Context};
 use crate::papers::Experiment;
-use crate::peers::{self, Subject};
 use crate::progress::Progress;
+use crate::report;
 use crate::studies::updates::{self, DEFAULT_FRAMES};
 use crate::tables::Table;
-use crate::truth::Cache;
-use crate::{measure, report};
 
 pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(), CliError> {
     let table = names::table(&arguments.name)?;
-    let moving = matches!(table, Table::Peers(peers::Table { subject: Subject::Moving, .. }));
+    let moving = table.is_moving();
     if !moving && arguments.frames.is_some() {
         return Err(CliError::Argument(format!("--frames: table {} is not over animations", table.name())));
     }
@@ -24,30 +26,29 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
         return Err(CliError::Argument(format!("--time: table {} is over whole animations", table.name())));
     }
     if let Some(path) = &arguments.from {
-        return again(table, moving, path, arguments.work.out.as_deref());
+        return again(table, path, arguments.work.output.out.as_deref());
     }
     let mut work = Work::prepare(&arguments.work, || arguments.matter(table), progress)?;
     match table {
         Table::Peers(table) if moving => {
             let frames = arguments.frames.unwrap_or(DEFAULT_FRAMES);
-            let found = updates::execute(table, &work.plan, frames, &work.device, &Cache::of_user(), progress)
-                .inspect_err(|_| work.out.abandon())?;
-            say_skipped(&found.skipped, progress);
-            report::write_updates(&found, &work.out.path)?;
+            let plan = described("table", std::slice::from_ref(&work.plan), json!({ "frames": frames }));
+            let execute = |context: &Context<'_>| updates::execute(table, &work.plan, frames, context);
+            work.bench.measure(&plan, Clock::Timed, progress, execute)?;
         }
         Table::Peers(_) => {
-            work.measure(progress)?;
+            work.measure("table", progress)?;
         }
         Table::Paper(experiment) => measure(experiment, arguments, &mut work, progress)?,
     }
-    show(table, &work.out.path)
+    show(table, &work.bench.out.path)
 }
 
 /// Runs an experiment's steps into one run.
 fn measure(
     experiment: &'static Experiment,
     arguments: &TableArguments,
-    work: &mut Work,
+    work: &mut Work<'_>,
     progress: &Progress,
 ) -> Result<(), CliError> {
     let settings = &arguments.work.common.settings;
@@ -56,32 +57,22 @@ fn measure(
     work.plan.ray_parameters = names::ray_values(&own.chain(settings.iter().cloned()).collect::<Vec<_>>())?;
     let steps = names::steps(experiment, settings)?;
     let plans = experiment.plans(&work.plan, &steps).map_err(|error| CliError::Argument(error.to_string()));
-    let run = plans
-        .and_then(|plans| Ok(measure::execute_all(&plans, &work.device, &Cache::of_user(), progress)?))
-        .inspect_err(|_| work.out.abandon())?;
-    say_skipped(&run.skipped, progress);
-    report::write_run(&run, &work.out.path)?;
+    let plans = plans.inspect_err(|_| work.bench.out.abandon())?;
+    let words = described("table", &plans, Value::Null);
+    work.bench.measure(&words, Clock::Timed, progress, |context| measure::execute_all(&plans, context))?;
     Ok(())
 }
 
 /// Makes the table of what was measured before.
-fn again(table: Table, moving: bool, path: &Path, out: Option<&Path>) -> Result<(), CliError> {
+fn again(table: Table, path: &Path, out: Option<&Path>) -> Result<(), CliError> {
     let open = || match out {
         Some(out) => OutputFolder::open(out).map(|folder| folder.path),
         None => Ok(folder_of(path)),
     };
     // Read before anything is written.
-    let folder = if moving {
-        let updates = report::read_updates(path)?;
-        let folder = open()?;
-        report::write_updates_table(&updates, &folder)?;
-        folder
-    } else {
-        let run = report::read_run(path)?;
-        let folder = open()?;
-        report::write_table(table, &run, &folder)?;
-        folder
-    };
+    let run = report::read_run(path)?;
+    let folder = open()?;
+    report::write_table(table, &run, &folder)?;
     show(table, &folder)
 }
 

@@ -1,19 +1,20 @@
 //! `tune`.
 
 use clap::Args;
+use serde_json::json;
 
 use super::arguments::{Matter, WorkArguments};
 use super::output::print;
-use super::run::{Work, say_skipped};
 use super::sweep::{axes, one_tracer};
+use super::work::{Clock, Work, described};
 use super::{CliError, names};
 use crate::judge::Rule;
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
 use crate::report;
-use crate::studies::sweep::{AxisRecord, RESOLUTION};
-use crate::studies::tune::Tune;
-use crate::truth::Cache;
+use crate::results::AxisRecord;
+use crate::studies::sweep::RESOLUTION;
+use crate::studies::tune::{Tune, Tuning};
 
 /// The tracer that is tuned where none is named: one with a thickness to choose.
 const TRACER: &str = "fragment-abuffer";
@@ -85,14 +86,15 @@ pub(super) fn tune(arguments: &TuneArguments, progress: &Progress) -> Result<(),
         return Err(CliError::Argument("--samples: tune takes no times; `sweep` does".to_owned()));
     }
     let work = Work::prepare(&arguments.work, || arguments.matter(), progress)?;
-    let measured = Tune::new(&work.plan, &request, axis, rule)
+    let words = json!({ "axis": axis, "rule": rule });
+    let tune = Tune::new(&work.plan, &request, axis, rule)
         .map_err(|error| CliError::Argument(format!("--over: {error}")))
-        .and_then(|tune| Ok(tune.execute(&work.device, &Cache::of_user(), progress)?));
-    let tuning = measured.inspect_err(|_| work.out.abandon())?;
-    say_skipped(&tuning.skipped, progress);
-    report::write_tuning(&tuning, &work.out.path)?;
-    let page = work.out.path.join(report::TUNE_PAGE);
-    print(&format!("{}\n{}\n", report::tuning_overview(&tuning), page.display()))
+        .inspect_err(|_| work.bench.out.abandon())?;
+    let plan = described("tune", std::slice::from_ref(&work.plan), words);
+    let run = work.bench.measure(&plan, Clock::Untimed, progress, |context| tune.execute(context))?;
+    let page = work.bench.out.path.join(report::TUNE_PAGE);
+    let overview = Tuning::of(&run).map(|tuning| report::tuning_overview(&tuning)).unwrap_or_default();
+    print(&format!("{overview}\n{}\n", page.display()))
 }
 
 #[cfg(test)]

@@ -4,7 +4,6 @@
 //! beyond noise is told apart from what has changed exactly (answers, counters, bytes, statistics of structures).
 
 mod accuracy;
-mod ratio;
 #[cfg(test)]
 mod tests;
 
@@ -14,9 +13,8 @@ use serde::Serialize;
 use tracebench_api::ClockKind;
 
 pub use accuracy::{Accuracy, Shift};
-pub use ratio::{LEAST_SAMPLES, Movement, Ratio};
 
-use crate::results::{Run, Times, TraceRecord, TracerRun, ViewpointRecord};
+use crate::results::{Movement, Ratio, Run, Times, TraceRecord, TracerRun, same_rays, same_work};
 
 /// The schema of a comparison as JSON.
 pub const SCHEMA: u32 = 1;
@@ -212,19 +210,6 @@ fn pairs<'a, T>(a: &'a [T], b: &'a [T], same: fn(&T, &T) -> bool) -> (Vec<(&'a T
         }
     }
     (pairs, only_in_a, left)
-}
-
-/// The same tracer with the same parameters over the same triangles from the same viewpoint; presets and labels are names.
-fn same_work(a: &TracerRun, b: &TracerRun) -> bool {
-    let unnamed = |viewpoint: &ViewpointRecord| ViewpointRecord { name: String::new(), ..viewpoint.clone() };
-    a.scene.sha256 == b.scene.sha256
-        && a.tracer.name == b.tracer.name
-        && a.tracer.parameters == b.tracer.parameters
-        && unnamed(&a.viewpoint) == unnamed(&b.viewpoint)
-}
-
-fn same_rays(a: &TraceRecord, b: &TraceRecord) -> bool {
-    a.rays == b.rays && a.rays_sha256 == b.rays_sha256 && a.query == b.query && a.end == b.end && a.count == b.count
 }
 
 /// What differs between the runs as wholes, a sentence each.

@@ -86,31 +86,7 @@ impl Class {
     }
 }
 
-/// A rule by which t is judged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Rule {
-    /// Only hit or miss.
-    HitMiss,
-    /// |t - t*| <= 1e-4 t* + 1e-6 diagonal.
-    Tight,
-    /// Hit point within one pixel of the common reference camera.
-    Footprint,
-}
-
-impl Rule {
-    /// Every rule.
-    pub const ALL: [Self; 3] = [Self::HitMiss, Self::Tight, Self::Footprint];
-
-    /// The name in results.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::HitMiss => "hit_miss",
-            Self::Tight => "tight",
-            Self::Footprint => "footprint",
-        }
-    }
-}
+pub use crate::results::Rule;
 
 /// Answers that no judge can take.
 #[derive(Debug, thiserror::Error)]

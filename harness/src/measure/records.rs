@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 
 use tracebench_api::{
-    ClockKind, Counter, Description, EndPoint, Hit, HitBuffer, MemoryEntry, MemoryReport, Parameters, Residency,
-    Status, Timing, Value,
+    ClockKind, Counter, Description, EndPoint, Hit, HitBuffer, MemoryEntry, MemoryReport, Parameters, Preset,
+    Residency, Status, Timing, Value, Viewpoint,
 };
 use tracebench_scenes::{Origin, Scene};
 
-use crate::measure::session::{Contender, PreparedRays, Session};
+use super::controls::Control;
+use super::session::{PreparedRays, Session};
 use crate::plan::{Plan, TracerRequest};
 use crate::results::{
     BuildRecord, CounterRecord, Judgement, MemoryRecord, PhaseRecord, SceneRecord, SurfaceJudgement, Times,
@@ -63,7 +64,7 @@ pub(crate) fn trace_record(traced: Traced<'_>) -> TraceRecord {
         end,
         per_trace_bytes: per_trace.iter().map(|entry| entry.allocated_bytes).sum(),
         per_trace,
-        mrays_per_s: hits.len() as f64 / times.median_ms.max(LEAST_MS) / 1e3,
+        mrays_per_s: if timings.is_empty() { 0.0 } else { hits.len() as f64 / times.median_ms.max(LEAST_MS) / 1e3 },
         times,
         hits_sha256: crate::hash::sha256_of(hits),
         counters: counters.iter().map(|counter| counter_record(counter, hits.len())).collect(),
@@ -134,9 +135,9 @@ pub(crate) fn json_values(parameters: &Parameters) -> BTreeMap<String, serde_jso
     parameters.iter().map(|(name, value)| (name.to_owned(), json(value))).collect()
 }
 
-/// A contender as it was asked for; a control was not.
-pub(crate) fn tracer_record(contender: &Contender, request: Option<&TracerRequest>) -> TracerRecord {
-    record_of(&contender.description, &contender.parameters, request)
+/// A control as a tracer.
+pub(crate) fn control_record(control: Control) -> TracerRecord {
+    record_of(&control.description(), &Parameters::preset(&[], Preset::Published), None)
 }
 
 /// A tracer as it was asked for, whether it can run or not.
@@ -175,9 +176,13 @@ pub(crate) fn scene_record(scene: &Scene) -> SceneRecord {
 }
 
 pub(crate) fn viewpoint_record(plan: &Plan, pose: &Pose, session: &Session) -> ViewpointRecord {
-    let viewpoint = session.viewpoint();
+    viewpoint_of(&pose.name, session.viewpoint(), plan.preset.ray_image, plan.time_s)
+}
+
+/// A viewpoint under a name.
+pub(crate) fn viewpoint_of(name: &str, viewpoint: &Viewpoint, ray_image: [u32; 2], time_s: f64) -> ViewpointRecord {
     ViewpointRecord {
-        name: pose.name.clone(),
+        name: name.to_owned(),
         eye: viewpoint.eye.into(),
         forward: viewpoint.forward.into(),
         up: viewpoint.up.into(),
@@ -186,8 +191,8 @@ pub(crate) fn viewpoint_record(plan: &Plan, pose: &Pose, session: &Session) -> V
         far: viewpoint.far,
         frame: viewpoint.frame,
         face: viewpoint.face,
-        ray_image: plan.preset.ray_image,
-        time_s: plan.time_s,
+        ray_image,
+        time_s,
     }
 }
 

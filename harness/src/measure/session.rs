@@ -1,15 +1,15 @@
 //! One scene from one viewpoint: its rays and truth made once, every contender built and sampled through the one clock.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use tracebench_api::{
-    Description, EndPoint, Geometry, Gpu, Hit, HitBuffer, MemoryEntry, Parameters, PhaseClock, Query, Ray, RayBuffer,
-    Structure, Surface, Timing, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
+    EndPoint, Geometry, Gpu, Hit, HitBuffer, MemoryEntry, Parameters, PhaseClock, Query, Ray, RayBuffer, Surface,
+    Timing, TraceJob, TracerError, View, Viewpoint,
 };
 use tracebench_scenes::CameraPath;
 
 use crate::judge::{Class, Judge, JudgeError, Rule};
+use crate::measure::Contender;
 use crate::measure::controls::{Control, KnownAnswers};
 use crate::progress::Progress;
 use crate::rays::{self, RayError, RayScene, RaySet, Starts};
@@ -61,105 +61,6 @@ impl PreparedRays {
             |hit: bool| self.answers.iter().filter(|each| !each.tie && each.hit.is_some() == hit).count() as u64;
         (count(true), count(false))
     }
-}
-
-/// A tracer that takes part, with what it has built last.
-pub struct Contender {
-    /// What it is.
-    pub description: Description,
-    /// With which parameters.
-    pub parameters: Parameters,
-    /// Time to create it, milliseconds.
-    pub setup_ms: f64,
-    tracer: Box<dyn Tracer>,
-    structure: Option<Box<dyn Structure>>,
-}
-
-impl Contender {
-    /// Creates a tracer and times that.
-    ///
-    /// # Errors
-    /// What the tracer says.
-    pub fn create(
-        description: Description,
-        parameters: Parameters,
-        create: impl FnOnce() -> Result<Box<dyn Tracer>, TracerError>,
-    ) -> Result<Self, TracerError> {
-        let begin = Instant::now();
-        let tracer = create()?;
-        let setup_ms = begin.elapsed().as_secs_f64() * 1e3;
-        Ok(Self { setup_ms, ..Self::ready(description, parameters, tracer) })
-    }
-
-    /// Takes a tracer that needs no creating.
-    pub fn ready(description: Description, parameters: Parameters, tracer: Box<dyn Tracer>) -> Self {
-        Self { description, parameters, setup_ms: 0.0, tracer, structure: None }
-    }
-
-    /// Builds over triangles and gives the time. The structure replaces the last one, which is dropped before, outside of
-    /// the time.
-    ///
-    /// # Errors
-    /// What the tracer says.
-    pub fn build(
-        &mut self,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        gpu: Option<&Gpu>,
-    ) -> Result<Timing, TracerError> {
-        self.structure = None;
-        let mut clock = PhaseClock::new(gpu);
-        let mut structure = self.tracer.build(geometry, viewpoint, &self.parameters, &mut clock)?;
-        let timing = clock.finish()?;
-        let grown = grown(&mut *structure, geometry, viewpoint, &self.parameters, gpu)?;
-        self.structure = Some(structure);
-        Ok(grown.unwrap_or(timing))
-    }
-
-    /// Lets the last structure follow triangles that moved and gives the time.
-    ///
-    /// # Errors
-    /// [`TracerError::Failed`] before the first build, or what the tracer says.
-    pub fn update(
-        &mut self,
-        update: Update,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        gpu: Option<&Gpu>,
-    ) -> Result<Timing, TracerError> {
-        let Some(structure) = &mut self.structure else {
-            return Err(TracerError::Failed("updated before it was built".to_owned()));
-        };
-        let mut clock = PhaseClock::new(gpu);
-        structure.update(update, geometry, viewpoint, &self.parameters, &mut clock)?;
-        let timing = clock.finish()?;
-        let grown = grown(&mut **structure, geometry, viewpoint, &self.parameters, gpu)?;
-        Ok(grown.unwrap_or(timing))
-    }
-
-    /// What it built last.
-    ///
-    /// # Errors
-    /// [`TracerError::Failed`] before the first build.
-    pub fn structure(&self) -> Result<&dyn Structure, TracerError> {
-        self.structure.as_deref().ok_or_else(|| TracerError::Failed("traced before it was built".to_owned()))
-    }
-}
-
-/// If a structure ran out of room, the time of a rebuild in the room that it has made.
-fn grown(
-    structure: &mut dyn Structure,
-    geometry: &Geometry,
-    viewpoint: &Viewpoint,
-    parameters: &Parameters,
-    gpu: Option<&Gpu>,
-) -> Result<Option<Timing>, TracerError> {
-    if !structure.make_room()? {
-        return Ok(None);
-    }
-    let mut clock = PhaseClock::new(gpu);
-    structure.update(Update::Rebuild, geometry, viewpoint, parameters, &mut clock)?;
-    Ok(Some(Timing { grown: true, ..clock.finish()? }))
 }
 
 /// One scene from one viewpoint.
@@ -388,8 +289,9 @@ impl Session {
     pub fn judge(&self, contender: &Contender, rays: &PreparedRays, hits: &[Hit]) -> Result<Judgement, SessionError> {
         let structure = contender.structure()?;
         let (views, keeps_hidden_layers) = (structure.views(), structure.keeps_hidden_layers());
-        let judge = Judge { keeps_hidden_layers, ..self.judge_of(contender, rays, &views) };
-        judge.judge(hits).map_err(|error| no_answers(contender, rays, error))
+        let names_primitives = contender.description.names_primitives;
+        let judge = Judge { keeps_hidden_layers, names_primitives, ..self.judge_of(rays, &views) };
+        judge.judge(hits).map_err(|error| no_answers(contender.description.name, rays, error))
     }
 
     /// Judges a contender's surfaces; nothing where traces do not go that far.
@@ -406,25 +308,25 @@ impl Session {
         if self.end == EndPoint::Hit {
             return Ok(None);
         }
-        let judged = self.judge_of(contender, rays, &[]).judge_surfaces(hits, surfaces);
-        judged.map(Some).map_err(|error| no_answers(contender, rays, error))
+        let judged = self.judge_of(rays, &[]).judge_surfaces(hits, surfaces);
+        judged.map(Some).map_err(|error| no_answers(contender.description.name, rays, error))
     }
 
-    /// The class of every answer of a contender under a rule, `None` for ties, as [`Judge::classes`].
+    /// The class of every answer under a rule, `None` for ties, as [`Judge::classes`].
     ///
     /// # Errors
     /// [`SessionError::Judge`] if they are no answers.
     pub fn classes(
         &self,
-        contender: &Contender,
+        tracer: &str,
         rays: &PreparedRays,
         rule: Rule,
         hits: &[Hit],
     ) -> Result<Vec<Option<Class>>, SessionError> {
-        self.judge_of(contender, rays, &[]).classes(rule, hits).map_err(|error| no_answers(contender, rays, error))
+        self.judge_of(rays, &[]).classes(rule, hits).map_err(|error| no_answers(tracer, rays, error))
     }
 
-    fn judge_of<'a>(&'a self, contender: &Contender, rays: &'a PreparedRays, views: &'a [View]) -> Judge<'a> {
+    fn judge_of<'a>(&'a self, rays: &'a PreparedRays, views: &'a [View]) -> Judge<'a> {
         Judge {
             truth: &self.truth,
             eye: self.viewpoint.eye.as_dvec3(),
@@ -433,11 +335,11 @@ impl Session {
             query: rays.set.query,
             views,
             keeps_hidden_layers: false,
-            names_primitives: contender.description.names_primitives,
+            names_primitives: false,
         }
     }
 }
 
-fn no_answers(contender: &Contender, rays: &PreparedRays, error: JudgeError) -> SessionError {
-    SessionError::Judge { tracer: contender.description.name.to_owned(), rays: rays.set.name.to_owned(), error }
+fn no_answers(tracer: &str, rays: &PreparedRays, error: JudgeError) -> SessionError {
+    SessionError::Judge { tracer: tracer.to_owned(), rays: rays.set.name.to_owned(), error }
 }

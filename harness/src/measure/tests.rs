@@ -1,11 +1,17 @@
-//! The runner against contenders that cheat or waver, which the registry has none of.
+//! The race against contenders that cheat or waver, which the registry has none of.
 
-use tracebench_api::{Description, Parameters, Preset, Ray, Tracer};
+use tracebench_api::{Description, Geometry, Parameters, Preset, Ray, Tracer};
 use tracebench_tests::{Fake, Manner};
 
+use super::race::{Built, Outcome, Race};
+use super::session::{RayRequest, Session};
 use super::*;
 use crate::measure::controls::Control;
+use crate::progress::Progress;
 use crate::rays::{RAY_SETS, default_parameters};
+use crate::results::TraceRecord;
+use crate::truth::{Cache, Truth};
+use crate::viewpoint::Pose;
 
 /// A triangle that fills half of the image.
 fn session() -> Session {
@@ -20,56 +26,80 @@ fn session() -> Session {
     Session::new("fake", truth, viewpoint, request, None, &Cache::none(), &quiet).unwrap()
 }
 
-/// Builds and traces one contender as the runner does.
-fn measure(tracer: Box<dyn Tracer>, control: Option<Control>) -> Result<Entry, RunError> {
+/// What came of one contender.
+struct Came {
+    built: Outcome<Built>,
+    traced: Outcome<TraceRecord>,
+    /// What a control scored wrongly.
+    void: Option<String>,
+}
+
+impl Came {
+    /// Why it was taken out; empty if it was not.
+    fn failure(&self) -> String {
+        match (&self.built, &self.traced) {
+            (Outcome::Out(refusal), _) | (_, Outcome::Out(refusal)) => refusal.reason.clone(),
+            _ => String::new(),
+        }
+    }
+
+    fn trace(&self) -> Option<&TraceRecord> {
+        if let Outcome::Measured(trace) = &self.traced { Some(trace) } else { None }
+    }
+}
+
+/// Builds and traces one contender as every race does.
+fn race(tracer: Box<dyn Tracer>, control: Option<Control>) -> Came {
     let description = Description { name: "fake", ..Control::AlwaysMiss.description() };
     let parameters = Parameters::preset(&[], Preset::Published);
     let session = session();
-    let mut entries = [Entry::new(Contender::ready(description, parameters, tracer), None, control)];
     let quiet = Progress::new(true);
-    sample_builds(&session, &mut entries, 2, &quiet);
-    validate(&mut entries, &quiet);
-    sample_traces(&session, &session.rays[0], &mut entries, 2, &quiet)?;
-    let [entry] = entries;
-    Ok(entry)
+    let mut race = Race::new(&session, None, Effort::timed(2), &quiet);
+    race.enter(Contender::ready(description, parameters, tracer), None, control);
+    let built = race.build().unwrap().pop().unwrap();
+    let mut answered = race.trace(&session.rays[0]).unwrap();
+    Came { built, traced: answered.outcomes.pop().unwrap(), void: answered.void }
 }
 
 /// Proves that the buffer is poisoned before every sample: a contender that answers once and rests on that is refused;
 /// one that answers every time is taken, with a record of each.
 #[test]
 fn answers_of_an_earlier_sample_do_not_count() {
-    let honest = measure(Box::new(Fake(Manner::Honest)), None).unwrap();
-    assert!(honest.failure.is_none());
-    assert_eq!((honest.builds.len(), honest.traces.len(), honest.traces[0].times.samples_ms.len()), (2, 1, 2));
+    let honest = race(Box::new(Fake(Manner::Honest)), None);
+    assert_eq!(honest.failure(), "");
+    let Outcome::Measured(Built { build, .. }) = &honest.built else { panic!("not built") };
+    let samples = honest.trace().unwrap().times.samples_ms.len();
+    assert_eq!((build.times.samples_ms.len(), samples), (2, 2));
     // Its counted answers are written, its last timed ones are poison.
-    let idle = measure(Box::new(Fake(Manner::Idle)), None).unwrap();
-    assert!(idle.failure.is_some() && idle.traces.is_empty());
+    let idle = race(Box::new(Fake(Manner::Idle)), None);
+    assert!(!idle.failure().is_empty() && idle.trace().is_none());
 }
 
 /// Proves that the first trace warms up and is not among the samples.
 #[test]
 fn warming_up_is_not_counted() {
-    let slow = measure(Box::new(Fake(Manner::Slow)), None).unwrap();
-    let samples = &slow.traces[0].times.samples_ms;
+    let slow = race(Box::new(Fake(Manner::Slow)), None);
+    let samples = &slow.trace().unwrap().times.samples_ms;
     assert!(samples.len() == 2 && samples.iter().all(|sample| *sample < 200.0), "{samples:?}");
 }
 
 /// Proves that hits which differ between the timed and the counting variant take a contender out of the race.
 #[test]
 fn hits_must_not_depend_on_counting() {
-    let wavering = measure(Box::new(Fake(Manner::Wavering)), None).unwrap();
-    let failure = wavering.failure.map(|error| error.to_string()).unwrap_or_default();
-    assert!(failure.contains("other hits") && wavering.traces.is_empty(), "{failure}");
+    let wavering = race(Box::new(Fake(Manner::Wavering)), None);
+    let failure = wavering.failure();
+    assert!(failure.contains("other hits") && wavering.trace().is_none(), "{failure}");
 }
 
-/// Proves that a control which does not score what it must voids the run: one that always misses in the oracle's place
-/// does, in its own place it does not.
+/// Proves that a control which does not score what it must is noticed: one that always misses in the oracle's place is, in its
+/// own place it is not.
 #[test]
-fn a_failing_control_voids_the_run() {
-    assert!(measure(Box::new(Fake(Manner::Honest)), Some(Control::AlwaysMiss)).is_ok());
+fn a_failing_control_is_noticed() {
+    assert_eq!(race(Box::new(Fake(Manner::Honest)), Some(Control::AlwaysMiss)).void, None);
     for place in [Control::Oracle, Control::AlwaysHit] {
-        let error = measure(Box::new(Fake(Manner::Honest)), Some(place)).map(|_| ()).unwrap_err();
-        assert!(matches!(error, RunError::Control(_)) && error.to_string().contains("void"), "{error}");
+        let void = race(Box::new(Fake(Manner::Honest)), Some(place)).void.unwrap();
+        assert!(void.contains(place.description().name), "{void}");
+        assert!(RunError::Control(void).to_string().contains("void"));
     }
 }
 
@@ -85,11 +115,13 @@ fn primary_rays_start_at_the_eye() {
 /// the race before it is traced.
 #[test]
 fn structures_must_be_sound() {
-    let honest = measure(Box::new(Fake(Manner::Honest)), None).unwrap();
-    assert_eq!(honest.statistics.into_iter().collect::<Vec<_>>(), [("nodes".to_owned(), 1.0)]);
+    let honest = race(Box::new(Fake(Manner::Honest)), None);
+    let Outcome::Measured(Built { structure_statistics, .. }) = honest.built else { panic!("not built") };
+    assert_eq!(structure_statistics.into_iter().collect::<Vec<_>>(), [("nodes".to_owned(), 1.0)]);
     for (manner, part) in [(Manner::Unsound, "where it should be"), (Manner::Numberless, "cost is NaN")] {
-        let entry = measure(Box::new(Fake(manner)), None).unwrap();
-        let failure = entry.failure.map(|error| error.to_string()).unwrap_or_default();
-        assert!(failure.contains(part) && entry.traces.is_empty() && entry.statistics.is_empty(), "{failure}");
+        let came = race(Box::new(Fake(manner)), None);
+        assert!(came.failure().contains(part) && came.trace().is_none(), "{}", came.failure());
+        let Outcome::Out(refusal) = came.built else { panic!("it was not taken out") };
+        assert!(!refusal.for_room && matches!(came.traced, Outcome::Absent));
     }
 }

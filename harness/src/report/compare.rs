@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use super::format::{self, NONE, clock, optional, percent, significant, statistic, thousands};
 use super::markdown::{Table, inline};
-use crate::compare::{Accuracy, Changes, Comparison, Key, LEAST_SAMPLES, Movement, Shift, Side, Speed};
+use crate::compare::{Accuracy, Changes, Comparison, Key, Shift, Side, Speed};
+use crate::results::{LEAST_SAMPLES, Movement, Ratio};
 
 /// The whole comparison, as Markdown.
 pub fn comparison_text(comparison: &Comparison) -> String {
@@ -85,7 +86,7 @@ fn movement(speed: &Speed) -> Option<String> {
     Some(format!("{what}, ratio {}", with_interval(&ratio)))
 }
 
-fn with_interval(ratio: &crate::compare::Ratio) -> String {
+fn with_interval(ratio: &Ratio) -> String {
     format::with_interval(ratio.value, ratio.interval, 3)
 }
 

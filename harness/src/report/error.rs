@@ -3,31 +3,14 @@
 use std::io;
 use std::path::PathBuf;
 
+use crate::files::FileError;
+
 /// Why results could not be written or read. Every message names the file and, where the user can do something, what.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// The output folder cannot be made.
-    #[error("cannot create the output folder {}: {source}; choose another folder", path.display())]
-    CreateDirectory {
-        /// The folder.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// The path given for the output folder is something else.
-    #[error("{} is not a folder; choose another output folder", path.display())]
-    NotADirectory {
-        /// The path.
-        path: PathBuf,
-    },
-    /// A file cannot be written.
-    #[error("cannot write {}: {source}; check that the folder may be written and the disk is not full", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
+    /// A file or folder cannot be written.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// There is no run to read.
     #[error("there is no {}; give the folder that a run was written to, or its {file}", path.display())]
     Missing {

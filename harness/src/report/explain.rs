@@ -2,41 +2,25 @@
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
 
 use super::format::{self, thousands};
 use super::markdown::{Table as Markdown, inline};
-use super::{ReportError, files};
-use crate::studies::explain::{Explained, Explanation, SceneExplained};
+use crate::results::{Explained, ExplanationRecord, Run, SceneExplained};
 
-/// The file that holds everything.
-const EXPLAIN_FILE: &str = "explain.json";
 /// The page's file.
-const EXPLAIN_PAGE: &str = "explain.md";
-
-/// Writes explain.json and its page.
-///
-/// # Errors
-/// [`ReportError`] if a file cannot be written.
-pub fn write_explanation(found: &Explanation, folder: &Path) -> Result<PathBuf, ReportError> {
-    files::create_directory(folder)?;
-    files::write(&folder.join(EXPLAIN_FILE), &files::json(EXPLAIN_FILE, found)?)?;
-    let page = folder.join(EXPLAIN_PAGE);
-    files::write(&page, explanation_page(found).as_bytes())?;
-    Ok(page)
-}
+pub const EXPLAIN_PAGE: &str = "explain.md";
 
 /// The page.
-pub fn explanation_page(found: &Explanation) -> String {
-    let dirty = if found.provenance.dirty == Some(true) { ", changed tree" } else { "" };
+pub fn explanation_page(run: &Run, found: &ExplanationRecord) -> String {
+    let dirty = if run.provenance.dirty == Some(true) { ", changed tree" } else { "" };
     let mut page = format!(
         "# Why rays of {} are wrong\n\n{}\n\nCommit {}{dirty}, {}, run preset {}, seed {}.\n\n",
         inline(&found.tracer.label()),
-        inline(&found.provenance.machine.label()),
-        found.provenance.commit,
-        found.provenance.started,
-        found.preset,
-        found.seed
+        inline(&run.provenance.machine.label()),
+        run.provenance.commit,
+        run.provenance.started,
+        run.preset,
+        run.seed
     );
     page.push_str(
         "Every ray is traced on every rung of the ladder below, each of which takes one weakness away and keeps what the rungs \
@@ -63,7 +47,7 @@ fn sum<'a>(sets: impl Iterator<Item = &'a Explained>, of: impl Fn(&Explained) ->
     sets.map(of).sum()
 }
 
-fn scenes(found: &Explanation) -> String {
+fn scenes(found: &ExplanationRecord) -> String {
     let mut headings = vec!["scene".to_owned(), "rays".to_owned(), "ties".to_owned(), "wrong".to_owned()];
     headings.extend(found.causes().into_iter().map(str::to_owned));
     headings.push("wrong on the last rung".to_owned());
@@ -84,7 +68,7 @@ fn scenes(found: &Explanation) -> String {
     table.text
 }
 
-fn classes(found: &Explanation) -> String {
+fn classes(found: &ExplanationRecord) -> String {
     let sets = || found.scenes.iter().flat_map(|scene| &scene.sets);
     let known: BTreeSet<&String> = sets().flat_map(|set| set.causes.keys()).collect();
     if known.is_empty() {
@@ -104,7 +88,7 @@ fn classes(found: &Explanation) -> String {
     table.text
 }
 
-fn one_scene(found: &Explanation, scene: &SceneExplained) -> String {
+fn one_scene(found: &ExplanationRecord, scene: &SceneExplained) -> String {
     let view = &scene.viewpoint;
     let mut text = format!(
         "\n## {}: {} triangles\n\nFrame {}x{}, faces {}, rays from {}x{} pixels. Wrong rays on each rung:\n\n",

@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use tracebench_api::{AdapterListing, ClockKind, EndPoint, HitBuffer, MemoryEntry, Query};
 
+use crate::machine::Machine;
 use crate::results::{
-    AnyJudgement, BuildRecord, ByRule, Classes, ClosestJudgement, CounterRecord, Headline, Judgement, Machine,
-    MemoryRecord, Occlusion, Percentiles, PhaseRecord, Provenance, Run, SCHEMA, SceneRecord, Skipped, Times,
-    TraceRecord, TracerRecord, TracerRun, ViewpointRecord, WrongRay,
+    AnyJudgement, BuildRecord, ByRule, Classes, ClosestJudgement, CounterRecord, Headline, Judgement, MemoryRecord,
+    Occlusion, Percentiles, PhaseRecord, Provenance, Run, SCHEMA, SceneRecord, Skipped, Times, TraceRecord,
+    TracerRecord, TracerRun, ViewpointRecord, WrongRay,
 };
 use crate::statistics::{median, median_interval, wilson};
 
@@ -78,9 +79,14 @@ pub(crate) fn run(contenders: &[(&str, Quality)], sets: &[(&str, Query)]) -> Run
         preset: "quick".to_owned(),
         table: None,
         sweep: None,
+        tuning: None,
+        updates: None,
+        cases: None,
+        explanation: None,
         ray_parameters: BTreeMap::new(),
         controls: controls.iter().map(|(name, missed, blur)| control(name, *missed, *blur, sets)).collect(),
         runs: contenders.iter().map(|(name, quality)| contender(name, *quality, sets)).collect(),
+        anchors: Vec::new(),
         skipped: vec![Skipped {
             tracer: Some("bvh-ray-query".to_owned()),
             scene: "room".to_owned(),
@@ -97,6 +103,10 @@ pub(crate) fn provenance() -> Provenance {
         commit: "0123456789abcdef0123456789abcdef01234567".to_owned(),
         dirty: Some(true),
         started: "2031-05-06T07:08:09Z".to_owned(),
+        resumed: Vec::new(),
+        shard: None,
+        further_machines: Vec::new(),
+        converted_from: None,
     }
 }
 
@@ -203,6 +213,10 @@ fn contender(name: &str, quality: Quality, sets: &[(&str, Query)]) -> TracerRun 
             changed: Vec::new(),
             residency: if quality.clock == ClockKind::Host { "host" } else { "device" }.to_owned(),
         },
+        way: None,
+        strength: None,
+        window: 0,
+        machine: 0,
         memory: MemoryRecord {
             structure: vec![MemoryEntry { name: "nodes".to_owned(), allocated_bytes: 7 << 20, used_bytes: 6 << 20 }],
             structure_bytes: 7 << 20,

@@ -1,4 +1,4 @@
-//! Writes `run.json` and everything that is derived from it: a summary, tables and charts.
+//! Writes `run.json` and everything that is derived from it: pages, tables and charts.
 //!
 //! Every file is made whole in memory, written beside its place and renamed, so no file is ever half-written. The
 //! derived files depend on nothing but the run: made again from the same `run.json` they are the same bytes.
@@ -8,7 +8,6 @@ mod chart;
 mod compare;
 mod error;
 mod explain;
-pub(crate) mod files;
 #[cfg(test)]
 pub(crate) mod fixture;
 mod format;
@@ -29,21 +28,23 @@ mod updates;
 mod verdict;
 
 use std::fs;
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
+
+use flate2::read::MultiGzDecoder;
 
 pub use compare::comparison_text;
 pub use error::ReportError;
-pub use explain::{explanation_page, write_explanation};
+pub use explain::{EXPLAIN_PAGE, explanation_page};
 pub use papers::{claims_text, write_claims};
-pub use stability::{STABILITY_TABLE, matrix as stability_matrix, write as write_stability};
+pub use stability::{STABILITY_TABLE, matrix as stability_matrix};
 pub use sweep::SWEEP_PAGE;
-pub use tune::{TUNE_PAGE, tuning_overview, write_tuning, write_tuning_derived};
-pub use updates::{write_updates, write_updates_table};
+pub use tune::{TUNE_PAGE, tuning_overview};
 
+use crate::files;
 use crate::results::{Run, SCHEMA};
+use crate::studies::stability::Stability;
 use crate::studies::tune::Tuning;
-use crate::studies::updates::Updates;
 use crate::tables::Table;
 
 /// The file that holds everything.
@@ -63,62 +64,88 @@ pub fn write_run(run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportErro
     Ok(paths)
 }
 
-/// Writes what is derived from a run and gives the paths: `summary.md`, `traces.csv`, `wrong_rays.csv`, charts; of a
-/// sweep also `sweep.md`, `sweep.csv` and its charts.
+/// Writes what is derived from a record and gives the paths: the pages, tables and charts of what was asked.
 ///
 /// # Errors
 /// If the folder or a file cannot be written, or a chart cannot be drawn.
 pub fn write_derived(run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
+    let (contents, stems) = derived(run)?;
+    let paths = write_all(contents, directory)?;
+    remove_stale_charts(directory, &paths, stems);
+    Ok(paths)
+}
+
+fn write_all(contents: Vec<(String, Vec<u8>)>, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
     files::create_directory(directory)?;
-    let groups = group::groups(run);
-    let mut paths = Vec::new();
-    let mut write = |name: &str, contents: &[u8]| {
+    let write = |(name, contents): (String, Vec<u8>)| {
         let path = directory.join(name);
-        files::write(&path, contents)?;
-        paths.push(path);
-        Ok::<(), ReportError>(())
+        files::write(&path, &contents)?;
+        Ok(path)
     };
+    contents.into_iter().map(write).collect()
+}
+
+/// The files that derive from a record, by name, and what the names of its charts begin with.
+fn derived(run: &Run) -> Result<(Vec<(String, Vec<u8>)>, &'static [&'static str]), ReportError> {
+    if let Some(tuning) = Tuning::of(run) {
+        return Ok((tune::files(&tuning)?, &[tune::STEM]));
+    }
+    if let Some(updates) = &run.updates {
+        return Ok((updates::files(run, updates)?, &[]));
+    }
+    if let Some(stability) = Stability::of(run) {
+        let mut contents = vec![(STABILITY_TABLE.to_owned(), stability::page(&stability).into_bytes())];
+        contents.extend(chart::strength_charts(&stability)?.into_iter().map(|file| (file.name, file.contents)));
+        return Ok((contents, &[]));
+    }
+    if let Some(found) = &run.explanation {
+        let page = explanation_page(run, found);
+        return Ok((vec![(EXPLAIN_PAGE.to_owned(), page.into_bytes())], &[]));
+    }
+    Ok((of_run(run)?, &chart::STEMS))
+}
+
+/// The files of a plain run: `summary.md`, `traces.csv`, `wrong_rays.csv`, charts; of one that was made for a table the table;
+/// of a sweep also `sweep.md`, `sweep.csv` and its charts.
+fn of_run(run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+    let groups = group::groups(run);
     let labelled = sweep::labelled(run);
     let shown = group::groups(&labelled);
-    write("summary.md", summary::summary(&labelled, &shown).as_bytes())?;
-    write("traces.csv", &tables::traces(run, &groups)?)?;
-    write("wrong_rays.csv", &tables::wrong_rays(&groups)?)?;
+    let mut contents = vec![
+        ("summary.md".to_owned(), summary::summary(&labelled, &shown).into_bytes()),
+        ("traces.csv".to_owned(), tables::traces(run, &groups)?),
+        ("wrong_rays.csv".to_owned(), tables::wrong_rays(&groups)?),
+    ];
     if let Some(table) = run.table.as_deref().and_then(Table::find) {
-        for (name, contents) in table_files(table, run)? {
-            write(&name, &contents)?;
-        }
+        contents.extend(table_files(table, run)?);
     }
-    for file in chart::charts(&labelled, &shown)? {
-        write(&file.name, &file.contents)?;
-    }
+    contents.extend(chart::charts(&labelled, &shown)?.into_iter().map(|file| (file.name, file.contents)));
     if let Some(record) = &run.sweep {
         let views = sweep::views(record, &groups);
-        for (name, contents) in sweep::files(run, record, &views)? {
-            write(&name, &contents)?;
-        }
-        for file in chart::sweep_charts(run, &views)? {
-            write(&file.name, &file.contents)?;
-        }
+        contents.extend(sweep::files(run, record, &views)?);
+        contents.extend(chart::sweep_charts(run, &views)?.into_iter().map(|file| (file.name, file.contents)));
     }
-    remove_stale_charts(directory, &paths, &chart::STEMS);
-    Ok(paths)
+    Ok(contents)
 }
 
 /// Writes a table over a run, whatever the run was made for, and gives the paths.
 ///
 /// # Errors
-/// If the folder or a file cannot be written, or the run has no tracer of the table.
+/// If the folder or a file cannot be written, or the run has nothing for the table.
 pub fn write_table(table: Table, run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
-    if !run.runs.iter().any(|one| table.holds(&one.tracer.name)) {
-        let reason = "no tracer of this run belongs into it".to_owned();
-        return Err(ReportError::Made { what: format!("table {}", table.name()), reason });
+    let made = |reason: &str| ReportError::Made { what: format!("table {}", table.name()), reason: reason.to_owned() };
+    if table.is_moving() != run.updates.is_some() {
+        let reason = if table.is_moving() { "the run follows no animation" } else { "the run follows animations" };
+        return Err(made(reason));
     }
-    files::create_directory(directory)?;
-    let write = |(name, contents): (String, Vec<u8>)| {
-        let path = directory.join(name);
-        files::write(&path, &contents).map(|()| path)
+    if !run.runs.iter().any(|one| table.holds(&one.tracer.name)) {
+        return Err(made("no tracer of this run belongs into it"));
+    }
+    let contents = match &run.updates {
+        Some(updates) => updates::files(run, updates)?,
+        None => table_files(table, run)?,
     };
-    table_files(table, run)?.into_iter().map(write).collect()
+    write_all(contents, directory)
 }
 
 fn table_files(table: Table, run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
@@ -146,7 +173,7 @@ pub fn table_page(name: &str, directory: &Path) -> PathBuf {
     directory.join(format!("{}.md", peers::stem(name)))
 }
 
-/// Reads a run back from its folder or from the file itself.
+/// Reads a record back from its folder or from the file itself, plain or compressed by gzip.
 ///
 /// # Errors
 /// If there is no such file, it is not a whole JSON document, or it follows another schema.
@@ -154,56 +181,18 @@ pub fn read_run(path: &Path) -> Result<Run, ReportError> {
     read(path, RUN_FILE, SCHEMA)
 }
 
-/// Reads what was measured of structures that follow animations back, from its folder or from the file itself.
-///
-/// # Errors
-/// As [`read_run`].
-pub fn read_updates(path: &Path) -> Result<Updates, ReportError> {
-    read(path, updates::UPDATES_FILE, crate::studies::updates::SCHEMA)
-}
-
-/// Reads a tuned parameter back, from its folder or from the file itself.
-///
-/// # Errors
-/// As [`read_run`].
-pub fn read_tuning(path: &Path) -> Result<Tuning, ReportError> {
-    read(path, tune::TUNE_FILE, crate::studies::tune::SCHEMA)
-}
-
-/// What a folder holds.
-#[derive(Debug)]
-pub enum Measured {
-    /// A run.
-    Run(Box<Run>),
-    /// Structures that follow animations.
-    Updates(Box<Updates>),
-    /// A parameter, tuned.
-    Tuning(Box<Tuning>),
-}
-
-/// Reads whichever of these there is: of a folder that holds several the first, of a file what its name says.
-///
-/// # Errors
-/// As [`read_run`].
-pub fn read_any(path: &Path) -> Result<Measured, ReportError> {
-    let holds = |file: &str| {
-        if path.is_dir() { path.join(file).exists() } else { path.file_name().is_some_and(|name| name == file) }
-    };
-    if !holds(RUN_FILE) && holds(updates::UPDATES_FILE) {
-        return Ok(Measured::Updates(Box::new(read_updates(path)?)));
-    }
-    if !holds(RUN_FILE) && holds(tune::TUNE_FILE) {
-        return Ok(Measured::Tuning(Box::new(read_tuning(path)?)));
-    }
-    Ok(Measured::Run(Box::new(read_run(path)?)))
-}
-
-fn read<T: serde::de::DeserializeOwned>(path: &Path, file: &'static str, wanted: u32) -> Result<T, ReportError> {
-    let path = if path.is_dir() { path.join(file) } else { path.to_owned() };
-    let text = fs::read(&path).map_err(|source| match source.kind() {
+fn read(path: &Path, file: &'static str, wanted: u32) -> Result<Run, ReportError> {
+    let path = if path.is_dir() { in_folder(path, file) } else { path.to_owned() };
+    let fail = |source: std::io::Error| match source.kind() {
         ErrorKind::NotFound => ReportError::Missing { path: path.clone(), file },
         _ => ReportError::Read { path: path.clone(), source },
-    })?;
+    };
+    let mut text = fs::read(&path).map_err(fail)?;
+    if text.starts_with(&GZIP) {
+        let mut plain = Vec::new();
+        MultiGzDecoder::new(&text[..]).read_to_end(&mut plain).map_err(fail)?;
+        text = plain;
+    }
     let value: serde_json::Value =
         serde_json::from_slice(&text).map_err(|source| ReportError::NotJson { path: path.clone(), file, source })?;
     // Before everything else is looked at: a file of another schema lacks fields, and that would be said instead.
@@ -213,4 +202,13 @@ fn read<T: serde::de::DeserializeOwned>(path: &Path, file: &'static str, wanted:
         None => return Err(ReportError::NoSchema { path, file }),
     }
     serde_json::from_value(value).map_err(|source| ReportError::NotAsSaid { path, file, wanted, source })
+}
+
+/// What a compressed file begins with (RFC 1952).
+const GZIP: [u8; 2] = [0x1f, 0x8b];
+
+/// The file of a folder, or the same compressed where that alone is there.
+fn in_folder(folder: &Path, file: &str) -> PathBuf {
+    let (plain, packed) = (folder.join(file), folder.join(format!("{file}.gz")));
+    if !plain.exists() && packed.exists() { packed } else { plain }
 }

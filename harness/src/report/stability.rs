@@ -1,48 +1,23 @@
-//! The files of a run of cases: `stability.json`, the matrix as Markdown, the chart.
+//! The page of a run of cases: the matrix, its reasons, and what was measured.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
 
+use super::format;
 use super::markdown::Table;
-use super::{ReportError, chart, files, format};
 use crate::cases;
 use crate::results::Provenance;
-use crate::studies::stability::{Cell, Stability, Verdict, percent};
+use crate::studies::stability::{CaseMatrix, Cell, Stability, Verdict, percent};
 
-/// The file that holds everything.
-const STABILITY_FILE: &str = "stability.json";
 /// The file with the matrix.
 pub const STABILITY_TABLE: &str = "stability.md";
-
-/// Writes everything and gives the paths.
-///
-/// # Errors
-/// If the folder or a file cannot be written, or the chart cannot be drawn.
-pub fn write(stability: &Stability, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
-    files::create_directory(directory)?;
-    let json = files::json(STABILITY_FILE, stability)?;
-    let mut paths = Vec::new();
-    let mut write = |name: &str, contents: &[u8]| {
-        let path = directory.join(name);
-        files::write(&path, contents)?;
-        paths.push(path);
-        Ok::<(), ReportError>(())
-    };
-    write(STABILITY_FILE, &json)?;
-    write(STABILITY_TABLE, page(stability).as_bytes())?;
-    for file in chart::strength_charts(stability)? {
-        write(&file.name, &file.contents)?;
-    }
-    Ok(paths)
-}
 
 /// The matrix of cases and tracers with the reasons below it, as Markdown.
 pub fn matrix(stability: &Stability) -> String {
     let tracers = stability.tracers();
     let mut table = Table::new(&[vec!["case".to_owned()], tracers].concat());
-    for case in &stability.cases {
+    for CaseMatrix { case, cells } in &stability.cases {
         let name = if case.void.is_some() { format!("{} (VOID)", case.name) } else { case.name.clone() };
-        let cells = case.tracers.iter().map(|cell| cell.text.clone());
+        let cells = cells.iter().map(|cell| cell.text.clone());
         table.row(&std::iter::once(name).chain(cells).collect::<Vec<_>>());
     }
     let mut text = table.text;
@@ -52,7 +27,7 @@ pub fn matrix(stability: &Stability) -> String {
     for skipped in &stability.skipped {
         let _ = writeln!(text, "\nSkipped {}: {}", skipped.tracer.as_deref().unwrap_or("all"), skipped.reason);
     }
-    for case in &stability.cases {
+    for CaseMatrix { case, .. } in &stability.cases {
         if let Some(reason) = &case.void {
             let _ = writeln!(text, "\n**{}** is void: {reason}", case.name);
         }
@@ -67,12 +42,12 @@ pub fn matrix(stability: &Stability) -> String {
 /// Why tracers may be wrong where they may; the same words for several cases once.
 fn reasons(stability: &Stability) -> Vec<String> {
     let mut said: Vec<(String, String, Vec<String>)> = Vec::new();
-    for case in &stability.cases {
-        for cell in case.tracers.iter().filter(|cell| cell.verdict != Verdict::Unavailable) {
+    for CaseMatrix { case, cells } in &stability.cases {
+        for cell in cells.iter().filter(|cell| cell.verdict != Verdict::Unavailable) {
             let Some(expectation) = cell.expectation.as_ref().filter(|each| !each.reason.is_empty()) else { continue };
             let from = expectation.from.map(|from| format!(" from {}", with_unit(from, &case.knob.unit)));
             let name = format!("{}{}", case.name, from.unwrap_or_default());
-            let mut reason = expectation.reason.to_owned();
+            let mut reason = expectation.reason.clone();
             if !expectation.source.is_empty() {
                 let _ = write!(reason, " ({})", expectation.source);
             }
@@ -95,26 +70,26 @@ pub(super) fn knob_value(value: f64) -> String {
     if plain.len() <= 6 { plain } else { format!("{value:e}") }
 }
 
-fn page(stability: &Stability) -> String {
-    let Provenance { machine, commit, dirty, started } = &stability.provenance;
+pub(super) fn page(stability: &Stability) -> String {
+    let Provenance { machine, commit, dirty, started, .. } = &stability.provenance;
     let mut text = format!(
         "# Stability\n\n{started}, commit {}. Machine: {}.\n\n![Wrong rays over strength](error_vs_strength.svg)\n\n{}",
         format::commit(commit, *dirty),
         machine.label(),
         matrix(stability)
     );
-    for case in &stability.cases {
+    for CaseMatrix { case, cells } in &stability.cases {
         let _ = writeln!(text, "\n## {}\n\n{}.\n", case.name, case.summary);
         let knob = cases::label(&case.knob.name, &case.knob.unit);
         let shared = ["rays", "hit", "miss", "ties", "show the difficulty"].map(str::to_owned);
-        let of_tracers = case.tracers.iter().map(|cell| format!("{}: tight, footprint", cell.tracer));
+        let of_tracers = cells.iter().map(|cell| format!("{}: tight, footprint", cell.tracer));
         let mut table = Table::new(&[vec![knob], shared.to_vec(), of_tracers.collect()].concat());
         for (index, strength) in case.strengths.iter().enumerate() {
             let counts = [strength.rays, strength.true_hits, strength.true_misses, strength.ties];
             let mut row = vec![knob_value(strength.strength)];
             row.extend(counts.map(format::thousands));
             row.push(percent(strength.featured));
-            row.extend(case.tracers.iter().map(|cell| figures(cell, index)));
+            row.extend(cells.iter().map(|cell| figures(cell, index)));
             table.row(&row);
         }
         let _ = writeln!(text, "{}\nThe difficulty: rays that {}.", table.text, case.feature);

@@ -6,6 +6,7 @@ use tempfile::TempDir;
 use tracebench_api::{ClockKind, Query};
 
 use super::*;
+use crate::files::FileError;
 use crate::results::{Judgement, TraceRecord};
 
 fn write(run: &Run) -> (TempDir, BTreeMap<String, Vec<u8>>) {
@@ -234,10 +235,10 @@ fn errors_are_clear() {
     };
     let run = fixture::run(&[], &[]);
     fs::write(at("file"), "x").unwrap();
-    assert!(matches!(write_run(&run, &at("file")), Err(ReportError::NotADirectory { .. })));
-    assert!(matches!(write_run(&run, &at("file/below")), Err(ReportError::CreateDirectory { .. })));
+    assert!(matches!(write_run(&run, &at("file")), Err(ReportError::File(FileError::NotADirectory { .. }))));
+    assert!(matches!(write_run(&run, &at("file/below")), Err(ReportError::File(FileError::CreateDirectory { .. }))));
     fs::create_dir_all(at("taken/run.json")).unwrap();
-    assert!(matches!(write_run(&run, &at("taken")), Err(ReportError::Write { .. })));
+    assert!(matches!(write_run(&run, &at("taken")), Err(ReportError::File(FileError::Write { .. }))));
     assert_eq!(fs::read_dir(at("taken")).unwrap().count(), 1);
 
     fails(&at("nowhere"), "there is no");

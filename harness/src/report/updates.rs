@@ -1,59 +1,54 @@
-//! The files of structures that follow animations: `updates.json`, and the table made of it.
+//! The table of structures that follow animations.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
 
 use super::format::{self, NONE, clock_code, clock_of, mib, optional, thousands, with_interval};
 use super::markdown::{Table as Markdown, inline};
 use super::metrics;
 use super::tables::{accuracy_columns, code, number, to_csv};
-use super::{ReportError, cells, files, summary};
-use crate::results::{Judgement, Times, TraceRecord};
-use crate::studies::updates::{FRESH_BUILD, SceneUpdates, UpdateRow, Updates};
-
-/// The file that holds everything.
-pub(super) const UPDATES_FILE: &str = "updates.json";
+use super::{ReportError, cells, summary};
+use crate::results::{
+    FRESH_BUILD, Judgement, Run, SceneFollowed, Times, TraceRecord, TracerRun, UpdatesRecord, time_ratio,
+};
 
 /// The statistic of structures that tells their quality, by its name in `validate`.
 const SAH_COST: &str = "sah_cost";
 
-/// Writes `updates.json` and the table, and gives the paths.
-///
-/// # Errors
-/// If the folder or a file cannot be written.
-pub fn write_updates(updates: &Updates, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
-    files::create_directory(directory)?;
-    let path = directory.join(UPDATES_FILE);
-    files::write(&path, &files::json(UPDATES_FILE, updates)?)?;
-    let mut paths = vec![path];
-    paths.extend(write_updates_table(updates, directory)?);
-    Ok(paths)
+/// The table, as Markdown and CSV: names and contents.
+pub(super) fn files(run: &Run, updates: &UpdatesRecord) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+    // The name comes from a file.
+    let stem = format!("table_{}", format::file_stem(run.table.as_deref().unwrap_or("updates")).replace('-', "_"));
+    let csv = format!("{stem}.csv");
+    let rows = to_csv(&csv, rows(run, updates))?;
+    Ok(vec![(format!("{stem}.md"), page(run, updates).into_bytes()), (csv, rows)])
 }
 
-/// Writes the table, as Markdown and CSV, and gives the paths.
-///
-/// # Errors
-/// If the folder or a file cannot be written.
-pub fn write_updates_table(updates: &Updates, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
-    files::create_directory(directory)?;
-    // The name comes from a file.
-    let stem = format!("table_{}", format::file_stem(&updates.table).replace('-', "_"));
-    let csv = format!("{stem}.csv");
-    let contents = [(format!("{stem}.md"), page(updates).into_bytes()), (csv.clone(), to_csv(&csv, rows(updates))?)];
-    let write = |(name, contents): (String, Vec<u8>)| {
-        let path = directory.join(name);
-        files::write(&path, &contents).map(|()| path)
+/// A scene that was followed, with its rows.
+struct Followed<'a> {
+    times_s: &'a [f64],
+    rows: Vec<&'a TracerRun>,
+}
+
+/// Every scene that has rows.
+fn scenes<'a>(run: &'a Run, updates: &'a UpdatesRecord) -> Vec<Followed<'a>> {
+    let of_scene = |scene: &'a SceneFollowed| {
+        let is_of = |row: &&TracerRun| (&row.scene.name, &row.scene.sha256) == (&scene.scene, &scene.scene_sha256);
+        Followed { times_s: &scene.times_s, rows: run.runs.iter().filter(is_of).collect() }
     };
-    contents.into_iter().map(write).collect()
+    updates.scenes.iter().map(of_scene).filter(|scene| !scene.rows.is_empty()).collect()
+}
+
+fn way(row: &TracerRun) -> &str {
+    row.way.as_ref().map_or(FRESH_BUILD, |way| &way.name)
 }
 
 /// The fresh build of a row's tracer.
-fn fresh_of<'a>(scene: &'a SceneUpdates, row: &UpdateRow) -> Option<&'a UpdateRow> {
-    scene.rows.iter().find(|other| other.way == FRESH_BUILD && other.tracer == row.tracer)
+fn fresh_of<'a>(scene: &Followed<'a>, row: &TracerRun) -> Option<&'a TracerRun> {
+    scene.rows.iter().find(|other| way(other) == FRESH_BUILD && other.tracer == row.tracer).copied()
 }
 
-fn sah_cost(row: &UpdateRow) -> Option<f64> {
+fn sah_cost(row: &TracerRun) -> Option<f64> {
     row.structure_statistics.get(SAH_COST).copied()
 }
 
@@ -61,37 +56,37 @@ fn interval_of(times: &Times) -> Option<String> {
     (!times.samples_ms.is_empty()).then(|| with_interval(times.median_ms, times.interval_ms, 4))
 }
 
-/// Own over fresh, of times by the same clock.
+/// Own over fresh, by the rule of clocks.
 fn over_fresh(own: &Times, fresh: Option<&Times>) -> Option<f64> {
-    let fresh = fresh.filter(|fresh| fresh.clock == own.clock && fresh.median_ms > 0.0)?;
-    (!own.samples_ms.is_empty()).then_some(own.median_ms / fresh.median_ms)
+    time_ratio(own, fresh?)
 }
 
-fn page(updates: &Updates) -> String {
-    let mut text = format!("# Table {}: structures that follow animations\n\n", inline(&updates.table));
+fn page(run: &Run, updates: &UpdatesRecord) -> String {
+    let mut text =
+        format!("# Table {}: structures that follow animations\n\n", inline(run.table.as_deref().unwrap_or_default()));
     let mut item = |name: &str, value: &str| {
         let _ = writeln!(text, "- {name}: {}", inline(value));
     };
-    item("Machine", &updates.provenance.machine.label());
-    item("Commit", &format::commit(&updates.provenance.commit, updates.provenance.dirty));
-    let smoke = if updates.preset == "smoke" { " (smoke run: figures only show that things work)" } else { "" };
-    item("Preset", &format!("{}{smoke}", updates.preset));
-    item("Started", &updates.provenance.started);
+    item("Machine", &run.provenance.machine.label());
+    item("Commit", &format::commit(&run.provenance.commit, run.provenance.dirty));
+    let smoke = if run.preset == "smoke" { " (smoke run: figures only show that things work)" } else { "" };
+    item("Preset", &format!("{}{smoke}", run.preset));
+    item("Started", &run.provenance.started);
     let _ = writeln!(
         text,
         "\nEvery structure is built over the first frame and follows {} frames, evenly over the animation (to its \
          middle, where it comes back to its start), in {} counted passes. Times \
          are medians over all updates with an order-statistic interval in brackets; each names its clock. At the last frame \
          all trace the same rays, beside a fresh build over that frame: × fresh is the ratio to that build's time or speed, \
-         where both have the same clock. The controls score what they must, else there would be no table.",
+         by the clock of both, else by the host's. The controls score what they must, else there would be no table.",
         updates.frames, updates.passes
     );
-    for scene in &updates.scenes {
+    for scene in &scenes(run, updates) {
         let _ = writeln!(
             text,
             "\n## {} ({} triangles)\n\nTo {} s.\n",
-            inline(&scene.scene.name),
-            thousands(scene.scene.triangles),
+            inline(&scene.rows[0].scene.name),
+            thousands(scene.rows[0].scene.triangles),
             scene.times_s.last().copied().unwrap_or_default()
         );
         text += &structures(scene);
@@ -99,10 +94,10 @@ fn page(updates: &Updates) -> String {
             text += &traces(scene, &rays, &sha256);
         }
     }
-    text + &summary::skipped(&updates.skipped)
+    text + &summary::skipped(&run.skipped)
 }
 
-fn structures(scene: &SceneUpdates) -> String {
+fn structures(scene: &Followed<'_>) -> String {
     let headings =
         ["tracer", "way", "clock", "update time (ms) ↓", "× fresh", "SAH cost ↓", "× fresh", "structure (MiB) ↓"];
     let mut markdown = Markdown::new(&headings.map(str::to_owned));
@@ -111,10 +106,10 @@ fn structures(scene: &SceneUpdates) -> String {
         let cost = sah_cost(row);
         markdown.row(&[
             row.tracer.label(),
-            row.way.clone(),
-            clock_of(&row.update),
-            interval_of(&row.update).unwrap_or_else(|| NONE.to_owned()),
-            optional(over_fresh(&row.update, fresh.map(|fresh| &fresh.update)), 3),
+            way(row).to_owned(),
+            clock_of(&row.build.times),
+            interval_of(&row.build.times).unwrap_or_else(|| NONE.to_owned()),
+            optional(over_fresh(&row.build.times, fresh.map(|fresh| &fresh.build.times)), 3),
             optional(cost, 4),
             optional(cost.zip(fresh.and_then(sah_cost)).map(|(own, fresh)| own / fresh), 4),
             mib(row.memory.structure_bytes),
@@ -124,7 +119,7 @@ fn structures(scene: &SceneUpdates) -> String {
 }
 
 /// Names and hashes of the ray sets, in order of first appearance.
-fn ray_sets(scene: &SceneUpdates) -> Vec<(String, String)> {
+fn ray_sets(scene: &Followed<'_>) -> Vec<(String, String)> {
     let mut sets = Vec::new();
     for trace in scene.rows.iter().flat_map(|row| &row.traces) {
         let set = (trace.rays.clone(), trace.rays_sha256.clone());
@@ -135,11 +130,11 @@ fn ray_sets(scene: &SceneUpdates) -> Vec<(String, String)> {
     sets
 }
 
-fn trace_of<'a>(row: &'a UpdateRow, rays: &str, sha256: &str) -> Option<&'a TraceRecord> {
+fn trace_of<'a>(row: &'a TracerRun, rays: &str, sha256: &str) -> Option<&'a TraceRecord> {
     row.traces.iter().find(|trace| trace.rays == rays && trace.rays_sha256 == sha256)
 }
 
-fn traces(scene: &SceneUpdates, rays: &str, sha256: &str) -> String {
+fn traces(scene: &Followed<'_>, rays: &str, sha256: &str) -> String {
     let found: Vec<_> =
         scene.rows.iter().filter_map(|row| trace_of(row, rays, sha256).map(|trace| (row, trace))).collect();
     let Some((_, first)) = found.first() else { return String::new() };
@@ -162,7 +157,7 @@ fn traces(scene: &SceneUpdates, rays: &str, sha256: &str) -> String {
         let speed = speed.map(|speed| with_interval(speed, metrics::speed_interval(trace).unwrap_or([speed; 2]), 4));
         let ratio =
             over_fresh(&trace.times, fresh.map(|fresh| &fresh.times)).filter(|_| judged).map(|slower| 1.0 / slower);
-        let mut cells = vec![row.tracer.label(), row.way.clone(), clock_of(&trace.times)];
+        let mut cells = vec![row.tracer.label(), way(row).to_owned(), clock_of(&trace.times)];
         cells.extend([speed.unwrap_or_else(|| NONE.to_owned()), optional(ratio, 3)]);
         cells.extend(accuracies);
         cells.extend(counters.iter().map(|name| optional(trace.counters.get(*name).map(|each| each.per_ray), 4)));
@@ -173,7 +168,7 @@ fn traces(scene: &SceneUpdates, rays: &str, sha256: &str) -> String {
 }
 
 /// One row a scene, tracer, way and ray set.
-fn rows(updates: &Updates) -> Vec<Vec<String>> {
+fn rows(run: &Run, updates: &UpdatesRecord) -> Vec<Vec<String>> {
     let header = [
         "scene",
         "scene_sha256",
@@ -211,29 +206,30 @@ fn rows(updates: &Updates) -> Vec<Vec<String>> {
         "machine",
     ];
     let mut rows = vec![header.map(str::to_owned).to_vec()];
-    for (scene, row, trace) in updates.scenes.iter().flat_map(|scene| {
-        scene.rows.iter().flat_map(move |row| row.traces.iter().map(move |trace| (scene, row, trace)))
+    let scenes = scenes(run, updates);
+    for (scene, row, trace) in scenes.iter().flat_map(|scene| {
+        scene.rows.iter().flat_map(move |row| row.traces.iter().map(move |trace| (scene, *row, trace)))
     }) {
         let fresh = fresh_of(scene, row);
         let beside = fresh.and_then(|fresh| trace_of(fresh, &trace.rays, &trace.rays_sha256));
-        let (update, cost) = (&row.update, sah_cost(row));
+        let (update, cost) = (&row.build.times, sah_cost(row));
         let timed = |ms: f64| number((!update.samples_ms.is_empty()).then_some(ms));
         let speed = metrics::speed_interval(trace);
         let mut cells = vec![
-            scene.scene.name.clone(),
-            scene.scene.sha256.clone(),
-            scene.scene.triangles.to_string(),
+            row.scene.name.clone(),
+            row.scene.sha256.clone(),
+            row.scene.triangles.to_string(),
             updates.frames.to_string(),
             updates.passes.to_string(),
             row.tracer.label(),
             row.tracer.name.clone(),
             serde_json::to_string(&row.tracer.parameters).unwrap_or_default(),
-            row.way.clone(),
+            way(row).to_owned(),
             clock_code(update.clock).to_owned(),
             timed(update.median_ms),
             timed(update.interval_ms[0]),
             timed(update.interval_ms[1]),
-            number(over_fresh(update, fresh.map(|fresh| &fresh.update))),
+            number(over_fresh(update, fresh.map(|fresh| &fresh.build.times))),
             number(cost),
             number(cost.zip(fresh.and_then(sah_cost)).map(|(own, fresh)| own / fresh)),
             row.memory.structure_bytes.to_string(),
@@ -248,7 +244,7 @@ fn rows(updates: &Updates) -> Vec<Vec<String>> {
             number(over_fresh(&trace.times, beside.map(|fresh| &fresh.times)).map(|slower| 1.0 / slower)),
         ];
         cells.extend(accuracy_columns(trace));
-        cells.extend([updates.provenance.commit.clone(), updates.preset.clone(), updates.provenance.machine.label()]);
+        cells.extend([run.provenance.commit.clone(), run.preset.clone(), run.provenance.machine.label()]);
         rows.push(cells);
     }
     rows

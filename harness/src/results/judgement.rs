@@ -4,6 +4,32 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+/// A rule by which t is judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rule {
+    /// Only hit or miss.
+    HitMiss,
+    /// |t - t*| <= 1e-4 t* + 1e-6 diagonal.
+    Tight,
+    /// Hit point within one pixel of the common reference camera.
+    Footprint,
+}
+
+impl Rule {
+    /// Every rule.
+    pub const ALL: [Self; 3] = [Self::HitMiss, Self::Tight, Self::Footprint];
+
+    /// The name in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::HitMiss => "hit_miss",
+            Self::Tight => "tight",
+            Self::Footprint => "footprint",
+        }
+    }
+}
+
 /// The verdict on one ray set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
@@ -103,6 +129,13 @@ pub struct Classes {
     pub early: u64,
     /// Both hit, t too large.
     pub late: u64,
+}
+
+impl Classes {
+    /// Wrong rays.
+    pub fn wrong(&self) -> u64 {
+        self.false_hit + self.false_miss + self.early + self.late
+    }
 }
 
 /// The 2x2 table of an any-hit set.

@@ -12,7 +12,7 @@ fn a_matrix_and_its_files() {
     let bench = Bench::new();
     let outcome = bench.call(&[&FEW[..], &["all", "--out", "out"]].concat());
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
-    let expected = ["error_vs_strength.png", "error_vs_strength.svg", "stability.json", "stability.md"];
+    let expected = ["error_vs_strength.png", "error_vs_strength.svg", "run.json", "stability.md"];
     assert_eq!(names(&bench.path("out")), expected.map(str::to_owned).into());
     assert!(
         outcome.stdout.starts_with(
@@ -28,31 +28,49 @@ fn a_matrix_and_its_files() {
     assert_eq!(outcome.stdout.contains("Skipped ray-query: "), !with_ray_queries, "{}", outcome.stdout);
     let page = std::fs::read_to_string(bench.path("out/stability.md")).unwrap();
     assert!(page.contains(&row), "{page}");
-    let found: Value = serde_json::from_slice(&std::fs::read(bench.path("out/stability.json")).unwrap()).unwrap();
-    assert_eq!(found["schema"], 1);
+    let found: Value = serde_json::from_slice(&std::fs::read(bench.path("out/run.json")).unwrap()).unwrap();
+    assert_eq!(found["schema"], 2);
     assert!(found["machine"]["adapter"]["name"].is_string());
-    let case = &found["cases"][0];
+    let case = &found["cases"]["cases"][0];
     assert_eq!((case["name"].as_str(), case["knob"]["unit"].as_str()), (Some("edge-on"), Some("degrees")));
     assert!(case["strengths"][0]["rays"].as_u64().unwrap() >= 500);
     let cell = &case["tracers"][3];
-    assert_eq!((cell["tracer"].as_str(), cell["verdict"].as_str()), (Some("ray-query"), Some(ray_query)));
+    assert_eq!(
+        (cell["tracer"]["name"].as_str(), cell["unavailable"].as_bool()),
+        (Some("ray-query"), Some(!with_ray_queries))
+    );
     let cell = &case["tracers"][6];
-    assert_eq!((cell["tracer"].as_str(), cell["verdict"].as_str()), (Some("screen-dda"), Some("known_failure")));
+    assert_eq!(cell["tracer"]["name"], "screen-dda");
     for field in ["kind", "rule", "most_wrong", "from", "least_wrong", "reason", "source"] {
         assert!(!cell["expectation"][field].is_null(), "{field}: {cell}");
     }
-    let measured = cell["measured"].as_array().unwrap();
-    assert_eq!(measured.len(), case["knob"]["values"].as_array().unwrap().len());
-    for at in measured {
-        let classes = at["classes"]["tight"].as_object().unwrap().values().map(|count| count.as_u64().unwrap());
-        let rays = case["strengths"][0]["rays"].as_u64().unwrap();
-        assert_eq!(classes.sum::<u64>() + at["ties"].as_u64().unwrap(), rays);
+    let rows: Vec<&Value> = found["runs"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|row| row["scene"]["name"] == "edge-on" && row["tracer"] == cell["tracer"])
+        .collect();
+    assert_eq!(rows.len(), case["knob"]["values"].as_array().unwrap().len());
+    for (row, strength) in rows.iter().zip(case["knob"]["values"].as_array().unwrap()) {
+        assert_eq!(row["strength"], *strength);
+        // Nothing was timed.
+        let trace = &row["traces"][0];
+        assert_eq!((&trace["samples_ms"], &row["build"]["samples_ms"]), (&json!([]), &json!([])));
+        let judgement = &trace["judgement"];
+        let classes = judgement["classes"]["tight"].as_object().unwrap().values().map(|count| count.as_u64().unwrap());
+        assert_eq!(classes.sum::<u64>() + judgement["ties"].as_u64().unwrap(), trace["count"].as_u64().unwrap());
         for rule in ["hit_miss", "tight", "footprint"] {
-            assert!(at["agreement"][rule].is_number(), "{at}");
+            assert!(judgement["agreement"][rule].is_number(), "{judgement}");
         }
-        assert_eq!(at["as_expected"], true);
-        assert!(at["causes"]["tight"].is_object());
+        assert!(judgement["causes"]["tight"].is_object());
     }
+    let before = std::fs::read(bench.path("out/stability.md")).unwrap();
+    std::fs::remove_file(bench.path("out/stability.md")).unwrap();
+    assert_eq!(bench.call(&["--quiet", "report", "out"]).status, 0);
+    assert!(std::fs::read(bench.path("out/stability.md")).unwrap() == before);
+    // Held against itself nothing differs, and no times are missed where none were taken.
+    let outcome = bench.call(&["compare", "--fail-on-regression", "out", "out"]);
+    assert_eq!(outcome.status, 0, "{outcome:?}");
     // Beside the default place too, as `run` does.
     let default = bench.call(&["stability", "--quiet", "--case", "edge-on", "--tracer", "bvh-cpu"]);
     assert_eq!(default.status, 0, "{default:?}");

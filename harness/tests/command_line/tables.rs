@@ -85,15 +85,14 @@ fn a_table_of_updates() {
     // Without the samples of the others.
     let outcome = bench.call(&[&["table", "bvh-updates"][..], &SMALL[..5], &arguments].concat());
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
-    let found: Value = serde_json::from_slice(&std::fs::read(bench.path("out/updates.json")).unwrap()).unwrap();
-    let counts = ["schema", "frames", "passes"].map(|name| found[name].as_u64().unwrap());
-    assert_eq!(counts, [1, 3, 2]);
-    let scene = &found["scenes"][0];
-    assert_eq!(scene["times_s"].as_array().unwrap().len(), 4);
-    assert_eq!(scene["controls"].as_array().unwrap().len(), 3);
-    let rows = scene["rows"].as_array().unwrap();
+    let found: Value = serde_json::from_slice(&std::fs::read(bench.path("out/run.json")).unwrap()).unwrap();
+    let counts = ["frames", "passes"].map(|name| found["updates"][name].as_u64().unwrap());
+    assert_eq!((counts, &found["table"]), ([3, 2], &json!("bvh-updates")));
+    assert_eq!(found["updates"]["scenes"][0]["times_s"].as_array().unwrap().len(), 4);
+    assert_eq!(found["controls"].as_array().unwrap().len(), 3);
+    let rows = found["runs"].as_array().unwrap();
     let row = |tracer: &str, way: &str| {
-        let found = rows.iter().find(|row| row["tracer"]["name"] == tracer && row["way"] == way);
+        let found = rows.iter().find(|row| row["tracer"]["name"] == tracer && row["way"]["name"] == way);
         found.unwrap_or_else(|| panic!("no {way} of {tracer}"))
     };
     for tracer in ["bvh-cpu", "bvh-gpu"] {
@@ -102,7 +101,7 @@ fn a_table_of_updates() {
         assert!((cost(rebuild) / cost(fresh) - 1.0).abs() < 1e-9 && cost(refit) > 1.01 * cost(fresh), "{tracer}");
         for row in [rebuild, refit] {
             // Two passes over three frames.
-            assert_eq!(row["update"]["samples_ms"].as_array().unwrap().len(), 6);
+            assert_eq!(row["build"]["samples_ms"].as_array().unwrap().len(), 6);
             let trace = &row["traces"][0];
             assert_eq!(
                 (&trace["rays"], &trace["rays_sha256"]),
@@ -114,8 +113,7 @@ fn a_table_of_updates() {
     }
     let file = bench.path("out/table_bvh_updates.csv");
     let before = std::fs::read(&file).unwrap();
-    for again in
-        [vec!["report", "out"], vec!["report", "out/updates.json"], vec!["table", "bvh-updates", "--from", "out"]]
+    for again in [vec!["report", "out"], vec!["report", "out/run.json"], vec!["table", "bvh-updates", "--from", "out"]]
     {
         std::fs::remove_file(&file).unwrap();
         assert_eq!(bench.call(&[&["--quiet"][..], &again].concat()).status, 0, "{again:?}");
@@ -144,7 +142,7 @@ fn wrong_tables() {
         bench.fails(&[&["table"][..], &arguments].concat(), 2, &parts);
     }
     bench.fails(&["table", "bvh", "--from", "nowhere"], 1, &["nowhere", "run.json"]);
-    bench.fails(&["table", "bvh-updates", "--from", "."], 1, &["updates.json"]);
+    bench.fails(&["table", "bvh-updates", "--from", "."], 1, &["run.json"]);
     bench.fails(
         &["table", "bvh-updates", "--quiet", "--scene", "room", "--preset", "smoke", "--out", "out"],
         1,
@@ -152,13 +150,14 @@ fn wrong_tables() {
     );
     assert!(names(bench.folder.path()).iter().all(|name| name == "cache"), "{:?}", names(bench.folder.path()));
     let other = json!({ "schema": 99 }).to_string();
-    std::fs::write(bench.path("updates.json"), &other).unwrap();
-    bench.fails(&["table", "bvh-updates", "--from", "."], 1, &["schema 99", "reads schema 1"]);
-    bench.fails(&["report", "updates.json"], 1, &["schema 99"]);
-    std::fs::write(bench.path("updates.json"), "{\"schema\": 1}").unwrap();
-    bench.fails(&["table", "bvh-updates", "--from", "."], 1, &["updates.json", "missing field"]);
+    std::fs::write(bench.path("run.json"), &other).unwrap();
+    bench.fails(&["table", "bvh-updates", "--from", "."], 1, &["schema 99", "reads schema 2"]);
+    bench.fails(&["report", "run.json"], 1, &["schema 99"]);
+    std::fs::write(bench.path("run.json"), "{\"schema\": 2}").unwrap();
+    bench.fails(&["table", "bvh-updates", "--from", "."], 1, &["run.json", "missing field"]);
     bench.run(&["--tracer", "screen-dda", "--rays", "primary"], "views");
     bench.fails(&["table", "bvh", "--from", "views"], 1, &["no tracer of this run belongs"]);
+    bench.fails(&["table", "bvh-updates", "--from", "views"], 1, &["follows no animation"]);
 }
 
 /// Proves that without an adapter the peers on the host stand in the table, and the others below it with the reason.

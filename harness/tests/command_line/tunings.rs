@@ -2,6 +2,10 @@
 
 use super::*;
 
+use tracebench_harness::report;
+use tracebench_harness::results::Judgement;
+use tracebench_harness::studies::tune::{Label, Tuning};
+
 const SMALL: [&str; 6] = ["tune", "--quiet", "--preset", "smoke", "--size", "16x8"];
 const DDA: [&str; 2] = ["--tracer", "screen-dda"];
 
@@ -9,8 +13,8 @@ fn tune(bench: &Bench, arguments: &[&str]) -> Outcome {
     bench.call(&[&SMALL[..], &DDA, arguments].concat())
 }
 
-fn tuning(bench: &Bench, out: &str) -> Value {
-    serde_json::from_slice(&std::fs::read(bench.path(out).join("tune.json")).unwrap()).unwrap()
+fn tuning(bench: &Bench, out: &str) -> Tuning {
+    Tuning::of(&report::read_run(&bench.path(out)).unwrap()).unwrap()
 }
 
 /// Proves that what is tuned is what `run` measures with the same values from the same viewpoints, bit for bit: the own one,
@@ -22,40 +26,38 @@ fn values_are_those_of_runs() {
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
     assert!(outcome.stdout.contains("all score what they must") && outcome.stdout.contains("tuned elsewhere"));
     let found = tuning(&bench, "out");
-    let views = found["scenes"][0]["views"].as_array().unwrap();
-    assert_eq!(
-        (views.len(), &views[0]["viewpoint"]["name"], &views[1]["viewpoint"]["name"]),
-        (2, &json!("entrance"), &json!("corner"))
-    );
+    let views = &found.scenes[0].views;
+    let named: Vec<&str> = views.iter().map(|view| view.viewpoint.name.as_str()).collect();
+    assert_eq!(named, ["entrance", "corner"]);
     let named = "screen-dda,screen-dda@thickness=0,screen-dda@thickness=0.02";
     for (view, name) in views.iter().zip(["entrance", "corner"]) {
         bench.run(&["--tracer", named, "--rays", "diffuse", "--view", name], name);
-        let runs = bench.result(name)["runs"].as_array().unwrap().clone();
-        let set = &view["sets"][0];
+        let runs = report::read_run(&bench.path(name)).unwrap().runs;
+        let set = &view.sets[0];
         let mut agreements = Vec::new();
-        for value in set["values"].as_array().unwrap() {
-            let thickness: f64 = value["value"].as_str().unwrap().parse().unwrap();
-            let run = runs.iter().find(|run| run["tracer"]["parameters"]["thickness"] == thickness).unwrap();
-            let trace = &run["traces"][0];
-            assert_eq!(
-                (&trace["rays_sha256"], &trace["hits_sha256"]),
-                (&set["rays_sha256"], &value["judged"]["hits_sha256"])
-            );
-            assert_eq!(trace["judgement"]["agreement"], value["judged"]["judgement"]["agreement"]);
-            assert_eq!(value["judged"]["judgement"]["wrong_rays"], json!([]));
-            agreements.push((trace["judgement"]["agreement"]["footprint"].as_f64().unwrap(), value["value"].clone()));
+        for value in &set.values {
+            let thickness: f64 = value.value.parse().unwrap();
+            let run = runs.iter().find(|run| run.tracer.parameters["thickness"] == thickness).unwrap();
+            let (trace, judged) = (&run.traces[0], value.judged.as_ref().unwrap());
+            assert_eq!((&trace.rays_sha256, &trace.hits_sha256), (&set.rays_sha256, &judged.hits_sha256));
+            let [Judgement::Closest(one), Judgement::Closest(other)] = [&trace.judgement, &judged.judgement] else {
+                panic!("another query")
+            };
+            assert_eq!((&one.agreement, other.wrong_rays.len()), (&other.agreement, 0));
+            agreements.push((one.agreement.footprint.unwrap(), value.value.clone()));
         }
         assert_eq!(agreements.len(), 3);
         let greatest = agreements.iter().map(|(share, _)| *share).fold(0.0, f64::max);
         let best = &agreements.iter().find(|(share, _)| *share == greatest).unwrap().1;
-        let chosen = |place: usize| set["choices"][place]["value"].clone();
-        assert_eq!((chosen(0), &chosen(1)), (json!("0.005"), best));
+        let chosen = |label| set.choice(label).unwrap().value.clone();
+        assert_eq!((chosen(Label::Default), chosen(Label::TunedHere)), (Some("0.005".to_owned()), Some(best.clone())));
         // They differ, so that another could have been taken for the best.
         assert!(agreements.iter().any(|(share, _)| *share < greatest), "{agreements:?}");
     }
-    assert_eq!(views[0]["sets"][0]["choices"][2]["value"], views[1]["sets"][0]["choices"][1]["value"]);
+    let chosen = |view: usize, label| views[view].sets[0].choice(label).unwrap().value.clone();
+    assert_eq!(chosen(0, Label::TunedElsewhere), chosen(1, Label::TunedHere));
     let before = names(&bench.path("out"));
-    let expected = ["tune.csv", "tune.json", "tune.md", "tune_room.png", "tune_room.svg"];
+    let expected = ["run.json", "tune.csv", "tune.md", "tune_room.png", "tune_room.svg"];
     assert_eq!(before, expected.map(str::to_owned).into());
     let read = |name: &String| std::fs::read(bench.path("out").join(name)).unwrap();
     let contents: Vec<_> = before.iter().map(read).collect();
@@ -73,10 +75,11 @@ fn no_other_viewpoint() {
     let outcome = tune(&bench, &[&scene[..], &["--out", "out"]].concat());
     assert_eq!(outcome.status, 0, "{outcome:?}");
     let found = tuning(&bench, "out");
-    assert_eq!(found["scenes"][0]["views"].as_array().unwrap().len(), 1);
-    let reason = found["skipped"][0]["reason"].as_str().unwrap();
+    assert_eq!(found.scenes[0].views.len(), 1);
+    let reason = &found.skipped[0].reason;
     assert!(reason.contains("has no other viewpoint than 'given'"), "{reason}");
-    assert_eq!(found["scenes"][0]["views"][0]["sets"][0]["choices"][2]["value"], Value::Null);
+    let set = &found.scenes[0].views[0].sets[0];
+    assert_eq!(set.choice(Label::TunedElsewhere).unwrap().value, None);
     assert!(std::fs::read_to_string(bench.path("out/tune.md")).unwrap().contains("nothing to choose by"));
 }
 

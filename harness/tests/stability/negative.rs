@@ -2,45 +2,58 @@
 
 use super::*;
 use tracebench_harness::cases::find;
+use tracebench_harness::measure::Contender;
 use tracebench_harness::measure::controls::Control;
-use tracebench_harness::measure::session::Contender;
-use tracebench_harness::registry;
-use tracebench_harness::studies::stability::{Candidate, measure, prepare};
+use tracebench_harness::measure::session::Session;
+use tracebench_harness::registry::{self, Family};
+use tracebench_harness::studies::stability::{Candidate, CaseMatrix, measure, prepare};
 use tracebench_tests::{Fake, Manner};
 
-/// `bvh-cpu` or a control in its place, with one expectation.
-fn candidate(tracer: Option<Control>, case: &Case, expected: Expectation) -> Candidate {
-    let contender = match tracer {
-        Some(control) => {
-            let parameters = Parameters::preset(&[], Preset::Published);
-            Contender::ready(control.description(), parameters, control.tracer(Vec::new(), 1.0))
-        }
-        None => {
-            let registration = registry::find("bvh-cpu").unwrap();
-            let description = (registration.describe)();
-            let parameters = Parameters::preset(&description.parameters, Preset::Published);
-            let device = Err(tracebench_api::TracerError::Unavailable("no device is needed".to_owned()));
-            Contender::create(description, parameters, || registration.create(&device)).unwrap()
-        }
-    };
-    Candidate { label: "candidate".to_owned(), contender, expected: vec![(case.name, expected)] }
+/// A tracer with one expectation.
+fn candidate(registration: Registration, case: &Case, expected: Expectation) -> Candidate {
+    let request = TracerRequest::of(&registration, Preset::Published);
+    Candidate { request, expected: vec![(case.name, expected)] }
 }
 
-fn verdict(case: &Case, mut candidate: Candidate) -> (Verdict, String) {
-    let record = measure(case, std::slice::from_mut(&mut candidate), None).unwrap();
-    assert_eq!(record.void, None);
-    let cell = &record.tracers[0];
-    (cell.verdict, cell.text.clone())
+fn bvh_cpu() -> Registration {
+    *registry::find("bvh-cpu").unwrap()
+}
+
+/// One that always misses.
+fn blind() -> Registration {
+    let describe = || Control::AlwaysMiss.description();
+    Registration::given(describe, Family::Image, |_| Ok(Box::new(Fake(Manner::Honest))))
+}
+
+fn measured(case: &Case, candidates: &[Candidate]) -> CaseMatrix {
+    let device = Err(tracebench_api::TracerError::Unavailable("no device is needed".to_owned()));
+    let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
+    let run = measure(&[case], candidates, &Context::new(&device, &cache, &quiet, &journal)).unwrap();
+    Stability::of(&run).unwrap().cases.remove(0)
+}
+
+fn verdict(case: &Case, candidate: Candidate) -> (Verdict, String) {
+    let CaseMatrix { case, cells } = measured(case, &[candidate]);
+    assert_eq!(case.void, None);
+    (cells[0].verdict, cells[0].text.clone())
+}
+
+/// `bvh-cpu` built over a session's scene.
+fn built(session: &Session) -> Contender {
+    let registration = bvh_cpu();
+    let description = (registration.describe)();
+    let parameters = Parameters::preset(&description.parameters, Preset::Published);
+    let device = Err(tracebench_api::TracerError::Unavailable("no device is needed".to_owned()));
+    let mut contender = Contender::create(description, parameters, || registration.create(&device)).unwrap();
+    session.sample_build(&mut contender).unwrap();
+    contender
 }
 
 /// Proves that a tracer which never hits is an unexpected failure on every case where exactness is expected.
 #[test]
 fn a_blind_tracer_fails_everything_exact() {
     for case in CASES {
-        let parameters = Parameters::preset(&[], Preset::Published);
-        let contender = Contender::ready(Control::AlwaysMiss.description(), parameters, Box::new(Fake(Manner::Honest)));
-        let expected = vec![(case.name, Expectation::Exact)];
-        let (verdict, text) = verdict(case, Candidate { label: "blind".to_owned(), contender, expected });
+        let (verdict, text) = verdict(case, candidate(blind(), case, Expectation::Exact));
         assert_eq!(verdict, Verdict::UnexpectedFailure, "{}: {text}", case.name);
         assert!(text.contains(&format!("{}", case.knob.values[0])), "{text}");
     }
@@ -60,7 +73,7 @@ fn falsified_expectations_fail() {
     };
     // What never fails, said to fail.
     for from in [45.0, 89.98] {
-        let (verdict, text) = verdict(case, candidate(None, case, failure(from, 0.0)));
+        let (verdict, text) = verdict(case, candidate(bvh_cpu(), case, failure(from, 0.0)));
         assert_eq!(verdict, Verdict::UnexpectedSuccess, "{text}");
         assert!(text.contains("89.98") && text.contains("20 %"), "{text}");
     }
@@ -68,12 +81,12 @@ fn falsified_expectations_fail() {
     let needles = find("needles").unwrap();
     let bounded = Expectation::Bounded { rule: Rule::HitMiss, most_wrong: 0.01, reason: "none" };
     for expected in [Expectation::Exact, bounded, failure(8192.0, 0.01)] {
-        let (verdict, text) = verdict(needles, candidate(None, needles, expected));
+        let (verdict, text) = verdict(needles, candidate(bvh_cpu(), needles, expected));
         assert_eq!(verdict, Verdict::UnexpectedFailure, "{text}");
     }
     // What is true passes; what is not stated is shown as such.
-    assert_eq!(verdict(case, candidate(None, case, Expectation::Exact)).0, Verdict::Exact);
-    let nothing = Candidate { expected: Vec::new(), ..candidate(None, case, Expectation::Exact) };
+    assert_eq!(verdict(case, candidate(bvh_cpu(), case, Expectation::Exact)).0, Verdict::Exact);
+    let nothing = Candidate { expected: Vec::new(), ..candidate(bvh_cpu(), case, Expectation::Exact) };
     let (verdict, text) = verdict(case, nothing);
     assert!(verdict == Verdict::Unstated && text.contains("unstated"), "{text}");
 }
@@ -84,7 +97,12 @@ fn no_answers_are_a_failure() {
     let case = find("edge-on").unwrap();
     // An oracle that knows no rays.
     let expected = Expectation::Bounded { rule: Rule::HitMiss, most_wrong: 0.99, reason: "none" };
-    let (verdict, text) = verdict(case, candidate(Some(Control::Oracle), case, expected));
+    let oracle = Registration::given(
+        || Control::Oracle.description(),
+        Family::Image,
+        |_| Ok(Control::Oracle.tracer(Vec::new(), 1.0)),
+    );
+    let (verdict, text) = verdict(case, candidate(oracle, case, expected));
     assert_eq!(verdict, Verdict::UnexpectedFailure);
     assert!(text.contains("rays that it does not know"), "{text}");
 }
@@ -93,7 +111,7 @@ fn no_answers_are_a_failure() {
 #[test]
 fn a_case_that_shows_nothing_is_noticed() {
     for case in CASES {
-        let mut record = measure(case, &mut [], None).unwrap();
+        let mut record = measured(case, &[]).case;
         assert_eq!(flaws(case, &record), Vec::<String>::new());
         record.strengths.truncate(1);
         assert_eq!(flaws(case, &record).len(), 1, "{}", case.name);
@@ -106,8 +124,7 @@ fn needles_are_lost_on_edges() {
     let case = find("needles").unwrap();
     let setup = (case.make)(8192.0).unwrap();
     let session = prepare(case, &setup, None).unwrap();
-    let mut contender = candidate(None, case, Expectation::Exact).contender;
-    session.sample_build(&mut contender).unwrap();
+    let contender = built(&session);
     let rays = &session.rays[0];
     let mut hits = session.hit_buffer(&contender, rays).unwrap();
     session.sample_trace(&contender, rays, &mut hits).unwrap();
@@ -122,8 +139,7 @@ fn equal_triangles_make_hierarchies_deep() {
     let case = find("equal-triangles").unwrap();
     let setup = (case.make)(*case.knob.values.last().unwrap()).unwrap();
     let session = prepare(case, &setup, None).unwrap();
-    let mut contender = candidate(None, case, Expectation::Exact).contender;
-    session.sample_build(&mut contender).unwrap();
+    let contender = built(&session);
     let statistics = contender.structure().unwrap().validate().unwrap();
     let depth = statistics.iter().find(|(name, _)| *name == "depth").unwrap().1;
     assert!(depth > 32.0, "{depth}");

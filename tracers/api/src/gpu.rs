@@ -1,5 +1,6 @@
 //! The device: choosing an adapter, creating checked buffers, reading back.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
 use serde::{Deserialize, Serialize};
@@ -72,6 +73,7 @@ pub struct Gpu {
     pub listing: AdapterListing,
     pub(crate) stamps: Option<Stamps>,
     errors: Arc<Mutex<Vec<String>>>,
+    lost: Arc<AtomicBool>,
 }
 
 const TIMESTAMP_FEATURES: Features = Features::TIMESTAMP_QUERY.union(Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
@@ -183,13 +185,21 @@ impl Gpu {
                 list.push(error.to_string());
             }
         }));
+        let lost = Arc::new(AtomicBool::new(false));
+        let sink = Arc::clone(&lost);
+        device.set_device_lost_callback(move |_, _| sink.store(true, Ordering::Relaxed));
         let stamps = listing.timestamps.then(|| Stamps::new(&device, &queue));
-        Ok(Self { device, queue, limits, listing, stamps, errors })
+        Ok(Self { device, queue, limits, listing, stamps, errors, lost })
     }
 
     /// Whether shaders can ask the device itself for a ray's hits, and the device builds acceleration structures.
     pub fn has_ray_queries(&self) -> bool {
         self.device.features().contains(Features::EXPERIMENTAL_RAY_QUERY)
+    }
+
+    /// Whether the device was lost: nothing that it is asked from then on says anything of tracers.
+    pub fn is_lost(&self) -> bool {
+        self.lost.load(Ordering::Relaxed)
     }
 
     /// Whether the adapter is a software one, whose times say little of hardware.

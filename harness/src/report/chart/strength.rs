@@ -9,7 +9,7 @@ use super::palette::{GREY, SHADE, Shape, Style, Styles};
 use super::{LONGEST_TRACER, cut};
 use crate::report::format;
 use crate::report::stability::knob_value;
-use crate::studies::stability::{CaseRecord, Stability};
+use crate::studies::stability::{CaseMatrix, Stability};
 
 /// Height of the row for zero at the foot of a panel; a logarithm never gets there.
 const ZERO_ROW: f64 = 26.0;
@@ -54,7 +54,7 @@ impl StrengthFigure {
             stability
                 .cases
                 .iter()
-                .flat_map(|case| &case.tracers)
+                .flat_map(|case| &case.cells)
                 .any(|cell| cell.tracer == **label && !cell.measured.is_empty())
         };
         let legend = tracers
@@ -78,8 +78,8 @@ impl StrengthFigure {
     }
 }
 
-fn panel(case: &CaseRecord, styles: &Styles) -> Panel {
-    let curves = case.tracers.iter().filter(|cell| !cell.measured.is_empty()).map(|cell| {
+fn panel(CaseMatrix { case, cells }: &CaseMatrix, styles: &Styles) -> Panel {
+    let curves = cells.iter().filter(|cell| !cell.measured.is_empty()).map(|cell| {
         let wrong = || cell.measured.iter().map(|measured| measured.wrong);
         Curve {
             style: styles.get(&cell.tracer),

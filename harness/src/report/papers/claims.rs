@@ -96,7 +96,7 @@ fn table(judged: &[JudgedClaim], with_table: bool) -> String {
 
 /// Verdicts as JSON.
 pub(super) fn json(name: &str, judged: &[JudgedClaim]) -> Result<Vec<u8>, ReportError> {
-    files::json(name, &judged)
+    Ok(files::json(name, &judged)?)
 }
 
 /// All claims of a paper together, by the runs that were made for its tables, as Markdown.
@@ -142,7 +142,8 @@ pub fn write_claims(paper: &str, runs: &[Run], directory: &Path) -> Result<Vec<P
     ];
     let write = |(name, contents): (String, Vec<u8>)| {
         let path = directory.join(name);
-        files::write(&path, &contents).map(|()| path)
+        files::write(&path, &contents)?;
+        Ok(path)
     };
     contents.into_iter().map(write).collect()
 }

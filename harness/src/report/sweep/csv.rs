@@ -6,7 +6,7 @@ use crate::report::format::clock_code;
 use crate::report::metrics;
 use crate::report::tables::{code, number, to_csv};
 use crate::results::Run;
-use crate::studies::sweep::SweepRecord;
+use crate::results::SweepRecord;
 
 /// Its name.
 pub(super) const NAME: &str = "sweep.csv";

@@ -9,8 +9,9 @@ use std::borrow::Cow;
 
 use super::ReportError;
 use super::group::{Group, RaySet};
+use crate::results::{AxisRecord, PointRecord, SweepRecord};
 use crate::results::{Run, TraceRecord, TracerRun};
-use crate::studies::sweep::{AxisRecord, PointRecord, RESOLUTION, SweepRecord};
+use crate::studies::sweep::RESOLUTION;
 
 /// The page of a sweep.
 pub const SWEEP_PAGE: &str = "sweep.md";

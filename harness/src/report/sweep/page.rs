@@ -8,8 +8,9 @@ use crate::report::format::{self, NONE, clock_of, mib, thousands, with_interval}
 use crate::report::group::Role;
 use crate::report::markdown::{Table, inline};
 use crate::report::{cells, metrics, summary};
+use crate::results::SweepRecord;
 use crate::results::{Judgement, Run, TraceRecord, TracerRun};
-use crate::studies::sweep::{RESOLUTION, SweepRecord};
+use crate::studies::sweep::RESOLUTION;
 
 /// The whole page.
 pub(super) fn page(run: &Run, sweep: &SweepRecord, views: &[View<'_>]) -> String {

@@ -8,9 +8,10 @@ use tracebench_api::{ClockKind, Query};
 use crate::report::fixture::{self, Quality};
 use crate::report::format::percent_with_interval;
 use crate::report::{read_run, write_derived, write_run};
+use crate::results::{AxisRecord, PointRecord, SweepRecord};
 use crate::results::{Judgement, Run};
 use crate::statistics::wilson;
-use crate::studies::sweep::{AxisRecord, PointRecord, RESOLUTION, SweepRecord};
+use crate::studies::sweep::RESOLUTION;
 
 /// An axis: name, own value, values.
 pub(in crate::report) type Swept<'a> = (&'a str, &'a str, &'a [&'a str]);

@@ -1,20 +1,15 @@
-//! A tuned parameter: `tune.json`, and what is made of it: `tune.md`, `tune.csv`, a chart a scene.
+//! What is made of a tuned parameter: `tune.md`, `tune.csv`, a chart a scene.
 
 mod csv;
 mod page;
 #[cfg(test)]
 pub(in crate::report) mod tests;
 
-use std::path::{Path, PathBuf};
-
 use super::group::stems;
-use super::{ReportError, chart, files};
+use super::{ReportError, chart};
 use crate::judge::Rule;
 use crate::results::Judgement;
 use crate::studies::tune::{Label, SceneTuned, SetTuned, Tuning, score};
-
-/// The file that holds everything.
-pub(super) const TUNE_FILE: &str = "tune.json";
 
 /// The page.
 pub const TUNE_PAGE: &str = "tune.md";
@@ -22,36 +17,13 @@ pub const TUNE_PAGE: &str = "tune.md";
 /// What the names of its charts begin with.
 pub(in crate::report) const STEM: &str = "tune_";
 
-/// Writes `tune.json` and everything that derives from it, and gives the paths.
-///
-/// # Errors
-/// If the folder or a file cannot be written, or a chart cannot be drawn.
-pub fn write_tuning(tuning: &Tuning, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
-    files::create_directory(directory)?;
-    let path = directory.join(TUNE_FILE);
-    files::write(&path, &files::json(TUNE_FILE, tuning)?)?;
-    let mut paths = vec![path];
-    paths.extend(write_tuning_derived(tuning, directory)?);
-    Ok(paths)
-}
-
-/// Writes what is made of a tuned parameter: page, table and charts; gives the paths.
-///
-/// # Errors
-/// If the folder or a file cannot be written, or a chart cannot be drawn.
-pub fn write_tuning_derived(tuning: &Tuning, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
-    files::create_directory(directory)?;
+/// What is made of a tuned parameter: page, table and charts, by name.
+pub(super) fn files(tuning: &Tuning) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
     let mut contents =
         vec![(TUNE_PAGE.to_owned(), page::page(tuning).into_bytes()), (csv::NAME.to_owned(), csv::table(tuning)?)];
-    contents
-        .extend(chart::tune_charts(tuning, &chart_stems(tuning))?.into_iter().map(|file| (file.name, file.contents)));
-    let write = |(name, contents): (String, Vec<u8>)| {
-        let path = directory.join(name);
-        files::write(&path, &contents).map(|()| path)
-    };
-    let paths = contents.into_iter().map(write).collect::<Result<Vec<_>, _>>()?;
-    super::remove_stale_charts(directory, &paths, &[STEM]);
-    Ok(paths)
+    let charts = chart::tune_charts(tuning, &chart_stems(tuning))?;
+    contents.extend(charts.into_iter().map(|file| (file.name, file.contents)));
+    Ok(contents)
 }
 
 /// The part of the page that tells what every choice is worth in every scene.

@@ -7,10 +7,11 @@ use tracebench_api::{ClockKind, Query};
 
 use crate::judge::Rule;
 use crate::report::fixture::{self, Quality};
-use crate::report::{Measured, read_any, read_tuning, write_tuning, write_tuning_derived};
-use crate::results::{Judgement, Skipped};
-use crate::studies::sweep::AxisRecord;
-use crate::studies::tune::{Judged, Label, SCHEMA, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned, choose};
+use crate::report::{read_run, write_derived, write_run};
+use crate::results::{
+    AxisRecord, Judgement, PointRecord, Run, Skipped, SweepRecord, TracerRun, TunedScene, TuningRecord, place_name,
+};
+use crate::studies::tune::{Judged, Label, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned, choose};
 
 pub(in crate::report) const SETS: [(&str, Query); 2] = [("diffuse", Query::Closest), ("ao", Query::Any)];
 pub(in crate::report) const VALUES: [&str; 5] = ["0", "0.001", "0.01", "0.02", "0.1"];
@@ -64,7 +65,6 @@ pub(in crate::report) fn tuning(values: &[&str], scenes: &[&str], views: usize, 
     }
     choose(&mut made, &axis.own, Rule::Footprint);
     Tuning {
-        schema: SCHEMA,
         provenance: fixture::provenance(),
         seed: 1,
         preset: "quick".to_owned(),
@@ -75,6 +75,93 @@ pub(in crate::report) fn tuning(values: &[&str], scenes: &[&str], views: usize, 
         scenes: made,
         skipped: vec![Skipped { tracer: None, scene: "hall".to_owned(), rays: None, reason: "no | place".to_owned() }],
     }
+}
+
+/// The record that a tuning is derived from: what [`Tuning::of`] takes apart.
+fn record(tuning: &Tuning) -> Run {
+    let sample = fixture::run(&[], &[]);
+    let row =
+        fixture::run(&[("screen-dda", Quality { missed: 0.1, blur: 1e-4, speed: 1.0, clock: ClockKind::Host })], &SETS);
+    let name = &tuning.axis.name;
+    let parameters = |value: &String| {
+        let mut parameters = tuning.tracer.parameters.clone();
+        parameters.insert(name.clone(), serde_json::Value::from(value.clone()));
+        parameters
+    };
+    let point = |value: &String| PointRecord {
+        values: BTreeMap::from([(name.clone(), value.clone())]),
+        parameters: parameters(value),
+        frame: row.runs[0].viewpoint.frame,
+        face: row.runs[0].viewpoint.face,
+        skipped: BTreeMap::new(),
+    };
+    let mut points: Vec<PointRecord> = tuning.axis.values.iter().map(point).collect();
+    let (mut runs, mut controls) = (Vec::new(), Vec::new());
+    for scene in &tuning.scenes {
+        for (at, view) in scene.views.iter().enumerate() {
+            controls.extend(view.controls.clone());
+            for (index, point) in points.iter_mut().enumerate() {
+                let mut one: TracerRun = row.runs[0].clone();
+                one.scene = scene.scene.clone();
+                one.viewpoint = view.viewpoint.clone();
+                one.tracer.parameters = point.parameters.clone();
+                one.traces.clear();
+                for (set, sample) in view.sets.iter().zip(&row.runs[0].traces) {
+                    let value = &set.values[index];
+                    if let Some(reason) = &value.skipped {
+                        point.skipped.insert(place_name(&scene.scene, &view.viewpoint, at), reason.clone());
+                    }
+                    let Some(judged) = &value.judged else { continue };
+                    let mut trace = sample.clone();
+                    (trace.rays, trace.rays_sha256) = (set.rays.clone(), set.rays_sha256.clone());
+                    (trace.hits_sha256, trace.statuses) = (judged.hits_sha256.clone(), judged.statuses.clone());
+                    trace.judgement = judged.judgement.clone();
+                    one.traces.push(trace);
+                }
+                runs.push(one);
+            }
+        }
+    }
+    let tuned = |scene: &SceneTuned| TunedScene {
+        scene: scene.scene.clone(),
+        viewpoints: scene.views.iter().map(|view| view.viewpoint.clone()).collect(),
+    };
+    let axes = vec![tuning.axis.clone()];
+    Run {
+        provenance: tuning.provenance.clone(),
+        seed: tuning.seed,
+        preset: tuning.preset.clone(),
+        ray_parameters: tuning.ray_parameters.clone(),
+        sweep: Some(SweepRecord { tracer: tuning.tracer.name.clone(), grid: false, axes, points }),
+        tuning: Some(TuningRecord {
+            tracer: tuning.tracer.clone(),
+            rule: tuning.rule,
+            scenes: tuning.scenes.iter().map(tuned).collect(),
+        }),
+        controls,
+        runs,
+        skipped: tuning.skipped.clone(),
+        ..sample
+    }
+}
+
+/// A tuning as it comes back from its record: controls stand on the viewpoints where they were traced.
+fn placed(mut tuning: Tuning) -> Tuning {
+    for scene in &mut tuning.scenes {
+        for view in &mut scene.views {
+            for control in &mut view.controls {
+                (control.scene, control.viewpoint) = (scene.scene.clone(), view.viewpoint.clone());
+            }
+            for set in &mut view.sets {
+                for value in &mut set.values {
+                    if let Some(judged) = &mut value.judged {
+                        judged.judgement.wrong_rays_mut().clear();
+                    }
+                }
+            }
+        }
+    }
+    tuning
 }
 
 fn typical() -> Tuning {
@@ -96,30 +183,23 @@ fn files_can_be_made_again() {
     for name in ["tune_gone.svg", "sweep_stays.svg"] {
         std::fs::write(folder.path().join(name), "").unwrap();
     }
-    let paths = write_tuning(&typical(), folder.path()).unwrap();
+    let paths = write_run(&record(&placed(typical())), folder.path()).unwrap();
     let names: Vec<_> = paths.iter().map(|path| path.file_name().unwrap().to_str().unwrap()).collect();
     let expected =
-        ["tune.json", "tune.md", "tune.csv", "tune_room.svg", "tune_room.png", "tune_hall.svg", "tune_hall.png"];
+        ["run.json", "tune.md", "tune.csv", "tune_room.svg", "tune_room.png", "tune_hall.svg", "tune_hall.png"];
     assert_eq!(names, expected);
     let stands = |name: &str| folder.path().join(name).exists();
     assert_eq!((stands("tune_gone.svg"), stands("sweep_stays.svg")), (false, true));
-    let again = read_tuning(folder.path()).unwrap();
-    assert_eq!(again, typical());
-    for path in write_tuning_derived(&again, elsewhere.path()).unwrap() {
+    let again = read_run(folder.path()).unwrap();
+    assert_eq!(Tuning::of(&again).unwrap(), placed(typical()));
+    for path in write_derived(&again, elsewhere.path()).unwrap() {
         let name = path.file_name().unwrap();
         assert!(std::fs::read(&path).unwrap() == std::fs::read(folder.path().join(name)).unwrap(), "{name:?} differs");
     }
-    assert!(matches!(read_any(folder.path()), Ok(Measured::Tuning(_))));
-    let file = folder.path().join("tune.json");
-    let text = std::fs::read_to_string(&file).unwrap();
-    assert!(
-        text.starts_with("{\"schema\":1,\"machine\":{\"cpu\":") && text.contains("},\"commit\":\"0123"),
-        "{text:.300}"
-    );
-    assert!(text.contains("\"rule\":\"footprint\"") && text.contains("\"label\":\"tuned_elsewhere\""));
-    std::fs::write(&file, text.replacen("\"schema\":1", "\"schema\":99", 1)).unwrap();
-    let error = read_any(&file).unwrap_err().to_string();
-    assert!(error.contains("schema 99") && error.contains("schema 1"), "{error}");
+    // A record that lost its section is one of a sweep.
+    assert!(Tuning::of(&Run { tuning: None, ..again }).is_none());
+    let text = std::fs::read_to_string(folder.path().join("run.json")).unwrap();
+    assert!(text.contains("\"rule\":\"footprint\"") && !text.contains("tuned"), "{text:.300}");
 }
 
 /// Proves that the table tells every value with its labels, its wrong rays by the rule, and what it loses: against the classes
@@ -131,7 +211,9 @@ fn the_table_tells_what_each_value_loses() {
         ValueTuned { value: "0".to_owned(), judged: None, skipped: Some("too large".to_owned()) };
     choose(&mut made.scenes, "0.001", Rule::Footprint);
     let folder = TempDir::new().unwrap();
-    write_tuning_derived(&made, folder.path()).unwrap();
+    for (name, contents) in super::files(&made).unwrap() {
+        std::fs::write(folder.path().join(name), contents).unwrap();
+    }
     let rows = rows(&folder);
     assert_eq!(rows.len(), 2 * 2 * 2 * VALUES.len());
     let of = |scene: &str, view: &str, rays: &str| {

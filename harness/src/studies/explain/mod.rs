@@ -1,24 +1,20 @@
 //! Why a method's rays are wrong, shown by taking its known weaknesses away, one after the other, until none is left: what
 //! is right from a rung of this ladder on was wrong for the weakness that the rung took away.
 
-mod record;
 #[cfg(test)]
 mod tests;
 
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 
+use serde_json::Value;
 use tracebench_api::{Hit, Status, TracerError};
 
-pub use record::{Explained, Explanation, RemedyRecord, SCHEMA, SceneExplained};
-
 use crate::judge::{Class, Rule};
-use crate::measure::records;
-use crate::measure::session::{Contender, PreparedRays, Session};
-use crate::measure::{self, RunError};
+use crate::measure::session::{PreparedRays, Session};
+use crate::measure::{self, Context, Effort, Place, Request, RunError, records};
 use crate::plan::{Plan, TracerRequest};
-use crate::progress::Progress;
-use crate::registry::Device;
-use crate::truth::Cache;
+use crate::results::{Explained, ExplanationRecord, GIVEN_UP, RemedyRecord, Run, SceneExplained, UNEXPLAINED};
 
 /// A cause of wrong rays, and the parameter that takes it away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,13 +81,6 @@ pub const LADDERS: &[Ladder] = &[Ladder {
     ],
 }];
 
-/// What is wrong on the last rung because its search was given up, as the ray's status says: steps or a driver's limit of
-/// loops.
-pub const GIVEN_UP: &str = "step_cap";
-
-/// What no rung takes away.
-pub const UNEXPLAINED: &str = "unexplained";
-
 /// The ladder of a tracer.
 pub fn ladder_of(tracer: &str) -> Option<&'static Ladder> {
     LADDERS.iter().find(|ladder| ladder.tracer == tracer)
@@ -105,14 +94,13 @@ fn cause(ladder: &Ladder, wrong: &[bool], given_up: bool) -> Option<&'static str
     Some(ladder.remedies.get(last).map_or(beyond, |remedy| remedy.cause))
 }
 
-/// What was found of a ray set, on the rungs so far.
-#[derive(Default)]
+/// What was found of a ray set, by rung.
 struct Found {
-    /// By rung, whether each ray is wrong.
+    /// Whether each ray is wrong.
     wrong: Vec<Vec<bool>>,
     /// The rays' classes on the first rung.
     classes: Vec<Class>,
-    /// Whether each ray's search was given up on the rung that was last traced.
+    /// Whether each ray's search was given up on the last rung.
     given_up: Vec<bool>,
 }
 
@@ -120,95 +108,90 @@ struct Found {
 ///
 /// # Errors
 /// [`RunError`] as its variants say.
-pub fn execute(
-    plan: &Plan,
-    request: &TracerRequest,
-    ladder: &Ladder,
-    device: &Device,
-    cache: &Cache,
-    progress: &Progress,
-) -> Result<Explanation, RunError> {
+pub fn execute(plan: &Plan, request: &TracerRequest, ladder: &Ladder, context: &Context<'_>) -> Result<Run, RunError> {
     let fail = |error: TracerError| RunError::Tracer { tracer: ladder.tracer.to_owned(), error };
     let rungs = rungs(request, ladder).map_err(fail)?;
-    let description = (request.registration.describe)();
-    let mut contender =
-        Contender::create(description, request.parameters.clone(), || request.registration.create(device))
-            .map_err(fail)?;
-    let mut found = Explanation::begin(plan, request, ladder, device);
-    for scene in measure::load(plan, progress)? {
-        let loaded = measure::prepare(plan, scene, device, cache, progress)?;
-        let session = &loaded.session;
-        found.skipped.extend(session.skipped.iter().cloned());
-        check_controls(session)?;
-        let mut sets: Vec<Found> = session.rays.iter().map(|_| Found::default()).collect();
-        let bar = progress.bar("rungs", (rungs.len() * session.rays.len()) as u64);
-        for (rung, parameters) in rungs.iter().enumerate() {
-            // A rung that changes nothing, as one of six views does where there are six, is what the one before was.
-            let same = rung > 0 && rungs[rung - 1] == *parameters;
-            if !same {
-                contender.parameters = parameters.clone();
-                session.sample_build(&mut contender).map_err(fail)?;
-            }
-            for (rays, found) in session.rays.iter().zip(&mut sets) {
-                match found.wrong.last().filter(|_| same).cloned() {
-                    Some(before) => found.wrong.push(before),
-                    None => trace(session, &contender, rays, found)?,
-                }
-                bar.inc(1);
-            }
+    // A rung that changes nothing, as one of six views does where there are six, is what the one before was.
+    let mut places: Vec<usize> = Vec::new();
+    let mut requests: Vec<Request> = Vec::new();
+    for rung in &rungs {
+        if requests.last().is_none_or(|last| last.tracer.parameters != rung.parameters) {
+            requests.push(Request::of(rung));
         }
-        bar.finish_and_clear();
-        found.scenes.push(SceneExplained {
-            scene: loaded.record.clone(),
-            viewpoint: records::viewpoint_record(plan, &loaded.pose, session),
-            sets: session.rays.iter().zip(&sets).map(|(rays, set)| explained(ladder, rays, set)).collect(),
-        });
+        places.push(requests.len() - 1);
     }
-    Ok(found)
+    let mut run = measure::begin(std::slice::from_ref(plan), context);
+    let mut scenes = Vec::new();
+    for (index, scene) in measure::load(plan, context.progress)?.into_iter().enumerate() {
+        if !context.takes(index) {
+            continue;
+        }
+        let sha256 = scene.sha256.clone();
+        let scene = RefCell::new(Some(scene));
+        let prepare = || match scene.take() {
+            Some(scene) => measure::placed(plan, scene, context),
+            None => Err(RunError::Nothing("a scene was prepared twice".to_owned())),
+        };
+        let hook = |session: &Session, rays: &PreparedRays, hits: &[Option<Vec<Hit>>]| {
+            let found = look(session, ladder.tracer, rays, &places, hits)?;
+            Ok(serde_json::to_value(explained(ladder, rays, &found)).unwrap_or_default())
+        };
+        let effort = Effort { validated: false, counted: false, ..Effort::untimed() };
+        let (requests, hook): (_, Option<measure::Hook<'_>>) = (&requests[..], Some(&hook));
+        let place = Place { index, scene_sha256: Some(&sha256), prepare: &prepare, requests, effort, hook };
+        let mut found = measure::measure(&place, context)?;
+        let of_set = |told: Value| {
+            serde_json::from_value::<Explained>(told).map_err(|error| RunError::Nothing(error.to_string()))
+        };
+        let sets = std::mem::take(&mut found.hooked).into_iter().map(of_set).collect::<Result<Vec<_>, _>>()?;
+        scenes.push(SceneExplained { scene: found.scene.clone(), viewpoint: found.viewpoint.clone(), sets });
+        measure::add(&mut run, found);
+    }
+    let rung = |remedy: &Remedy| RemedyRecord {
+        cause: remedy.cause.to_owned(),
+        parameter: remedy.parameter.to_owned(),
+        value: remedy.value.to_owned(),
+        source: remedy.source.to_owned(),
+    };
+    let ladder = ladder.remedies.iter().map(rung).collect();
+    run.explanation = Some(ExplanationRecord { tracer: records::request_record(request), ladder, scenes });
+    Ok(run)
 }
 
-/// The parameters of every rung, the first as asked for.
-fn rungs(request: &TracerRequest, ladder: &Ladder) -> Result<Vec<tracebench_api::Parameters>, TracerError> {
+/// The tracer on every rung, first as asked for.
+fn rungs(request: &TracerRequest, ladder: &Ladder) -> Result<Vec<TracerRequest>, TracerError> {
     let mut request = request.clone();
-    let mut rungs = vec![request.parameters.clone()];
+    let mut rungs = vec![request.clone()];
     for remedy in ladder.remedies {
         request
             .set(remedy.parameter, remedy.value)
             .map_err(|error| TracerError::Failed(format!("{}: {error}", remedy.cause)))?;
-        rungs.push(request.parameters.clone());
+        rungs.push(request.clone());
     }
     Ok(rungs)
 }
 
-/// Traces a ray set on one more rung and notes what is wrong under `tight`; ties never are.
-fn trace(session: &Session, contender: &Contender, rays: &PreparedRays, found: &mut Found) -> Result<(), RunError> {
-    let fail = |error: TracerError| RunError::Tracer { tracer: contender.description.name.to_owned(), error };
-    let mut hits = session.hit_buffer(contender, rays).map_err(fail)?;
-    session.sample_trace(contender, rays, &mut hits).map_err(fail)?;
-    let hits: Vec<Hit> = hits.read(session.gpu()).map_err(fail)?;
-    let classes = session.classes(contender, rays, Rule::Tight, &hits)?;
-    found.wrong.push(classes.iter().map(|class| class.is_some_and(|class| !class.is_right())).collect());
-    found.given_up = hits.iter().map(|hit| hit.status == Status::StepCap as u32).collect();
-    if found.classes.is_empty() {
-        found.classes = classes.into_iter().map(|class| class.unwrap_or(Class::TrueMiss)).collect();
-    }
-    Ok(())
-}
-
-/// The controls score what they must with these rays and this truth.
-fn check_controls(session: &Session) -> Result<(), RunError> {
-    for (control, mut contender) in session.controls() {
-        session.sample_build(&mut contender)?;
-        for rays in &session.rays {
-            let mut hits = session.hit_buffer(&contender, rays)?;
-            session.sample_trace(&contender, rays, &mut hits)?;
-            let hits = hits.read(session.gpu())?;
-            let judgement = session.judge(&contender, rays, &hits)?;
-            let (occluded, free) = rays.hits_and_misses();
-            control.check(&judgement, occluded, free).map_err(RunError::Control)?;
+/// Notes what is wrong under `tight` on every rung; ties never are. `places` has the answers' place of every rung.
+fn look(
+    session: &Session,
+    tracer: &str,
+    rays: &PreparedRays,
+    places: &[usize],
+    hits: &[Option<Vec<Hit>>],
+) -> Result<Found, RunError> {
+    let mut found = Found { wrong: Vec::new(), classes: Vec::new(), given_up: Vec::new() };
+    for place in places {
+        let Some(hits) = hits.get(*place).and_then(Option::as_ref) else {
+            return Err(RunError::Nothing(format!("a rung gave no answers to {}", rays.set.name)));
+        };
+        let classes = session.classes(tracer, rays, Rule::Tight, hits)?;
+        found.wrong.push(classes.iter().map(|class| class.is_some_and(|class| !class.is_right())).collect());
+        found.given_up = hits.iter().map(|hit| hit.status == Status::StepCap as u32).collect();
+        if found.classes.is_empty() {
+            found.classes = classes.into_iter().map(|class| class.unwrap_or(Class::TrueMiss)).collect();
         }
     }
-    Ok(())
+    Ok(found)
 }
 
 fn explained(ladder: &Ladder, rays: &PreparedRays, found: &Found) -> Explained {

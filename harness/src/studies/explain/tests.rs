@@ -2,9 +2,13 @@
 //! takes nothing away explains none.
 
 use super::*;
+use crate::measure::Journal;
 use crate::plan::{RunPreset, SceneSource, ViewRequest};
+use crate::progress::Progress;
 use crate::rays::{RAY_SETS, default_parameters};
-use crate::registry;
+use crate::registry::{self, Device};
+use crate::results::Judgement;
+use crate::truth::Cache;
 use tracebench_api::{AdapterChoice, EndPoint, Gpu, Preset};
 
 /// Every ladder is of a tracer that there is, and its remedies are parameters with such values; some change what is
@@ -17,7 +21,9 @@ fn remedies_are_parameters() {
         assert_eq!(rungs.len(), ladder.remedies.len() + 1);
         let names = ladder.remedies.iter().map(|remedy| remedy.parameter);
         assert_eq!(names.collect::<std::collections::BTreeSet<_>>().len(), ladder.remedies.len());
-        assert!(rungs[0] != rungs[ladder.remedies.len()]);
+        assert!(rungs[0].parameters != rungs[ladder.remedies.len()].parameters);
+        // All are there at a time: what hangs together over rungs is looked at in one race.
+        assert!(rungs.len() <= measure::WINDOW);
     }
     assert!(ladder_of("no-such").is_none());
 }
@@ -58,8 +64,22 @@ fn the_ladder_of_dirt_explains_every_wrong_ray() {
         end: EndPoint::Hit,
         table: None,
     };
-    let explain =
-        |ladder: &Ladder| execute(&plan, &request, ladder, &device, &Cache::none(), &Progress::new(true)).unwrap();
+    let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
+    let context = Context::new(&device, &cache, &quiet, &journal);
+    let explain = |ladder: &Ladder| {
+        let run = execute(&plan, &request, ladder, &context).unwrap();
+        // The rows of the rungs tell the same numbers of wrong rays as the section.
+        let found = run.explanation.unwrap();
+        let last = run.runs.last().unwrap();
+        for (set, trace) in found.scenes[0].sets.iter().zip(&last.traces) {
+            let wrong = match &trace.judgement {
+                Judgement::Closest(closest) => closest.classes.tight.wrong(),
+                Judgement::Any(any) => any.occlusion.false_free + any.occlusion.false_occluded,
+            };
+            assert_eq!(wrong, set.left(), "{}", set.rays);
+        }
+        found
+    };
     let found = explain(ladder_of("dirt").unwrap());
     assert_eq!(found.unexplained(), 0);
     let sets = &found.scenes[0].sets;

@@ -1,46 +1,40 @@
 //! Runs cases: every tracer at every strength, judged against the truth and against what is expected of it.
 
-mod record;
+mod matrix;
 mod verdict;
 
 use std::sync::Arc;
 
-use tracebench_api::{Geometry, Gpu, TracerError};
+use tracebench_api::{Geometry, Gpu, Preset};
 
 use crate::cases::{Case, Expectation, Probe, Setup, expectation};
-use crate::measure::RunError;
-use crate::measure::records;
-use crate::measure::session::{Contender, PreparedRays, Session, SessionError};
+use crate::hash;
+use crate::measure::session::Session;
+use crate::measure::{self, Context, Effort, Place, Placed, Request, RunError, records};
 use crate::plan::TracerRequest;
-use crate::progress::Progress;
 use crate::rays::RaySet;
-use crate::registry::Device;
-use crate::results::{Judgement, Provenance, Skipped};
+use crate::results::{CaseRecord, CaseTracer, CasesRecord, KnobRecord, NoAnswer, Run, SceneRecord, Skipped, Strength};
 use crate::truth::Truth;
 
-pub use record::{CaseRecord, Cell, ExpectationRecord, KnobRecord, Measured, SCHEMA, Stability, Strength};
+pub use matrix::{CaseMatrix, Cell, Measured, Stability};
 pub use verdict::Verdict;
 pub(crate) use verdict::percent;
 
 /// A tracer with what is expected of it.
 pub struct Candidate {
-    /// Its name in tables, with preset and changes.
-    pub label: String,
     /// The tracer.
-    pub contender: Contender,
+    pub request: TracerRequest,
     /// What is expected of it, by case.
     pub expected: Vec<(&'static str, Expectation)>,
 }
 
 impl Candidate {
-    /// Creates a requested tracer. Expectations hold for the published preset; parameters that were changed are set
-    /// against them all the same.
-    fn create(request: &TracerRequest, device: &Device) -> Result<Self, TracerError> {
-        let description = (request.registration.describe)();
-        let contender =
-            Contender::create(description, request.parameters.clone(), || request.registration.create(device))?;
-        let label = records::tracer_record(&contender, Some(request)).label();
-        Ok(Self { label, contender, expected: expected_of(request) })
+    /// A requested tracer. Expectations hold for the published preset; parameters that were changed are set against them all the
+    /// same.
+    pub fn of(request: &TracerRequest) -> Self {
+        let published = request.preset == Preset::Published;
+        let expected = if published { expectation::column(request.name()).to_vec() } else { Vec::new() };
+        Self { request: request.clone(), expected }
     }
 }
 
@@ -48,101 +42,133 @@ impl Candidate {
 ///
 /// # Errors
 /// [`RunError`] if a tracer that was asked for by name cannot run, none can, or the device fails.
-pub fn run(
-    cases: &[&Case],
-    requests: &[TracerRequest],
-    device: &Device,
-    progress: &Progress,
-) -> Result<Stability, RunError> {
-    let mut candidates = Vec::new();
-    let (mut absent, mut skipped) = (Vec::new(), Vec::new());
-    for (column, request) in requests.iter().enumerate() {
-        let tracer = (request.registration.describe)().name.to_owned();
-        match Candidate::create(request, device) {
-            Ok(candidate) => candidates.push(candidate),
-            Err(error) if request.required => return Err(RunError::Tracer { tracer, error }),
+pub fn run(cases: &[&Case], requests: &[TracerRequest], context: &Context<'_>) -> Result<Run, RunError> {
+    let candidates: Vec<Candidate> = requests.iter().map(Candidate::of).collect();
+    let run = measure(cases, &candidates, context)?;
+    if run.skipped.len() == candidates.len() {
+        return Err(measure::nothing(&run));
+    }
+    Ok(run)
+}
+
+/// Runs cases with candidates. What a tracer or a control does wrong is in the record.
+///
+/// # Errors
+/// [`RunError`] if a tracer that was asked for by name cannot run, a case cannot be made, or the device fails.
+pub fn measure(cases: &[&Case], candidates: &[Candidate], context: &Context<'_>) -> Result<Run, RunError> {
+    let mut run = measure::empty(candidates.iter().map(|candidate| &candidate.request), context);
+    let mut absent = vec![false; candidates.len()];
+    for (candidate, absent) in candidates.iter().zip(&mut absent) {
+        let tracer = candidate.request.name().to_owned();
+        match context.create(&candidate.request) {
+            Ok(()) => {}
+            Err(error) if candidate.request.required => return Err(RunError::Tracer { tracer, error }),
             Err(error) => {
-                absent.push((column, request));
-                progress.say(&format!("skipped {tracer}: {error}"));
-                let scene = "cases".to_owned();
-                skipped.push(Skipped { tracer: Some(tracer), scene, rays: None, reason: error.to_string() });
+                *absent = true;
+                context.progress.say(&format!("skipped {tracer}: {error}"));
+                let (scene, reason) = ("cases".to_owned(), error.to_string());
+                run.skipped.push(Skipped { tracer: Some(tracer), scene, rays: None, reason });
             }
         }
     }
-    if candidates.is_empty() {
-        let reasons: Vec<_> = skipped.iter().map(|skipped| skipped.reason.as_str()).collect();
-        return Err(RunError::Nothing(reasons.join("; ")));
-    }
-    let gpu = device.as_ref().ok();
-    let needs_adapter = requests.iter().any(|request| request.registration.needs_device());
-    let mut stability = Stability {
-        schema: SCHEMA,
-        provenance: Provenance::now(gpu.filter(|_| needs_adapter).map(|gpu| gpu.listing.clone())),
-        counts: requests.iter().all(|request| request.changed.is_empty()),
-        cases: Vec::new(),
-        skipped,
-    };
-    for case in cases {
-        progress.say(&format!("case {}", case.name));
-        let mut record = measure(case, &mut candidates, gpu)?;
-        // From left to right, so that every one comes to stand in the column that it was asked for in.
-        for (column, request) in &absent {
-            record.tracers.insert(*column, absent_cell(case, request));
+    let mut records = Vec::new();
+    let mut index = 0;
+    for (place, case) in cases.iter().enumerate() {
+        if context.takes(place) {
+            context.progress.say(&format!("case {}", case.name));
+            records.push(measure_case(index, case, candidates, &absent, &mut run, context)?);
         }
-        stability.cases.push(record);
+        index += case.knob.values.len();
     }
-    Ok(stability)
+    run.cases = Some(CasesRecord { cases: records });
+    Ok(run)
 }
 
-fn absent_cell(case: &Case, request: &TracerRequest) -> Cell {
-    let expected = expected_of(request);
-    verdict::unavailable(&records::request_record(request).label(), expectation_on(&expected, case))
-}
-
-/// What is expected of a request, by case: something of the published preset alone.
-fn expected_of(request: &TracerRequest) -> Vec<(&'static str, Expectation)> {
-    let published = request.preset == tracebench_api::Preset::Published;
-    if published { expectation::column((request.registration.describe)().name).to_vec() } else { Vec::new() }
-}
-
-fn expectation_on<'a>(expected: &'a [(&'static str, Expectation)], case: &Case) -> Option<&'a Expectation> {
-    expected.iter().find(|(name, _)| *name == case.name).map(|(_, expected)| expected)
-}
-
-/// Measures one case: every candidate at every strength.
-///
-/// # Errors
-/// [`RunError`] if the case cannot be made or the device fails. What a tracer or a control does wrong is in the record.
-pub fn measure(case: &Case, candidates: &mut [Candidate], gpu: Option<&Arc<Gpu>>) -> Result<CaseRecord, RunError> {
-    let mut strengths = Vec::new();
-    let mut measured: Vec<Vec<Measured>> = candidates.iter().map(|_| Vec::new()).collect();
-    let mut void = None;
-    for &strength in case.knob.values {
-        let setup = (case.make)(strength)?;
-        let session = prepare(case, &setup, gpu)?;
-        let rays = &session.rays[0];
-        strengths.push(describe(case, strength, &setup, &session));
-        if let Err(reason) = check_controls(&session) {
+/// Measures one case: every candidate at every strength. `index` is the first strength's place in the plan.
+fn measure_case(
+    index: usize,
+    case: &Case,
+    candidates: &[Candidate],
+    absent: &[bool],
+    run: &mut Run,
+    context: &Context<'_>,
+) -> Result<CaseRecord, RunError> {
+    let expected_on = |candidate: &Candidate| {
+        candidate.expected.iter().find(|(name, _)| *name == case.name).map(|(_, expected)| expected.record())
+    };
+    let mut tracers: Vec<CaseTracer> = candidates
+        .iter()
+        .zip(absent)
+        .map(|(candidate, absent)| CaseTracer {
+            tracer: records::request_record(&candidate.request),
+            expectation: expected_on(candidate),
+            unavailable: *absent,
+            no_answers: Vec::new(),
+        })
+        .collect();
+    let running: Vec<usize> = (0..candidates.len()).filter(|place| !absent[*place]).collect();
+    let requests: Vec<Request> = running.iter().map(|place| Request::of(&candidates[*place].request)).collect();
+    let (mut strengths, mut void) = (Vec::new(), None);
+    for (turn, &strength) in case.knob.values.iter().enumerate() {
+        let gpu = context.device.as_ref().ok();
+        let prepare = || placed(case, strength, gpu);
+        let effort = Effort { validated: false, lenient: true, ..Effort::untimed() };
+        let place = Place {
+            index: index + turn,
+            scene_sha256: None,
+            prepare: &prepare,
+            requests: &requests,
+            effort,
+            hook: None,
+        };
+        let mut found = measure::measure(&place, context)?;
+        let told = std::mem::take(&mut found.told);
+        strengths.push(serde_json::from_value::<Strength>(told).map_err(|error| RunError::Nothing(error.to_string()))?);
+        if let Some(reason) = found.void.take() {
             void.get_or_insert_with(|| format!("at {strength}: {reason}"));
         }
-        for (candidate, measured) in candidates.iter_mut().zip(&mut measured) {
-            let judged = answer(&session, rays, &mut candidate.contender);
-            measured.push(Measured::new(strength, judged));
+        for (request, (_, refusal)) in measure::add(run, found) {
+            let (error, refused) = (refusal.reason, refusal.too_large);
+            tracers[running[request]].no_answers.push(NoAnswer { strength, error, refused });
         }
     }
-    let cells = candidates.iter().zip(measured).map(|(candidate, measured)| {
-        verdict::cell(case, &candidate.label, expectation_on(&candidate.expected, case), measured)
-    });
     Ok(CaseRecord {
         name: case.name.to_owned(),
         summary: case.summary.to_owned(),
-        knob: KnobRecord::from(&case.knob),
+        knob: KnobRecord {
+            name: case.knob.name.to_owned(),
+            unit: case.knob.unit.to_owned(),
+            values: case.knob.values.to_vec(),
+        },
         feature: case.feature.what.to_owned(),
         least_featured: case.feature.least,
         strengths,
         void,
-        tracers: cells.collect(),
+        tracers,
     })
+}
+
+/// A case at one strength, ready to be measured.
+fn placed(case: &Case, strength: f64, gpu: Option<&Arc<Gpu>>) -> Result<Placed, RunError> {
+    let setup = (case.make)(strength)?;
+    let session = prepare(case, &setup, gpu)?;
+    let told = describe(case, strength, &setup, &session);
+    let Geometry { positions, triangles, .. } = &setup.geometry;
+    let parts = [hash::sha256_of(positions), hash::sha256_of(triangles)].concat();
+    let scene = SceneRecord {
+        name: case.name.to_owned(),
+        sha256: hash::sha256_of(parts.as_bytes()),
+        triangles: triangles.len() as u64,
+        diagonal: session.truth().diagonal(),
+        scale: None,
+        zero_area_triangles_dropped: 0,
+        duplicate_triangles_kept: 0,
+        warnings: Vec::new(),
+    };
+    let rays = [setup.rays.len() as u32, 1];
+    let viewpoint = records::viewpoint_of("given", &setup.viewpoint, rays, 0.0);
+    let told = serde_json::to_value(told).map_err(|error| RunError::Nothing(error.to_string()))?;
+    Ok(Placed { scene, viewpoint, strength: Some(strength), session, film: None, told })
 }
 
 /// A case at one strength with its truth, on the device as well if there is one.
@@ -174,25 +200,4 @@ fn describe(case: &Case, strength: f64, setup: &Setup, session: &Session) -> Str
         ties: count - true_hits - true_misses,
         featured: featured as f64 / count.max(1) as f64,
     }
-}
-
-/// The controls go the way of every contender.
-fn check_controls(session: &Session) -> Result<(), String> {
-    let rays = &session.rays[0];
-    let (occluded, free) = rays.hits_and_misses();
-    for (control, mut contender) in session.controls() {
-        let judgement = answer(session, rays, &mut contender).map_err(|error| error.to_string())?;
-        control.check(&judgement, occluded, free)?;
-    }
-    Ok(())
-}
-
-/// Builds, traces into poisoned hits, traces with counting, which must not change them, and judges.
-fn answer(session: &Session, rays: &PreparedRays, contender: &mut Contender) -> Result<Judgement, SessionError> {
-    session.sample_build(contender)?;
-    let mut hits = session.hit_buffer(contender, rays)?;
-    session.sample_trace(contender, rays, &mut hits)?;
-    let hits = hits.read(session.gpu())?;
-    session.count(contender, rays, &hits, &[])?;
-    session.judge(contender, rays, &hits)
 }

@@ -1,14 +1,10 @@
 //! From what was measured to a verdict.
 
-use serde::Serialize;
-
-use super::{Cell, ExpectationRecord, Measured};
-use crate::cases::expectation::Surprise;
-use crate::cases::{Case, Expectation, Rule};
+use super::{Cell, Measured};
+use crate::results::{CaseRecord, ExpectationRecord, Rule, Surprise};
 
 /// What came of a tracer on a case.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Nothing wrong, as expected.
     Exact,
@@ -47,20 +43,24 @@ pub(crate) fn percent(share: f64) -> String {
 }
 
 /// Judges one tracer on one case.
-pub(super) fn cell(case: &Case, tracer: &str, expected: Option<&Expectation>, mut measured: Vec<Measured>) -> Cell {
+pub(super) fn cell(
+    case: &CaseRecord,
+    tracer: &str,
+    expected: Option<&ExpectationRecord>,
+    mut measured: Vec<Measured>,
+) -> Cell {
     let (verdict, text) = match expected {
         None => (Verdict::Unstated, unstated(&measured)),
         Some(expected) => stated(case, expected, &mut measured),
     };
-    let expectation = expected.map(ExpectationRecord::from);
-    Cell { tracer: tracer.to_owned(), expectation, verdict, text, measured }
+    Cell { tracer: tracer.to_owned(), expectation: expected.cloned(), verdict, text, measured }
 }
 
 /// The cell of a tracer that this machine cannot run: nothing is measured and nothing can be surprising.
-pub(super) fn unavailable(tracer: &str, expected: Option<&Expectation>) -> Cell {
+pub(super) fn unavailable(tracer: &str, expected: Option<&ExpectationRecord>) -> Cell {
     Cell {
         tracer: tracer.to_owned(),
-        expectation: expected.map(ExpectationRecord::from),
+        expectation: expected.cloned(),
         verdict: Verdict::Unavailable,
         text: "unavailable".to_owned(),
         measured: Vec::new(),
@@ -80,8 +80,8 @@ fn unstated(measured: &[Measured]) -> String {
     format!("unstated: at most {tight} (tight), {footprint} (footprint)")
 }
 
-fn stated(case: &Case, expected: &Expectation, measured: &mut [Measured]) -> (Verdict, String) {
-    let values = case.knob.values;
+fn stated(case: &CaseRecord, expected: &ExpectationRecord, measured: &mut [Measured]) -> (Verdict, String) {
+    let values = &case.knob.values;
     let mut surprises: Vec<(Verdict, String)> = Vec::new();
     for (index, each) in measured.iter_mut().enumerate() {
         let at = format!("at {} {}", each.strength, case.knob.unit);
@@ -116,17 +116,16 @@ fn stated(case: &Case, expected: &Expectation, measured: &mut [Measured]) -> (Ve
 }
 
 /// The verdict where nothing is surprising.
-fn as_expected(expected: &Expectation, measured: &[Measured]) -> (Verdict, String) {
-    match expected {
-        Expectation::Refusable { otherwise, .. } => as_expected(otherwise, measured),
-        Expectation::Exact => (Verdict::Exact, "exact".to_owned()),
-        Expectation::Bounded { rule, most_wrong, .. } => {
-            let text =
-                format!("bounded {} ≤ {} ({})", percent(worst(measured, *rule)), percent(*most_wrong), rule.name());
-            (Verdict::Bounded, text)
+fn as_expected(expected: &ExpectationRecord, measured: &[Measured]) -> (Verdict, String) {
+    let rule = expected.rule;
+    match expected.kind.as_str() {
+        "exact" => (Verdict::Exact, "exact".to_owned()),
+        "bounded" => {
+            let (most, worst) = (percent(expected.most_wrong), percent(worst(measured, rule)));
+            (Verdict::Bounded, format!("bounded {worst} ≤ {most} ({})", rule.name()))
         }
-        Expectation::KnownFailure { rule, .. } => {
-            let hardest = measured.iter().rev().find_map(|each| each.wrong).map_or(1.0, |wrong| wrong.under(*rule));
+        _ => {
+            let hardest = measured.iter().rev().find_map(|each| each.wrong).map_or(1.0, |wrong| wrong.under(rule));
             (Verdict::KnownFailure, format!("known failure {} ({})", percent(hardest), rule.name()))
         }
     }

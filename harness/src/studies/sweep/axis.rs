@@ -5,8 +5,8 @@ use std::cmp::Ordering;
 use tracebench_api::{Domain, ParameterDescription, ParameterError, Value};
 
 use super::SweepError;
-use super::record::AxisRecord;
 use crate::plan::{LARGEST_EDGE, LARGEST_FACE, RunPreset, TracerRequest};
+use crate::results::AxisRecord;
 
 /// The name of the axis that is no parameter of the tracer.
 pub const RESOLUTION: &str = "resolution";

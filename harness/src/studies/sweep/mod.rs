@@ -1,26 +1,21 @@
 //! One tracer over values of its parameters and over resolutions: what each costs, and what it gets wrong.
 
 mod axis;
-mod record;
 #[cfg(test)]
 mod tests;
 
 use std::collections::BTreeMap;
 
-use tracebench_api::{ParameterError, RayBuffer};
+use tracebench_api::ParameterError;
+use tracebench_scenes::Scene;
 
 pub use axis::{MOST_VALUES, Multiple, RESOLUTION, parameter_axis, resolution_axis};
-pub use record::{AxisRecord, PointRecord, SweepRecord};
 
-use crate::measure::records;
-use crate::measure::{self, Refused, RunError};
+use crate::measure::{self, Context, Effort, Measured, Request, RunError, records};
 use crate::plan::{Plan, Resolution, RunPreset, TracerRequest};
-use crate::progress::Progress;
-use crate::registry::Device;
-use crate::results::{Run, Skipped};
-use crate::truth::Cache;
+use crate::results::{AxisRecord, PointRecord, Run, SceneRecord, Skipped, SweepRecord, ViewpointRecord};
 
-/// The most points of a sweep: every structure is held at once.
+/// The most points of a sweep: a page has room for no more.
 pub const MOST_POINTS: usize = 128;
 
 /// Why a sweep cannot be planned. All are faults of what was asked for.
@@ -140,64 +135,62 @@ impl Sweep {
         self.record.points.is_empty()
     }
 
-    /// Measures every point in every scene. What fails beside others is tried once more alone, since all structures are
-    /// held at once; what fails then is skipped with the reason.
+    /// Measures every point in every scene; what could not be is skipped with the reason.
     ///
     /// # Errors
     /// As [`measure::execute`].
-    pub fn execute(
-        mut self,
-        required: bool,
-        device: &Device,
-        cache: &Cache,
-        progress: &Progress,
-    ) -> Result<Run, RunError> {
-        if let Some(gpu) = device.as_ref().ok().filter(|_| required) {
-            let [width, height] = self.plan.preset.ray_image.map(u64::from);
-            RayBuffer::check_fits(gpu, width * height)?;
-        }
-        let plan = &self.plan;
-        let mut run = measure::begin(std::slice::from_ref(plan), device);
-        let mut refused = measure::execute_into(&mut run, std::slice::from_ref(plan), device, cache, progress)?;
-        if plan.tracers.len() > 1 {
-            let mut still = Vec::new();
-            for one in refused {
-                let tracers = vec![plan.tracers[one.contender].clone()];
-                let alone = Plan { tracers, scenes: vec![plan.scenes[one.scene_index].clone()], ..plan.clone() };
-                let again = measure::execute_into(&mut run, &[alone], device, cache, progress)?;
-                still.extend(again.into_iter().map(|again| Refused { contender: one.contender, ..again }));
+    pub fn execute(mut self, required: bool, context: &Context<'_>) -> Result<Run, RunError> {
+        context.check_rays(&self.plan, required)?;
+        let mut run = measure::begin(std::slice::from_ref(&self.plan), context);
+        for (index, scene) in measure::load(&self.plan, context.progress)?.into_iter().enumerate() {
+            if context.takes(index) {
+                let (plan, effort) = (self.plan.clone(), Effort::timed(self.plan.preset.samples));
+                self.measure(index, &plan, scene, effort, &|found| found.scene.name.clone(), &mut run, context)?;
             }
-            refused = still;
         }
-        for one in refused {
-            self.record.points[one.contender].skipped.insert(one.scene, one.error.to_string());
+        self.finish(run, context)
+    }
+
+    /// Measures every point in one place, and gives scene and viewpoint. `place` names it where a point is skipped.
+    pub(super) fn measure(
+        &mut self,
+        index: usize,
+        plan: &Plan,
+        scene: Scene,
+        effort: Effort,
+        place: &dyn Fn(&Measured) -> String,
+        run: &mut Run,
+        context: &Context<'_>,
+    ) -> Result<(SceneRecord, ViewpointRecord), RunError> {
+        let requests: Vec<Request> = self.plan.tracers.iter().map(Request::of).collect();
+        let found = measure::measure_scene(index, plan, scene, &requests, effort, context)?;
+        let (told, name) = ((found.scene.clone(), found.viewpoint.clone()), place(&found));
+        for (point, (_, refusal)) in measure::add(run, found) {
+            self.record.points[point].skipped.insert(name.clone(), refusal.reason);
         }
+        Ok(told)
+    }
+
+    /// The record of what was measured.
+    pub(super) fn finish(self, mut run: Run, context: &Context<'_>) -> Result<Run, RunError> {
         self.say_skipped(&mut run);
-        if run.runs.is_empty() {
+        if run.runs.is_empty() && context.shard.is_none() {
             return Err(measure::nothing(&run));
         }
         run.sweep = Some(self.record);
         Ok(run)
     }
 
-    /// In place of what was said while points were tried: each that is left out once, by its values.
+    /// Says of each point that is left out so once, by its values.
     fn say_skipped(&self, run: &mut Run) {
-        run.skipped.retain(|skipped| skipped.tracer.is_none());
-        let mut said: Vec<Skipped> = Vec::new();
-        for skipped in run.skipped.drain(..) {
-            if !said.contains(&skipped) {
-                said.push(skipped);
-            }
-        }
         for point in &self.record.points {
             let label = point.label(&self.record.axes);
             for (scene, reason) in &point.skipped {
                 let reason = if label.is_empty() { reason.clone() } else { format!("{label}: {reason}") };
                 let tracer = Some(self.record.tracer.clone());
-                said.push(Skipped { tracer, scene: scene.clone(), rays: None, reason });
+                run.skipped.push(Skipped { tracer, scene: scene.clone(), rays: None, reason });
             }
         }
-        run.skipped = said;
     }
 }
 

@@ -9,9 +9,12 @@ use tracebench_api::{
 use tracebench_bvh::BvhCpu;
 
 use super::*;
+use crate::measure::Journal;
 use crate::plan::{SceneSource, ViewRequest};
+use crate::progress::Progress;
 use crate::rays::{RAY_SETS, default_parameters};
 use crate::registry::{Family, Registration};
+use crate::truth::Cache;
 
 /// Structures that there is room for at once.
 const ROOM: usize = 2;
@@ -110,7 +113,8 @@ fn swept(own: &str, values: &[&str]) -> Result<Run, RunError> {
     let build = &description().parameters[0];
     let axes = vec![parameter_axis(&plan.tracers[0], build, Some(&values)).unwrap()];
     let none = Err(TracerError::Unavailable("none is needed".to_owned()));
-    Sweep::new(&plan, axes, false).unwrap().execute(false, &none, &Cache::none(), &Progress::new(true))
+    let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
+    Sweep::new(&plan, axes, false).unwrap().execute(false, &Context::new(&none, &cache, &quiet, &journal))
 }
 
 /// Proves that what found no room beside others is measured alone, in every scene, that what finds none then either is

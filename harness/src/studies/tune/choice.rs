@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::record::{Choice, Label, SceneTuned, SetTuned};
+use super::tuning::{Choice, Label, SceneTuned, SetTuned};
 use crate::judge::Rule;
 use crate::results::Judgement;
 

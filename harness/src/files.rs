@@ -1,23 +1,56 @@
-//! Whole files or none.
+//! Whole files or none: every file is written beside its place and renamed, so no file is ever half-written.
 
 use std::fs;
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use super::ReportError;
+/// Why something could not be written. Every message names the file and what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// The output folder cannot be made.
+    #[error("cannot create the output folder {}: {source}; choose another folder", path.display())]
+    CreateDirectory {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The path given for the output folder is something else.
+    #[error("{} is not a folder; choose another output folder", path.display())]
+    NotADirectory {
+        /// The path.
+        path: PathBuf,
+    },
+    /// A file cannot be written.
+    #[error("cannot write {}: {source}; check that the folder may be written and the disk is not full", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file's contents cannot be made.
+    #[error("cannot make {what}: {source}")]
+    Json {
+        /// The file's name.
+        what: String,
+        /// Why.
+        source: serde_json::Error,
+    },
+}
 
 /// Makes a folder with all its parents; one that exists is fine.
-pub(crate) fn create_directory(path: &Path) -> Result<(), ReportError> {
+pub(crate) fn create_directory(path: &Path) -> Result<(), FileError> {
     // Asked first because the system's own message for a file in the way, "file exists", explains little.
     if path.exists() && !path.is_dir() {
-        return Err(ReportError::NotADirectory { path: path.to_owned() });
+        return Err(FileError::NotADirectory { path: path.to_owned() });
     }
-    fs::create_dir_all(path).map_err(|source| ReportError::CreateDirectory { path: path.to_owned(), source })
+    fs::create_dir_all(path).map_err(|source| FileError::CreateDirectory { path: path.to_owned(), source })
 }
 
 /// Looks whether a file could be written, by one beside its place that is gone again at once.
-pub(crate) fn check_writable(path: &Path) -> Result<(), ReportError> {
-    let fail = |source| ReportError::Write { path: path.to_owned(), source };
+pub(crate) fn check_writable(path: &Path) -> Result<(), FileError> {
+    let fail = |source| FileError::Write { path: path.to_owned(), source };
     check_place(path).map_err(fail)?;
     tempfile_beside(path).map(drop).map_err(fail)
 }
@@ -41,16 +74,16 @@ fn tempfile_beside(path: &Path) -> std::io::Result<tempfile::NamedTempFile> {
 
 /// A document as JSON, on one line: results are kept, and indented they are twice as large. `what` is the file's name, for
 /// the message.
-pub(crate) fn json(what: &str, document: &impl serde::Serialize) -> Result<Vec<u8>, ReportError> {
+pub(crate) fn json(what: &str, document: &impl serde::Serialize) -> Result<Vec<u8>, FileError> {
     let made = serde_json::to_vec(document);
-    let mut json = made.map_err(|error| ReportError::Made { what: what.to_owned(), reason: error.to_string() })?;
+    let mut json = made.map_err(|source| FileError::Json { what: what.to_owned(), source })?;
     json.push(b'\n');
     Ok(json)
 }
 
 /// Writes a file beside its place and renames it, so that readers see the old contents or the new, never a part.
-pub(crate) fn write(path: &Path, contents: &[u8]) -> Result<(), ReportError> {
-    let fail = |source| ReportError::Write { path: path.to_owned(), source };
+pub(crate) fn write(path: &Path, contents: &[u8]) -> Result<(), FileError> {
+    let fail = |source| FileError::Write { path: path.to_owned(), source };
     check_place(path).map_err(fail)?;
     // Of a link the target is written, and the link stays.
     let target = if path.is_symlink() { fs::canonicalize(path).map_err(fail)? } else { path.to_owned() };

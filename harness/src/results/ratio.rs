@@ -1,14 +1,40 @@
-//! How two lots of samples of one time differ: the ratio of their medians, and an interval of it.
+//! Ratios of times: by which clock, and how sure they are.
 //!
-//! The interval comes from order statistics of each lot, [`median_interval_of`], combined: from the least of one over the
+//! One rule of clocks: two times that the same clock took are set against one another as they are; of different clocks both are
+//! taken by the host's, which measures work on the host as such and work on a device from submission until done. Where one of
+//! them has no such time there is no ratio.
+//!
+//! The interval of a ratio comes from order statistics of each lot, [`median_interval_of`], combined: from the least of one over the
 //! greatest of the other to the opposite. It assumes nothing about how times scatter (they are skewed, and have outliers), has
 //! no seed, and its coverage is known for any number of samples: the product of both, since the lots are independent. A
 //! bootstrap of the ratio has none of the three; of ten samples its intervals of a median are known to be too narrow. The
 //! price is that it is wide: it covers more often than it says.
 
 use serde::Serialize;
+use tracebench_api::ClockKind;
 
+use super::Times;
 use crate::statistics::{median, median_interval_of};
+
+/// A time by the host's clock, milliseconds: that of work on the host, or round a submission.
+pub fn host_ms(times: &Times) -> Option<f64> {
+    let measured = match times.clock {
+        ClockKind::Host => (!times.samples_ms.is_empty()).then_some(times.median_ms),
+        ClockKind::DeviceTimestamps | ClockKind::SubmitToDone => times.submit_to_done_median_ms,
+    };
+    measured.filter(|ms| *ms > 0.0)
+}
+
+/// Two times by the clock that timed both, else by the host's; milliseconds.
+pub fn common_clock(one: &Times, other: &Times) -> Option<[f64; 2]> {
+    let own = |times: &Times| (!times.samples_ms.is_empty() && times.median_ms > 0.0).then_some(times.median_ms);
+    if one.clock == other.clock { Some([own(one)?, own(other)?]) } else { Some([host_ms(one)?, host_ms(other)?]) }
+}
+
+/// How many times as long one took as the other.
+pub fn time_ratio(one: &Times, other: &Times) -> Option<f64> {
+    common_clock(one, other).map(|[one, other]| one / other)
+}
 
 /// Coverage that is wanted of each lot, so that both together cover with 95 %: its square root.
 const WANTED_COVERAGE: f64 = 0.974_679_434_480_896_2;

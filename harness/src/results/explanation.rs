@@ -1,43 +1,32 @@
-//! `explain.json`: wrong rays by class and cause.
+//! Why rays are wrong: what an explanation adds to the rows of its rungs, which know no ray from one rung to the next.
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use tracebench_api::Query;
 
-use super::{GIVEN_UP, Ladder, UNEXPLAINED};
-use crate::measure::records;
-use crate::plan::{Plan, TracerRequest};
-use crate::registry::Device;
-use crate::results::{Provenance, SceneRecord, Skipped, TracerRecord, ViewpointRecord};
+use super::{SceneRecord, TracerRecord, ViewpointRecord};
 
-/// The schema that this program writes.
-pub const SCHEMA: u32 = 1;
+/// What is wrong on the last rung because its search was given up, as the ray's status says: steps or a driver's limit of
+/// loops.
+pub const GIVEN_UP: &str = "step_cap";
+
+/// What no rung takes away.
+pub const UNEXPLAINED: &str = "unexplained";
 
 /// Every wrong ray of a tracer, explained.
-#[derive(Clone, Debug, Serialize)]
-pub struct Explanation {
-    /// [`SCHEMA`].
-    pub schema: u32,
-    /// Where, by which program and when; its fields stand among these.
-    #[serde(flatten)]
-    pub provenance: Provenance,
-    /// Seed of the ray sets.
-    pub seed: u64,
-    /// Run preset.
-    pub preset: String,
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ExplanationRecord {
     /// The tracer as it was asked for: the first rung.
     pub tracer: TracerRecord,
     /// What each further rung takes away.
     pub ladder: Vec<RemedyRecord>,
     /// The scenes.
     pub scenes: Vec<SceneExplained>,
-    /// Ray sets that were not made, and why.
-    pub skipped: Vec<Skipped>,
 }
 
 /// A rung.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RemedyRecord {
     /// The cause that it takes away.
     pub cause: String,
@@ -50,7 +39,7 @@ pub struct RemedyRecord {
 }
 
 /// A scene.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SceneExplained {
     /// The scene.
     pub scene: SceneRecord,
@@ -61,7 +50,7 @@ pub struct SceneExplained {
 }
 
 /// A ray set under the rule `tight`.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Explained {
     /// Ray set.
     pub rays: String,
@@ -96,26 +85,7 @@ impl Explained {
     }
 }
 
-impl Explanation {
-    pub(super) fn begin(plan: &Plan, request: &TracerRequest, ladder: &Ladder, device: &Device) -> Self {
-        let rung = |remedy: &super::Remedy| RemedyRecord {
-            cause: remedy.cause.to_owned(),
-            parameter: remedy.parameter.to_owned(),
-            value: remedy.value.to_owned(),
-            source: remedy.source.to_owned(),
-        };
-        Self {
-            schema: SCHEMA,
-            provenance: Provenance::now(device.as_ref().ok().map(|gpu| gpu.listing.clone())),
-            seed: plan.seed,
-            preset: plan.preset.name.to_owned(),
-            tracer: records::request_record(request),
-            ladder: ladder.remedies.iter().map(rung).collect(),
-            scenes: Vec::new(),
-            skipped: Vec::new(),
-        }
-    }
-
+impl ExplanationRecord {
     /// The causes in order, what is unexplained last.
     pub fn causes(&self) -> Vec<&str> {
         self.ladder.iter().map(|rung| rung.cause.as_str()).chain([GIVEN_UP, UNEXPLAINED]).collect()

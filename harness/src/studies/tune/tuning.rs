@@ -1,25 +1,21 @@
-//! `tune.json`: everything that was judged of a tracer over the values of one parameter, from two viewpoints of every scene,
-//! and the values that would have been chosen. docs/tuning.md describes it.
+//! What follows from a tuning's rows: everything that was judged of a tracer over the values of one parameter, from two
+//! viewpoints of every scene, and the values that would have been chosen.
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
 use tracebench_api::Query;
 
+use super::choice::choose;
 use crate::judge::Rule;
-use crate::results::{Judgement, Provenance, SceneRecord, Skipped, TracerRecord, TracerRun, ViewpointRecord};
-use crate::studies::sweep::AxisRecord;
-
-/// The schema that this program writes and reads.
-pub const SCHEMA: u32 = 1;
+use crate::results::{
+    AxisRecord, Judgement, Provenance, Run, SceneRecord, Skipped, SweepRecord, TraceRecord, TracerRecord, TracerRun,
+    TunedScene, ViewpointRecord, place_name,
+};
 
 /// A parameter of a tracer, tuned.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Tuning {
-    /// [`SCHEMA`].
-    pub schema: u32,
     /// Where, by which program and when.
-    #[serde(flatten)]
     pub provenance: Provenance,
     /// Seed of the ray sets.
     pub seed: u64,
@@ -40,7 +36,7 @@ pub struct Tuning {
 }
 
 /// One scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SceneTuned {
     /// The scene.
     pub scene: SceneRecord,
@@ -49,7 +45,7 @@ pub struct SceneTuned {
 }
 
 /// One viewpoint.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ViewTuned {
     /// The viewpoint.
     pub viewpoint: ViewpointRecord,
@@ -60,7 +56,7 @@ pub struct ViewTuned {
 }
 
 /// One ray set: every value traced the same rays.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SetTuned {
     /// Ray set.
     pub rays: String,
@@ -77,7 +73,7 @@ pub struct SetTuned {
 }
 
 /// One value of the parameter.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ValueTuned {
     /// The value.
     pub value: String,
@@ -88,7 +84,7 @@ pub struct ValueTuned {
 }
 
 /// What a value answered.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Judged {
     /// Hash of the judged hits.
     pub hits_sha256: String,
@@ -99,8 +95,7 @@ pub struct Judged {
 }
 
 /// How a value was come by: which rays have seen it beforehand.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Label {
     /// The value of the tracer's preset: no rays.
     Default,
@@ -128,7 +123,7 @@ impl Label {
 }
 
 /// A value that would have been chosen.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     /// How.
     pub label: Label,
@@ -138,6 +133,63 @@ pub struct Choice {
     pub score: Option<f64>,
     /// What it loses on these rays to the values come by otherwise: their score less its own.
     pub lost_to: BTreeMap<Label, f64>,
+}
+
+impl Tuning {
+    /// What a record says of a tuning, with the values that would have been chosen; `None` if it is of none.
+    pub fn of(run: &Run) -> Option<Self> {
+        let (tuning, sweep) = (run.tuning.as_ref()?, run.sweep.as_ref()?);
+        let axis = sweep.axes.first()?.clone();
+        let mut scenes: Vec<SceneTuned> =
+            tuning.scenes.iter().map(|scene| SceneTuned::of(run, sweep, &axis, scene)).collect();
+        choose(&mut scenes, &axis.own, tuning.rule);
+        Some(Self {
+            provenance: run.provenance.clone(),
+            seed: run.seed,
+            preset: run.preset.clone(),
+            ray_parameters: run.ray_parameters.clone(),
+            tracer: tuning.tracer.clone(),
+            axis,
+            rule: tuning.rule,
+            scenes,
+            skipped: run.skipped.clone(),
+        })
+    }
+}
+
+impl SceneTuned {
+    fn of(run: &Run, sweep: &SweepRecord, axis: &AxisRecord, tuned: &TunedScene) -> Self {
+        let view = |(view, viewpoint): (usize, &ViewpointRecord)| {
+            let here = |one: &&TracerRun| one.scene == tuned.scene && one.viewpoint == *viewpoint;
+            let runs: Vec<&TracerRun> = run.runs.iter().filter(here).collect();
+            let controls: Vec<TracerRun> = run.controls.iter().filter(here).cloned().collect();
+            let place = place_name(&tuned.scene, viewpoint, view);
+            let value = |value: &String, rays_sha256: &str| {
+                let point = sweep.point(&axis.name, value, &[]);
+                let found = point.and_then(|point| runs.iter().find(|one| point.is_of(one)));
+                let trace = found.and_then(|one| one.traces.iter().find(|trace| trace.rays_sha256 == rays_sha256));
+                let skipped = point.and_then(|point| point.skipped.get(&place).cloned());
+                let judged = trace.map(|trace| {
+                    let mut judgement = trace.judgement.clone();
+                    judgement.wrong_rays_mut().clear();
+                    let (hits_sha256, statuses) = (trace.hits_sha256.clone(), trace.statuses.clone());
+                    Judged { hits_sha256, statuses, judgement }
+                });
+                ValueTuned { value: value.clone(), judged, skipped }
+            };
+            let traces = controls.first().or(runs.first().copied()).map_or(&[][..], |first| &first.traces);
+            let set = |trace: &TraceRecord| SetTuned {
+                rays: trace.rays.clone(),
+                rays_sha256: trace.rays_sha256.clone(),
+                query: trace.query,
+                count: trace.count,
+                values: axis.values.iter().map(|each| value(each, &trace.rays_sha256)).collect(),
+                choices: Vec::new(),
+            };
+            ViewTuned { viewpoint: viewpoint.clone(), sets: traces.iter().map(set).collect(), controls }
+        };
+        Self { scene: tuned.scene.clone(), views: tuned.viewpoints.iter().enumerate().map(view).collect() }
+    }
 }
 
 impl SetTuned {

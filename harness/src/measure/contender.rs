@@ -1,0 +1,137 @@
+//! Tracers that take part, and what they have built.
+
+use std::rc::Rc;
+use std::time::Instant;
+
+use tracebench_api::{
+    Description, Geometry, Gpu, Parameters, PhaseClock, Structure, Timing, Tracer, TracerError, Update, Viewpoint,
+};
+
+use crate::plan::TracerRequest;
+use crate::registry::Device;
+
+/// A tracer that takes part, with what it has built last.
+pub struct Contender {
+    /// What it is.
+    pub description: Description,
+    /// With which parameters.
+    pub parameters: Parameters,
+    /// Time to create it, milliseconds.
+    pub setup_ms: f64,
+    tracer: Rc<dyn Tracer>,
+    structure: Option<Box<dyn Structure>>,
+}
+
+impl Contender {
+    /// Creates a tracer and times that.
+    ///
+    /// # Errors
+    /// What the tracer says.
+    pub fn create(
+        description: Description,
+        parameters: Parameters,
+        create: impl FnOnce() -> Result<Box<dyn Tracer>, TracerError>,
+    ) -> Result<Self, TracerError> {
+        let begin = Instant::now();
+        let tracer = create()?;
+        let setup_ms = begin.elapsed().as_secs_f64() * 1e3;
+        Ok(Self { setup_ms, ..Self::ready(description, parameters, tracer) })
+    }
+
+    /// Takes a tracer that needs no creating.
+    pub fn ready(description: Description, parameters: Parameters, tracer: Box<dyn Tracer>) -> Self {
+        Self { description, parameters, setup_ms: 0.0, tracer: Rc::from(tracer), structure: None }
+    }
+
+    /// Builds over triangles and gives the time. The structure replaces the last one, which is dropped before, outside of
+    /// the time.
+    ///
+    /// # Errors
+    /// What the tracer says.
+    pub fn build(
+        &mut self,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        gpu: Option<&Gpu>,
+    ) -> Result<Timing, TracerError> {
+        self.structure = None;
+        let mut clock = PhaseClock::new(gpu);
+        let mut structure = self.tracer.build(geometry, viewpoint, &self.parameters, &mut clock)?;
+        let timing = clock.finish()?;
+        let grown = grown(&mut *structure, geometry, viewpoint, &self.parameters, gpu)?;
+        self.structure = Some(structure);
+        Ok(grown.unwrap_or(timing))
+    }
+
+    /// Lets the last structure follow triangles that moved and gives the time.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] before the first build, or what the tracer says.
+    pub fn update(
+        &mut self,
+        update: Update,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        gpu: Option<&Gpu>,
+    ) -> Result<Timing, TracerError> {
+        let Some(structure) = &mut self.structure else {
+            return Err(TracerError::Failed("updated before it was built".to_owned()));
+        };
+        let mut clock = PhaseClock::new(gpu);
+        structure.update(update, geometry, viewpoint, &self.parameters, &mut clock)?;
+        let timing = clock.finish()?;
+        let grown = grown(&mut **structure, geometry, viewpoint, &self.parameters, gpu)?;
+        Ok(grown.unwrap_or(timing))
+    }
+
+    /// What it built last.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] before the first build.
+    pub fn structure(&self) -> Result<&dyn Structure, TracerError> {
+        self.structure.as_deref().ok_or_else(|| TracerError::Failed("traced before it was built".to_owned()))
+    }
+}
+
+/// If a structure ran out of room, the time of a rebuild in the room that it has made.
+fn grown(
+    structure: &mut dyn Structure,
+    geometry: &Geometry,
+    viewpoint: &Viewpoint,
+    parameters: &Parameters,
+    gpu: Option<&Gpu>,
+) -> Result<Option<Timing>, TracerError> {
+    if !structure.make_room()? {
+        return Ok(None);
+    }
+    let mut clock = PhaseClock::new(gpu);
+    structure.update(Update::Rebuild, geometry, viewpoint, parameters, &mut clock)?;
+    Ok(Some(Timing { grown: true, ..clock.finish()? }))
+}
+
+/// The tracers of requests, each created once and kept from place to place.
+#[derive(Default)]
+pub struct Crew {
+    created: Vec<(TracerRequest, Rc<dyn Tracer>, f64)>,
+}
+
+impl Crew {
+    /// A contender without a structure, by a tracer that is created with the first request of its kind.
+    ///
+    /// # Errors
+    /// What the tracer says.
+    pub fn contender(&mut self, request: &TracerRequest, device: &Device) -> Result<Contender, TracerError> {
+        let same = |(other, ..): &&(TracerRequest, Rc<dyn Tracer>, f64)| {
+            other.name() == request.name() && other.parameters == request.parameters
+        };
+        let description = (request.registration.describe)();
+        if let Some((_, tracer, setup_ms)) = self.created.iter().find(same) {
+            let (tracer, parameters) = (Rc::clone(tracer), request.parameters.clone());
+            return Ok(Contender { description, parameters, setup_ms: *setup_ms, tracer, structure: None });
+        }
+        let contender =
+            Contender::create(description, request.parameters.clone(), || request.registration.create(device))?;
+        self.created.push((request.clone(), Rc::clone(&contender.tracer), contender.setup_ms));
+        Ok(contender)
+    }
+}

@@ -1,0 +1,221 @@
+//! What has ended while more is measured: a folder with the plan and a file a race, each written whole.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::files::{self, FileError};
+use crate::machine::{self, Machine};
+
+/// The folder below that of the results.
+const FOLDER: &str = "races";
+/// The file with the plan.
+const PLAN: &str = "plan.json";
+
+/// Why what has ended cannot be kept or gone on with.
+#[derive(Debug, thiserror::Error)]
+pub enum JournalError {
+    /// A file cannot be read or written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// There is nothing to go on with.
+    #[error("there is no run to go on with in {}: {reason}", path.display())]
+    Nothing {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// Something else was begun there.
+    #[error("{} holds a run that was begun {what}; finish it as it was begun, or choose another folder", path.display())]
+    Other {
+        /// The folder.
+        path: PathBuf,
+        /// What differs.
+        what: String,
+    },
+    /// A run that was broken off is in the way.
+    #[error(
+        "{} holds a run that was broken off; go on with it by --resume, or choose another folder", path.display()
+    )]
+    InTheWay {
+        /// The folder.
+        path: PathBuf,
+    },
+}
+
+/// Who began what, and where.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Begun {
+    commit: String,
+    program_sha256: String,
+    machine: Machine,
+    plan: Value,
+    started: String,
+    resumed: Vec<String>,
+}
+
+/// The journal of a run; one without a folder keeps nothing.
+#[derive(Debug, Default)]
+pub struct Journal {
+    folder: Option<PathBuf>,
+    resumed: Vec<String>,
+    started: Option<String>,
+    /// What is there, by name: read once, when the run is gone on with.
+    kept: RefCell<BTreeMap<String, Vec<u8>>>,
+}
+
+impl Journal {
+    /// Keeps nothing.
+    pub fn none() -> Self {
+        Self::default()
+    }
+
+    /// Begins in a folder of results: the plan is there before anything is measured.
+    ///
+    /// # Errors
+    /// If a run that was broken off is there, or the plan cannot be written.
+    pub fn begin(results: &Path, plan: &Value, machine: &Machine) -> Result<Self, JournalError> {
+        let folder = results.join(FOLDER);
+        if folder.join(PLAN).exists() {
+            return Err(JournalError::InTheWay { path: results.to_owned() });
+        }
+        files::create_directory(&folder)?;
+        let begun = Begun::now(plan, machine);
+        files::write(&folder.join(PLAN), &files::json(PLAN, &begun)?)?;
+        Ok(Self { folder: Some(folder), started: Some(begun.started), ..Self::default() })
+    }
+
+    /// Goes on with what is in a folder of results, if it is the same plan by the same program on the same machine.
+    ///
+    /// # Errors
+    /// If there is nothing, or something else was begun.
+    pub fn resume(results: &Path, plan: &Value, machine: &Machine) -> Result<Self, JournalError> {
+        let nothing = |reason: String| JournalError::Nothing { path: results.to_owned(), reason };
+        let folder = results.join(FOLDER);
+        let text = fs::read(folder.join(PLAN)).map_err(|error| match error.kind() {
+            ErrorKind::NotFound if results.is_dir() => nothing("it has none that was broken off".to_owned()),
+            _ => nothing(error.to_string()),
+        })?;
+        let mut begun: Begun =
+            serde_json::from_slice(&text).map_err(|error| nothing(format!("its {PLAN} cannot be read: {error}")))?;
+        let now = Begun::now(plan, machine);
+        let other = |what: &str| JournalError::Other { path: results.to_owned(), what: what.to_owned() };
+        if begun.plan != now.plan {
+            return Err(other(&format!("with another plan ({})", first_difference(&begun.plan, &now.plan, ""))));
+        }
+        if (&begun.commit, &begun.program_sha256) != (&now.commit, &now.program_sha256) {
+            return Err(other(&format!("by another program (of commit {}, this is of {})", begun.commit, now.commit)));
+        }
+        if begun.machine != now.machine {
+            let (theirs, ours) = (begun.machine.label(), now.machine.label());
+            return Err(other(&format!("on another machine ({theirs}; this is {ours})")));
+        }
+        let kept = read_all(&folder).map_err(|error| nothing(error.to_string()))?;
+        begun.resumed.push(now.started);
+        files::write(&folder.join(PLAN), &files::json(PLAN, &begun)?)?;
+        let Begun { resumed, started, .. } = begun;
+        Ok(Self { folder: Some(folder), resumed, started: Some(started), kept: RefCell::new(kept) })
+    }
+
+    /// The error of a scene that is another one now.
+    pub(super) fn other_scene(&self, name: &str) -> JournalError {
+        let path = self.folder.clone().unwrap_or_default();
+        JournalError::Other { path, what: format!("with another scene of the name {name}") }
+    }
+
+    /// When the run was begun and gone on with.
+    pub fn times(&self) -> (Option<&str>, &[String]) {
+        (self.started.as_deref(), &self.resumed)
+    }
+
+    /// What was kept under a name; `None` if there is nothing, or no whole document of the kind.
+    pub(super) fn read<T: DeserializeOwned>(&self, name: &str) -> Result<Option<T>, JournalError> {
+        let kept = self.kept.borrow_mut().remove(name);
+        // A race that cannot be read is run again.
+        Ok(kept.and_then(|text| serde_json::from_slice(&text).ok()))
+    }
+
+    /// Keeps what has ended.
+    pub(super) fn keep(&self, name: &str, ended: &impl Serialize) -> Result<(), JournalError> {
+        let Some(folder) = &self.folder else { return Ok(()) };
+        let name = format!("{name}.json");
+        Ok(files::write(&folder.join(&name), &files::json(&name, ended)?)?)
+    }
+
+    /// Takes it away: everything stands in the record now.
+    pub fn finish(&self) {
+        if let Some(folder) = &self.folder {
+            // One that cannot be removed is in nobody's way.
+            let _ = fs::remove_dir_all(folder);
+        }
+    }
+
+    /// Whether any race has ended: of places alone nothing was measured.
+    pub fn holds(&self) -> bool {
+        let is_race = |entry: fs::DirEntry| {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            name != PLAN && !name.ends_with("-place.json")
+        };
+        let races = |folder: &PathBuf| fs::read_dir(folder).into_iter().flatten().flatten().any(is_race);
+        self.folder.as_ref().is_some_and(races)
+    }
+
+    /// Takes it away if no race has ended yet.
+    pub fn abandon(&self) {
+        if !self.holds() {
+            self.finish();
+        }
+    }
+}
+
+impl Begun {
+    fn now(plan: &Value, machine: &Machine) -> Self {
+        Self {
+            commit: machine::COMMIT.to_owned(),
+            program_sha256: machine::program_sha256(),
+            machine: machine.clone(),
+            plan: plan.clone(),
+            started: machine::utc_now(),
+            resumed: Vec::new(),
+        }
+    }
+}
+
+fn read_all(folder: &Path) -> std::io::Result<BTreeMap<String, Vec<u8>>> {
+    let mut all = BTreeMap::new();
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        if path.extension().is_some_and(|end| end == "json") && !path.ends_with(PLAN) {
+            all.insert(name, fs::read(path)?);
+        }
+    }
+    Ok(all)
+}
+
+/// Where two plans differ first, in words.
+fn first_difference(theirs: &Value, ours: &Value, path: &str) -> String {
+    match (theirs, ours) {
+        (Value::Object(theirs), Value::Object(ours)) => {
+            let differs = |name: &&String| theirs.get(*name) != ours.get(*name);
+            let name = theirs.keys().chain(ours.keys()).find(differs).cloned().unwrap_or_default();
+            let of = |side: &serde_json::Map<String, Value>| side.get(&name).cloned().unwrap_or_default();
+            first_difference(&of(theirs), &of(ours), format!("{path} {name}").trim_start())
+        }
+        (Value::Array(theirs), Value::Array(ours)) if theirs.len() == ours.len() => {
+            let place = theirs.iter().zip(ours).position(|(one, other)| one != other).unwrap_or_default();
+            first_difference(&theirs[place], &ours[place], path)
+        }
+        _ => {
+            let short = |value: &Value| value.to_string().chars().take(80).collect::<String>();
+            format!("{path} was {}, is {}", short(theirs), short(ours))
+        }
+    }
+}

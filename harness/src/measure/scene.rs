@@ -1,0 +1,117 @@
+//! Scenes as they are measured: loaded, with a viewpoint, rays and truth.
+
+use tracebench_api::Geometry;
+use tracebench_scenes::{Camera, Material, Mesh, Scene, SceneError};
+
+use super::session::{RayRequest, Session};
+use super::{RunError, records};
+use crate::plan::{Plan, SceneSource, ViewRequest};
+use crate::progress::Progress;
+use crate::registry::Device;
+use crate::results::SceneRecord;
+use crate::truth::{Cache, Truth};
+use crate::viewpoint::{self, Pose};
+
+/// Loads a scene.
+///
+/// # Errors
+/// What the scenes crate says.
+pub fn load_scene(source: &SceneSource, scale: f64) -> Result<Scene, SceneError> {
+    match source {
+        SceneSource::Catalogue(name) => tracebench_scenes::procedural(name, scale),
+        SceneSource::File(path) => tracebench_scenes::import(path),
+    }
+}
+
+/// The pose that a request means in a scene.
+///
+/// # Errors
+/// [`RunError::UnknownView`] for a name that the scene does not have, [`RunError::NoOtherView`] where there is no other.
+pub fn choose_pose(request: &ViewRequest, scene: &str, cameras: &[Camera], truth: &Truth) -> Result<Pose, RunError> {
+    match request {
+        ViewRequest::Given(pose) => Ok(pose.clone()),
+        ViewRequest::Default => Ok(cameras.first().map_or_else(|| viewpoint::find(truth), Pose::from)),
+        ViewRequest::Named(name) => named_pose(name, scene, cameras),
+        ViewRequest::Other(than) => {
+            let own = choose_pose(than, scene, cameras, truth)?;
+            viewpoint::other(&own, cameras, truth)
+                .ok_or_else(|| RunError::NoOtherView { scene: scene.to_owned(), own: own.name })
+        }
+    }
+}
+
+fn named_pose(name: &str, scene: &str, cameras: &[Camera]) -> Result<Pose, RunError> {
+    let camera = cameras.iter().find(|camera| camera.name == name);
+    camera.map(Pose::from).ok_or_else(|| RunError::UnknownView {
+        scene: scene.to_owned(),
+        name: name.to_owned(),
+        known: match cameras {
+            [] => "none".to_owned(),
+            cameras => cameras.iter().map(|camera| camera.name.as_str()).collect::<Vec<_>>().join(", "),
+        },
+    })
+}
+
+/// A scene that is ready to be measured.
+pub struct LoadedScene {
+    /// Its record.
+    pub record: SceneRecord,
+    /// The pose chosen.
+    pub pose: Pose,
+    /// Its rays and truth.
+    pub session: Session,
+}
+
+/// Loads the plan's scenes and looks whether they have the viewpoint, so that what is wrong with the last one is said
+/// before the first is measured.
+///
+/// # Errors
+/// [`RunError`] as its variants say.
+pub fn load(plan: &Plan, progress: &Progress) -> Result<Vec<Scene>, RunError> {
+    let load = |source: &SceneSource| {
+        if let SceneSource::File(path) = source {
+            progress.say(&format!("loading {}", path.display()));
+        }
+        let mut scene = load_scene(source, plan.preset.scene_scale)?;
+        scene.set_time(plan.time_s)?;
+        if let ViewRequest::Named(name) = &plan.view {
+            named_pose(name, &scene.name, &scene.cameras)?;
+        }
+        Ok(scene)
+    };
+    plan.scenes.iter().map(load).collect()
+}
+
+/// Chooses the viewpoint of a scene, makes rays and truth.
+///
+/// # Errors
+/// [`RunError`] as its variants say.
+pub fn prepare(
+    plan: &Plan,
+    scene: Scene,
+    device: &Device,
+    cache: &Cache,
+    progress: &Progress,
+) -> Result<LoadedScene, RunError> {
+    progress.say(&format!("scene {}: {} triangles", scene.name, scene.mesh.triangles.len()));
+    let gpu = device.as_ref().ok();
+    let record = records::scene_record(&scene);
+    progress.say("  ground truth");
+    let mirrors: Vec<bool> = scene.mesh.materials.iter().map(Material::is_mirror).collect();
+    let mirrors: Vec<bool> = scene.mesh.triangle_materials.iter().map(|material| mirrors[*material as usize]).collect();
+    let Mesh { positions, triangles, triangle_materials, .. } = scene.mesh;
+    let geometry = Geometry::with_materials(positions, triangles, triangle_materials, gpu.map(AsRef::as_ref))?;
+    let truth = Truth::new(&geometry, &scene.sha256);
+    let pose = choose_pose(&plan.view, &scene.name, &scene.cameras, &truth)?;
+    let viewpoint = pose.viewpoint(&geometry, plan.preset.frame, plan.preset.face);
+    let request = RayRequest {
+        sets: &plan.ray_sets,
+        image: plan.preset.ray_image,
+        seed: plan.seed,
+        parameters: &plan.ray_parameters,
+        path: scene.camera_path.as_ref(),
+        mirrors: &mirrors,
+    };
+    let session = Session::new(&scene.name, truth, viewpoint, request, gpu.cloned(), cache, progress)?;
+    Ok(LoadedScene { record, pose, session: session.ending_at(plan.end) })
+}

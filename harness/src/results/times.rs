@@ -1,0 +1,108 @@
+//! Times, as samples and what is made of them.
+
+use serde::{Deserialize, Serialize};
+use tracebench_api::{ClockKind, PhaseSample};
+
+/// Samples of one kind of work, and what is made of them; its fields stand among those of what was timed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Times {
+    /// Which clock.
+    pub clock: ClockKind,
+    /// Every counted sample, in order.
+    pub samples_ms: Vec<f64>,
+    /// Their median.
+    pub median_ms: f64,
+    /// Order-statistic interval of the median.
+    pub interval_ms: [f64; 2],
+    /// Probability that the interval covers the median of the distribution.
+    pub interval_coverage: f64,
+    /// Phases in order.
+    pub phases: Vec<PhaseRecord>,
+    /// The same samples by the host's clock round the submission, their median; of work on the host nothing.
+    pub submit_to_done_median_ms: Option<f64>,
+    /// Whether the device's timestamps cannot be true, so that `clock` is `submit_to_done` instead.
+    pub timestamps_refused: bool,
+    /// Samples that were taken again because memory sized from counts had been too small; theirs is the second time. None
+    /// in files of before there were such structures.
+    #[serde(default)]
+    pub grown_samples: u64,
+}
+
+/// Times of the builds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BuildRecord {
+    /// Its times.
+    #[serde(flatten)]
+    pub times: Times,
+    /// Creating pipelines and everything else that is made once, host clock; without the warm-up.
+    pub setup_ms: f64,
+}
+
+/// A phase.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PhaseRecord {
+    /// Name.
+    pub name: String,
+    /// Median over the samples.
+    pub median_ms: f64,
+    /// Every counted sample, in order.
+    pub samples_ms: Vec<f64>,
+}
+
+impl PhaseRecord {
+    /// Collects the phases of several samples of the same work, in order of first appearance. A phase that only some
+    /// samples have, as the first refit after a build may, has as many samples as had it.
+    pub fn collect(samples: &[Vec<PhaseSample>]) -> Vec<Self> {
+        let mut records: Vec<Self> = Vec::new();
+        for phases in samples {
+            // Of phases of the same name within a sample the first is told from the second.
+            let mut seen = vec![false; records.len()];
+            for phase in phases {
+                let place = (0..seen.len()).find(|place| !seen[*place] && records[*place].name == phase.name);
+                let place = place.unwrap_or_else(|| {
+                    records.push(Self { name: phase.name.clone(), median_ms: 0.0, samples_ms: Vec::new() });
+                    seen.push(false);
+                    seen.len() - 1
+                });
+                seen[place] = true;
+                records[place].samples_ms.push(phase.duration_ms);
+            }
+        }
+        for record in &mut records {
+            record.median_ms = crate::statistics::median(&record.samples_ms);
+        }
+        records
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Phases are collected by name and not by place: one that only the first sample has does not shift the others, and two
+    /// of one name within a sample are told apart.
+    #[test]
+    fn phases_that_come_and_go_are_kept_apart() {
+        let sample = |phases: &[(&str, f64)]| {
+            let phase = |&(name, duration_ms): &(&str, f64)| PhaseSample { name: name.to_owned(), duration_ms };
+            phases.iter().map(phase).collect::<Vec<_>>()
+        };
+        let samples = [
+            sample(&[("read back", 9.0), ("fit", 1.0), ("fit", 5.0)]),
+            sample(&[("fit", 2.0), ("fit", 6.0)]),
+            sample(&[("fit", 3.0), ("fit", 7.0), ("build", 4.0)]),
+        ];
+        let found: Vec<_> = PhaseRecord::collect(&samples)
+            .into_iter()
+            .map(|phase| (phase.name, phase.median_ms, phase.samples_ms))
+            .collect();
+        let expected = [
+            ("read back", 9.0, vec![9.0]),
+            ("fit", 2.0, vec![1.0, 2.0, 3.0]),
+            ("fit", 6.0, vec![5.0, 6.0, 7.0]),
+            ("build", 4.0, vec![4.0]),
+        ];
+        assert_eq!(found, expected.map(|(name, median, samples)| (name.to_owned(), median, samples)));
+        assert!(PhaseRecord::collect(&[]).is_empty());
+    }
+}

@@ -1,0 +1,79 @@
+//! What a tracer answered to one ray set.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use tracebench_api::{ClockKind, EndPoint, MemoryEntry, Query};
+
+use super::{ClosestJudgement, Judgement, SurfaceJudgement, Times};
+
+/// One ray set traced.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TraceRecord {
+    /// Ray set.
+    pub rays: String,
+    /// Hash of the rays.
+    pub rays_sha256: String,
+    /// What was asked.
+    pub query: Query,
+    /// Number of rays.
+    pub count: u64,
+    /// How far it went.
+    pub end: EndPoint,
+    /// Its times.
+    #[serde(flatten)]
+    pub times: Times,
+    /// Million rays a second at the median.
+    pub mrays_per_s: f64,
+    /// Allocated bytes of all parts of `per_trace`.
+    pub per_trace_bytes: u64,
+    /// What a trace takes: rays, hits, surfaces, and the tracer's own buffers by the names of its paper. Empty in files of
+    /// before it was told by parts.
+    #[serde(default)]
+    pub per_trace: Vec<MemoryEntry>,
+    /// Hash of the judged hits.
+    pub hits_sha256: String,
+    /// Counts, from a variant that is not timed.
+    pub counters: BTreeMap<String, CounterRecord>,
+    /// How many rays ended with which status.
+    pub statuses: BTreeMap<String, u64>,
+    /// The judge's verdict on the last timed output.
+    pub judgement: Judgement,
+    /// The verdict on its surfaces, where it has any.
+    #[serde(default)]
+    pub surfaces: Option<SurfaceJudgement>,
+}
+
+impl TraceRecord {
+    /// Speed with accuracy, in one line; never the one without the other.
+    pub fn headline(&self) -> String {
+        let percent =
+            |share: Option<f64>| share.map_or_else(|| "-".to_owned(), |share| format!("{:.4} %", share * 100.0));
+        let accuracy = match &self.judgement {
+            Judgement::Closest(ClosestJudgement { agreement, .. }) => format!(
+                "agreement hit_miss {}, tight {}, footprint {}",
+                percent(agreement.hit_miss),
+                percent(agreement.tight),
+                percent(agreement.footprint)
+            ),
+            Judgement::Any(any) => format!("balanced accuracy {}", percent(any.occlusion.balanced_accuracy)),
+        };
+        let clock = match self.times.clock {
+            ClockKind::Host => "host clock",
+            ClockKind::DeviceTimestamps => "device timestamps",
+            ClockKind::SubmitToDone => "submit to done",
+        };
+        format!("{}: {:.3} Mrays/s ({clock}), {accuracy}", self.rays, self.mrays_per_s)
+    }
+}
+
+/// A count over a ray set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CounterRecord {
+    /// Over all rays.
+    pub total: u64,
+    /// Mean per ray.
+    pub per_ray: f64,
+    /// The largest of any one ray.
+    pub greatest_per_ray: Option<u64>,
+}

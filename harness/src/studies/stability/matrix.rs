@@ -1,0 +1,138 @@
+//! What follows from the rows of cases: what every tracer got wrong at every strength, and a verdict on it.
+
+use super::{Verdict, verdict};
+use crate::results::{
+    AnyJudgement, CaseRecord, CaseTracer, ExpectationRecord, Judgement, NoAnswer, Occlusion, Provenance, Run, Skipped,
+    Wrong,
+};
+
+/// A run of cases.
+#[derive(Clone, Debug)]
+pub struct Stability {
+    /// Where, by which program and when.
+    pub provenance: Provenance,
+    /// Whether verdicts count: no parameter was changed.
+    pub counts: bool,
+    /// The cases.
+    pub cases: Vec<CaseMatrix>,
+    /// Tracers that did not run, and why.
+    pub skipped: Vec<Skipped>,
+}
+
+/// A case with what came of it.
+#[derive(Clone, Debug)]
+pub struct CaseMatrix {
+    /// The case.
+    pub case: CaseRecord,
+    /// The tracers, in the order of columns.
+    pub cells: Vec<Cell>,
+}
+
+/// A tracer on a case.
+#[derive(Clone, Debug)]
+pub struct Cell {
+    /// The tracer's label.
+    pub tracer: String,
+    /// What is expected of it; `None` if nothing is stated.
+    pub expectation: Option<ExpectationRecord>,
+    /// What came of it over all strengths.
+    pub verdict: Verdict,
+    /// The verdict in words.
+    pub text: String,
+    /// What was measured at each strength.
+    pub measured: Vec<Measured>,
+}
+
+/// A tracer on a case at one strength.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// The knob's value.
+    pub strength: f64,
+    /// Shares of wrong rays; `None` if it gave no answers or every ray is a tie.
+    pub wrong: Option<Wrong>,
+    /// Why there are no answers.
+    pub error: Option<String>,
+    /// Whether that is because the device is too small.
+    pub refused: bool,
+    /// Whether it came as expected; `None` if nothing is.
+    pub as_expected: Option<bool>,
+}
+
+impl Stability {
+    /// What a record says of cases, with verdicts; `None` if it is of none.
+    pub fn of(run: &Run) -> Option<Self> {
+        let cases = &run.cases.as_ref()?.cases;
+        let unchanged = |case: &CaseRecord| case.tracers.iter().all(|each| each.tracer.changed.is_empty());
+        Some(Self {
+            provenance: run.provenance.clone(),
+            counts: cases.iter().all(unchanged),
+            cases: cases.iter().map(|case| CaseMatrix::of(run, case)).collect(),
+            skipped: run.skipped.clone(),
+        })
+    }
+
+    /// What came otherwise than expected: case, tracer, what.
+    pub fn surprises(&self) -> Vec<String> {
+        let mut surprises = Vec::new();
+        for CaseMatrix { case, cells } in &self.cases {
+            surprises.extend(case.void.iter().map(|reason| format!("{}: void, {reason}", case.name)));
+            let cells = cells.iter().filter(|cell| cell.verdict.is_unexpected());
+            surprises.extend(cells.map(|cell| format!("{}, {}: {}", case.name, cell.tracer, cell.text)));
+        }
+        surprises
+    }
+
+    /// Labels of the tracers, in the order of columns.
+    pub fn tracers(&self) -> Vec<String> {
+        let cells = self.cases.first().map_or(&[][..], |case| &case.cells);
+        cells.iter().map(|cell| cell.tracer.clone()).collect()
+    }
+}
+
+impl CaseMatrix {
+    fn of(run: &Run, case: &CaseRecord) -> Self {
+        let cell = |of: &CaseTracer| {
+            if of.unavailable {
+                return verdict::unavailable(&of.tracer.label(), of.expectation.as_ref());
+            }
+            let measured = case.knob.values.iter().map(|strength| measured(run, case, of, *strength)).collect();
+            verdict::cell(case, &of.tracer.label(), of.expectation.as_ref(), measured)
+        };
+        Self { case: case.clone(), cells: case.tracers.iter().map(cell).collect() }
+    }
+}
+
+fn measured(run: &Run, case: &CaseRecord, of: &CaseTracer, strength: f64) -> Measured {
+    let is_row = |row: &&crate::results::TracerRun| {
+        row.scene.name == case.name && row.strength == Some(strength) && row.tracer == of.tracer
+    };
+    let judgement = run.runs.iter().find(is_row).and_then(|row| row.traces.first()).map(|trace| &trace.judgement);
+    let none = Measured { strength, wrong: None, error: None, refused: false, as_expected: None };
+    let wrong = |right: Option<[f64; 3]>| {
+        right.map(|[hit_miss, tight, footprint]| Wrong {
+            hit_miss: 1.0 - hit_miss,
+            tight: 1.0 - tight,
+            footprint: 1.0 - footprint,
+        })
+    };
+    match judgement {
+        None => {
+            let said = of.no_answers.iter().find(|each| each.strength == strength);
+            let (error, refused) =
+                said.map_or(("not measured", false), |NoAnswer { error, refused, .. }| (error.as_str(), *refused));
+            Measured { error: Some(error.to_owned()), refused, ..none }
+        }
+        Some(Judgement::Closest(closest)) => {
+            let right = &closest.agreement;
+            let shares = right.hit_miss.zip(right.tight.zip(right.footprint));
+            Measured { wrong: wrong(shares.map(|(hit_miss, (tight, footprint))| [hit_miss, tight, footprint])), ..none }
+        }
+        Some(Judgement::Any(any)) => Measured { wrong: wrong(right_of_any(any).map(|share| [share; 3])), ..none },
+    }
+}
+
+fn right_of_any(any: &AnyJudgement) -> Option<f64> {
+    let Occlusion { true_occluded, true_free, false_occluded, false_free, .. } = any.occlusion;
+    let (right, all) = (true_occluded + true_free, true_occluded + true_free + false_occluded + false_free);
+    (all > 0).then(|| right as f64 / all as f64)
+}

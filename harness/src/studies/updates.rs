@@ -1,0 +1,249 @@
+//! Structures that follow animations: how long each way of following takes, and what quality it leaves.
+//!
+//! Every tracer and way has a structure of its own, built over the first frame; then all follow frame by frame, in turn. At
+//! the last frame they trace the same rays beside fresh builds over it, by the same measure, judge and controls as a run.
+
+use std::cell::RefCell;
+
+use glam::Vec3;
+use tracebench_api::Update;
+use tracebench_scenes::Scene;
+
+use crate::measure::{self, Context, Effort, Film, Place, Placed, Request, RunError, records};
+use crate::peers::Table;
+use crate::plan::{Plan, TracerRequest};
+use crate::results::{FRESH_BUILD, Run, SceneFollowed, Skipped, TracerRecord, TracerRun, UpdatesRecord, WayRecord};
+
+/// An animation whose vertices all end within so many scene diagonals of where they began comes back to its start.
+const RETURNED_DIAGONALS: f64 = 1e-3;
+
+/// Frames where nothing else is said.
+pub const DEFAULT_FRAMES: u32 = 8;
+
+/// A way to follow an animation, as data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Way {
+    /// Its name in tables.
+    pub name: &'static str,
+    /// What is asked for at every frame.
+    pub update: Update,
+    /// A parameter that it needs, with its value: tracers that do not have it do not go this way.
+    pub setting: Option<(&'static str, &'static str)>,
+}
+
+/// Every way.
+pub const WAYS: &[Way] = &[
+    Way { name: "rebuild", update: Update::Rebuild, setting: None },
+    Way { name: "refit", update: Update::Refit, setting: None },
+    // At 8 frames the last two are refits after a rebuild.
+    Way { name: "refit, rebuild every 3", update: Update::Refit, setting: Some(("rebuild_every", "3")) },
+];
+
+impl Way {
+    /// The tracer as it goes this way, if it can.
+    fn taken_by(&self, request: &TracerRequest) -> Option<TracerRequest> {
+        let mut request = request.clone();
+        match self.setting {
+            None => Some(request),
+            Some((name, value)) => request.set(name, value).is_ok().then_some(request),
+        }
+    }
+}
+
+/// Measures every scene of a plan that moves.
+///
+/// # Errors
+/// [`RunError`] as its variants say.
+pub fn execute(table: &Table, plan: &Plan, frames: u32, context: &Context<'_>) -> Result<Run, RunError> {
+    let mut run = measure::begin(std::slice::from_ref(plan), context);
+    run.table = Some(table.name.to_owned());
+    let passes = (plan.preset.samples as u32).div_ceil(frames);
+    let mut updates = UpdatesRecord { frames, passes, scenes: Vec::new() };
+    for (index, scene) in measure::load(plan, context.progress)?.into_iter().enumerate() {
+        if !context.takes(index) {
+            continue;
+        }
+        if scene.animation.is_none() {
+            let reason = "it does not move".to_owned();
+            run.skipped.push(Skipped { tracer: None, scene: scene.name, rays: None, reason });
+            continue;
+        }
+        let film = Followed::new(scene, frames)?;
+        updates.scenes.push(film.record());
+        measure_scene(index, plan, film, passes, &mut run, context)?;
+    }
+    if run.runs.is_empty() && context.shard.is_none() {
+        let reason = |skipped: &Skipped| format!("{}: {}", skipped.scene, skipped.reason);
+        return Err(RunError::Nothing(run.skipped.iter().map(reason).collect::<Vec<_>>().join("; ")));
+    }
+    run.updates = Some(updates);
+    Ok(run)
+}
+
+/// A scene at its last frame, with the vertices of every frame before.
+struct Followed {
+    scene: Scene,
+    times_s: Vec<f64>,
+    positions: Vec<Vec<[f32; 3]>>,
+}
+
+impl Followed {
+    /// Frames evenly over the animation, the first at its begin and the last at its end; of one that comes back to where it
+    /// began at its middle, where it is farthest from that: at its end a structure of the first frame would fit again.
+    fn new(mut scene: Scene, frames: u32) -> Result<Self, RunError> {
+        let duration_s = scene.animation.as_ref().map_or(0.0, |animation| animation.duration_s);
+        scene.set_time(0.0)?;
+        let first = scene.mesh.positions.clone();
+        scene.set_time(duration_s)?;
+        let returns = farthest(&first, &scene.mesh.positions) <= RETURNED_DIAGONALS * scene.diagonal();
+        let end_s = if returns { duration_s / 2.0 } else { duration_s };
+        let times_s: Vec<f64> = (0..=frames).map(|frame| end_s * f64::from(frame) / f64::from(frames)).collect();
+        let mut positions = Vec::new();
+        for time_s in &times_s {
+            scene.set_time(*time_s)?;
+            positions.push(scene.mesh.positions.clone());
+        }
+        Ok(Self { scene, times_s, positions })
+    }
+
+    fn record(&self) -> SceneFollowed {
+        let (scene, scene_sha256) = (self.scene.name.clone(), self.scene.sha256.clone());
+        SceneFollowed { scene, scene_sha256, times_s: self.times_s.clone() }
+    }
+}
+
+/// The farthest that any vertex has moved, scene units.
+fn farthest(from: &[[f32; 3]], to: &[[f32; 3]]) -> f64 {
+    let moved = |(a, b): (&[f32; 3], &[f32; 3])| f64::from(Vec3::from(*a).distance(Vec3::from(*b)));
+    from.iter().zip(to).map(moved).fold(0.0, f64::max)
+}
+
+/// A tracer as it stands in the table, and the way that it goes.
+struct Role<'a> {
+    /// Without what the way sets.
+    request: &'a TracerRequest,
+    /// None for a build over the last frame.
+    way: Option<&'static Way>,
+}
+
+impl Role<'_> {
+    fn way(&self) -> &'static str {
+        self.way.map_or(FRESH_BUILD, |way| way.name)
+    }
+}
+
+fn measure_scene(
+    index: usize,
+    plan: &Plan,
+    film: Followed,
+    passes: u32,
+    run: &mut Run,
+    context: &Context<'_>,
+) -> Result<(), RunError> {
+    let plan = Plan { time_s: film.scene.time_s, ..plan.clone() };
+    let (mut requests, mut roles) = (Vec::new(), Vec::new());
+    // A tracer's ways stand together.
+    for request in &plan.tracers {
+        // Not being able to measure one is no error.
+        let optional = |request: TracerRequest| TracerRequest { required: false, ..request };
+        requests.push(Request::of(&optional(request.clone())));
+        roles.push(Role { request, way: None });
+        for way in WAYS {
+            let Some(going) = way.taken_by(request) else { continue };
+            requests.push(Request { tracer: optional(going), follows: Some(way.update) });
+            roles.push(Role { request, way: Some(way) });
+        }
+    }
+    let sha256 = film.scene.sha256.clone();
+    let film = RefCell::new(Some(film));
+    let prepare = || match film.take() {
+        Some(film) => {
+            let (triangles, materials) =
+                (film.scene.mesh.triangles.clone(), film.scene.mesh.triangle_materials.clone());
+            let placed = measure::placed(&plan, film.scene, context)?;
+            let film = Film { positions: film.positions, triangles, materials, passes };
+            Ok(Placed { film: Some(film), ..placed })
+        }
+        None => Err(RunError::Nothing("a scene was prepared twice".to_owned())),
+    };
+    let effort = Effort::timed(plan.preset.samples);
+    let place =
+        Place { index, scene_sha256: Some(&sha256), prepare: &prepare, requests: &requests, effort, hook: None };
+    let mut found = measure::measure(&place, context)?;
+    for (row, role) in found.rows.iter_mut().zip(&roles) {
+        if let Ok(row) = row {
+            *row = row_of(row.clone(), role);
+        }
+    }
+    for (place, refused) in measure::add(run, found) {
+        measure::refuse(run, roles[place].request.name(), Some(roles[place].way()), refused);
+    }
+    Ok(())
+}
+
+/// What was measured of a tracer that was asked for otherwise than it went.
+fn row_of(run: TracerRun, role: &Role<'_>) -> TracerRun {
+    let parameters = records::json_values(&role.request.parameters);
+    let mut of_way = run.tracer.parameters.clone();
+    of_way.retain(|name, value| parameters.get(name) != Some(value));
+    TracerRun {
+        way: Some(WayRecord { name: role.way().to_owned(), parameters: of_way }),
+        tracer: TracerRecord { parameters, changed: role.request.changed.clone(), ..run.tracer },
+        ..run
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use tracebench_api::Preset;
+
+    use super::*;
+    use crate::registry::TRACERS;
+
+    /// Ways have names of their own, a setting is taken where the tracer has the parameter and only there, and what is not
+    /// set stays.
+    #[test]
+    fn ways_are_taken_by_those_who_can() {
+        for (index, way) in WAYS.iter().enumerate() {
+            assert!(WAYS[..index].iter().all(|other| other.name != way.name) && way.name != FRESH_BUILD);
+            for registration in TRACERS {
+                let request = TracerRequest::of(registration, Preset::Published);
+                let parameters = (registration.describe)().parameters;
+                let can = way.setting.is_none_or(|(name, _)| parameters.iter().any(|each| each.name == name));
+                assert_eq!(way.taken_by(&request).is_some(), can, "{} of {}", way.name, request.name());
+            }
+        }
+        let request = TracerRequest::of(&TRACERS[0], Preset::Published);
+        let build = Way { name: "other", update: Update::Refit, setting: Some(("build", "fastest")) };
+        assert_eq!(build.taken_by(&request).unwrap().parameters.choice("build"), "fastest");
+        let wrong = Way { setting: Some(("build", "no such")), ..build };
+        assert!(wrong.taken_by(&request).is_none());
+    }
+
+    /// Frames cover the animation from begin to end, or to its middle where it comes back, and each has the vertices of its
+    /// time; at the last one something has moved.
+    #[test]
+    fn films_cover_the_animation() {
+        let mut returning = 0;
+        for entry in tracebench_scenes::catalogue().iter().filter(|entry| entry.animation_s.is_some()) {
+            let made = || tracebench_scenes::procedural(entry.name, 0.01).unwrap();
+            let film = Followed::new(made(), 4).unwrap();
+            let mut fresh = made();
+            let duration_s = entry.animation_s.unwrap();
+            fresh.set_time(duration_s).unwrap();
+            let returns = farthest(&film.positions[0], &fresh.mesh.positions) < 1e-3 * fresh.diagonal();
+            returning += usize::from(returns);
+            let end_s = if returns { duration_s / 2.0 } else { duration_s };
+            assert_eq!(film.times_s, [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| share * end_s), "{}", entry.name);
+            for (time_s, positions) in film.times_s.iter().zip(&film.positions) {
+                fresh.set_time(*time_s).unwrap();
+                assert!(fresh.mesh.positions == *positions);
+            }
+            assert_eq!(film.scene.sha256, fresh.sha256);
+            let moved = farthest(&film.positions[0], &film.positions[4]);
+            assert!(moved > 0.01 * fresh.diagonal(), "{}: {moved}", entry.name);
+        }
+        // Both kinds are there.
+        assert!(returning > 0 && returning < 4, "{returning}");
+    }
+}
