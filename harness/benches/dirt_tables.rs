@@ -10,26 +10,6 @@ mod common;
 #[path = "common/papers.rs"]
 mod papers;
 
-use tracebench_harness::papers::{Experiment, Step};
-use tracebench_harness::plan::TracerRequest;
-
 fn main() -> Result<(), common::Failure> {
-    papers::run(&papers::Part { paper: "dirt", rays: &["visibility", "diffuse"], step, row })
-}
-
-fn step(step: &Step) -> bool {
-    step.resolution == 1.0
-}
-
-fn row(experiment: &Experiment, request: &TracerRequest) -> bool {
-    if request.name() != "dirt" {
-        return request.name() != "bvh-gpu";
-    }
-    let buckets = request.parameters.integer("buckets");
-    let edge = ["1", "4"].contains(&request.parameters.choice("tile_size"));
-    match experiment.name {
-        "dirt-table3" => edge && buckets == 4,
-        "dirt-figure10" => edge && [8, 24].contains(&buckets),
-        _ => true,
-    }
+    papers::run(tracebench_harness::papers::paper("dirt").ok_or("there is no paper 'dirt'")?)
 }

@@ -10,30 +10,6 @@ mod common;
 #[path = "common/papers.rs"]
 mod papers;
 
-use tracebench_harness::papers::{Experiment, Step};
-use tracebench_harness::plan::TracerRequest;
-
 fn main() -> Result<(), common::Failure> {
-    papers::run(&papers::Part { paper: "vvp16", rays: &["diffuse", "pixel-random"], step, row })
-}
-
-fn step(step: &Step) -> bool {
-    (step.resolution, step.faces) == (1.0, 1.0)
-}
-
-fn row(experiment: &Experiment, request: &TracerRequest) -> bool {
-    if request.name() != "fragment-abuffer" {
-        return true;
-    }
-    let choice = |name: &str| request.parameters.choice(name);
-    match experiment.name {
-        "vvp16-figure11" => request.parameters.real("thickness") == 0.0,
-        "vvp16-figure12" => ["ll", "dllb"].contains(&choice("storage")),
-        "vvp16-views" => {
-            let of_figures = request.changed.iter().any(|name| name == "layers");
-            of_figures
-                && [["seven", "all"], ["seven", "one"], ["frame", "all"]].contains(&[choice("views"), choice("layers")])
-        }
-        _ => request.parameters.integer("buckets") == 4,
-    }
+    papers::run(tracebench_harness::papers::paper("vvp16").ok_or("there is no paper 'vvp16'")?)
 }

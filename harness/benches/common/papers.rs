@@ -1,8 +1,8 @@
 //! What the benches of papers' tables share: a part of every experiment of a paper in one scene.
 
 use tracebench_api::EndPoint;
-use tracebench_harness::papers::{EXPERIMENTS, Experiment, Step};
-use tracebench_harness::plan::{Plan, RunPreset, SceneSource, TracerRequest, ViewRequest};
+use tracebench_harness::papers::{Experiment, Paper, Part};
+use tracebench_harness::plan::{Plan, RunPreset, SceneSource, ViewRequest};
 use tracebench_harness::rays::{RAY_SETS, default_parameters, ray_parameters};
 
 use super::common::{self, Failure};
@@ -16,24 +16,11 @@ const MOST_SAMPLES: usize = 3;
 /// Rays of sets that start several from a pixel.
 const RAYS_A_PIXEL: &str = "2";
 
-/// What is left of a paper's experiments.
-pub struct Part {
-    /// The paper's short name.
-    pub paper: &'static str,
-    /// Ray sets that are traced where an experiment has them.
-    pub rays: &'static [&'static str],
-    /// Which steps are taken.
-    pub step: fn(&Step) -> bool,
-    /// Which rows are taken of an experiment.
-    pub row: fn(&Experiment, &TracerRequest) -> bool,
-}
-
-/// Runs every experiment that stands beside published tables, at half the run preset's resolutions and with a part of its
-/// triangles.
-pub fn run(part: &Part) -> Result<(), Failure> {
-    let own = |experiment: &&Experiment| experiment.paper == part.paper && !experiment.published.is_empty();
-    for experiment in EXPERIMENTS.iter().filter(own) {
-        common::run(&experiment.name.replace('-', "_"), |preset| plans(part, experiment, preset))?;
+/// Runs every experiment of a paper that stands beside published tables, at half the run preset's resolutions and with a part of
+/// its triangles.
+pub fn run(paper: &Paper) -> Result<(), Failure> {
+    for experiment in paper.experiments.iter().filter(|experiment| !experiment.published.is_empty()) {
+        common::run(&experiment.name.replace('-', "_"), |preset| plans(&paper.part, experiment, preset))?;
     }
     Ok(())
 }

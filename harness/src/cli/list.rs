@@ -199,7 +199,7 @@ fn rows(table: Table) -> Vec<String> {
     };
     let requests = match table {
         Table::Peers(peers) => peers.contenders(),
-        Table::Paper(experiment) => experiment.requests().concat(),
+        Table::Paper(_, experiment) => experiment.requests().concat(),
     };
     let mut rows: Vec<String> = Vec::new();
     for row in requests.iter().map(row) {
@@ -218,8 +218,8 @@ fn tables() -> Vec<Value> {
         });
         match table {
             Table::Peers(peers) => item["reference"] = json!(peers.reference),
-            Table::Paper(experiment) => {
-                item["paper"] = json!(experiment.paper);
+            Table::Paper(paper, experiment) => {
+                item["paper"] = json!(paper.name);
                 item["scenes"] = experiment.scenes.iter().map(|each| json!(each.scene)).collect();
                 item["resolutions"] = experiment.steps.iter().map(|step| json!(step.resolution)).collect();
             }

@@ -16,7 +16,7 @@ use crate::registry::Device;
 use crate::report::Measured;
 use crate::results::{Run, Skipped};
 use crate::truth::Cache;
-use crate::{measure, report as reports};
+use crate::{measure, report as reports, tables};
 
 #[derive(Args)]
 pub(super) struct ReportArguments {
@@ -70,7 +70,7 @@ impl Work {
         let run = measure::execute(&self.plan, &self.device, &Cache::of_user(), progress)
             .inspect_err(|_| self.out.abandon())?;
         say_skipped(&run.skipped, progress);
-        reports::write_run(&run, &self.out.path)?;
+        reports::write_run(&run, &self.out.path, tables::of_run)?;
         Ok(run)
     }
 }
@@ -147,7 +147,7 @@ pub(super) fn say_skipped(skipped: &[Skipped], progress: &Progress) {
 pub(super) fn report(arguments: &ReportArguments, progress: &Progress) -> Result<(), CliError> {
     let directory = folder_of(&arguments.path);
     let written = match reports::read_any(&arguments.path)? {
-        Measured::Run(run) => reports::write_derived(&run, &directory)?,
+        Measured::Run(run) => reports::write_derived(&run, &directory, tables::of_run)?,
         Measured::Updates(updates) => reports::write_updates_table(&updates, &directory)?,
         Measured::Tuning(tuning) => reports::write_tuning_derived(&tuning, &directory)?,
     };

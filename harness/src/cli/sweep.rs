@@ -9,9 +9,9 @@ use super::run::{Work, say_skipped};
 use super::{CliError, names};
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
-use crate::report;
 use crate::studies::sweep::{AxisRecord, RESOLUTION, Sweep, SweepError, parameter_axis, resolution_axis};
 use crate::truth::Cache;
+use crate::{report, tables};
 
 /// The tracer of a sweep that names none, and what of it is swept.
 const TRACER: &str = "dirt";
@@ -153,7 +153,7 @@ pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(
     let required = work.plan.tracers.iter().any(TracerRequest::must_have_device);
     let run = sweep.execute(required, &work.device, &Cache::of_user(), progress).inspect_err(|_| work.out.abandon())?;
     say_skipped(&run.skipped, progress);
-    report::write_run(&run, &work.out.path)?;
+    report::write_run(&run, &work.out.path, tables::of_run)?;
     let page = work.out.path.join(report::SWEEP_PAGE);
     let text = std::fs::read_to_string(&page)
         .map_err(|error| CliError::Other(format!("cannot read {}: {error}", page.display())))?;

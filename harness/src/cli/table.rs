@@ -10,7 +10,7 @@ use crate::papers::Experiment;
 use crate::peers::{self, Subject};
 use crate::progress::Progress;
 use crate::studies::updates::{self, DEFAULT_FRAMES};
-use crate::tables::Table;
+use crate::tables::{self, Table};
 use crate::truth::Cache;
 use crate::{measure, report};
 
@@ -38,7 +38,7 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
         Table::Peers(_) => {
             work.measure(progress)?;
         }
-        Table::Paper(experiment) => measure(experiment, arguments, &mut work, progress)?,
+        Table::Paper(_, experiment) => measure(experiment, arguments, &mut work, progress)?,
     }
     show(table, &work.out.path)
 }
@@ -60,7 +60,7 @@ fn measure(
         .and_then(|plans| Ok(measure::execute_all(&plans, &work.device, &Cache::of_user(), progress)?))
         .inspect_err(|_| work.out.abandon())?;
     say_skipped(&run.skipped, progress);
-    report::write_run(&run, &work.out.path)?;
+    report::write_run(&run, &work.out.path, tables::of_run)?;
     Ok(())
 }
 
@@ -79,7 +79,7 @@ fn again(table: Table, moving: bool, path: &Path, out: Option<&Path>) -> Result<
     } else {
         let run = report::read_run(path)?;
         let folder = open()?;
-        report::write_table(table, &run, &folder)?;
+        tables::write(table, &run, &folder)?;
         folder
     };
     show(table, &folder)

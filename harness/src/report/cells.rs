@@ -6,11 +6,11 @@ use super::metrics;
 use crate::results::{Classes, ClosestJudgement, CounterRecord, Judgement, Occlusion, TraceRecord, TracerRun};
 
 /// A trace with its place in the table.
-pub(super) type Row<'a> = (Role, &'a TracerRun, &'a TraceRecord);
+pub(crate) type Row<'a> = (Role, &'a TracerRun, &'a TraceRecord);
 
 /// Label, clock, rays, speed and time; the last two only beside an accuracy, and never for controls, which trace
 /// nothing.
-pub(super) fn speed_cells(role: Role, run: &TracerRun, trace: &TraceRecord, judged: bool) -> [String; 5] {
+pub(crate) fn speed_cells(role: Role, run: &TracerRun, trace: &TraceRecord, judged: bool) -> [String; 5] {
     let clock = if role == Role::Control { NONE.to_owned() } else { clock_of(&trace.times) };
     let speed = metrics::speed(trace).filter(|_| judged && role == Role::Contender);
     let [speed, time] = match speed {
@@ -25,7 +25,7 @@ pub(super) fn speed_cells(role: Role, run: &TracerRun, trace: &TraceRecord, judg
 
 /// Whether anything could be judged, and the cells that tell the accuracy of a trace: three of a closest-hit set, one of
 /// an any-hit set.
-pub(super) fn accuracies(trace: &TraceRecord) -> (bool, Vec<String>) {
+pub(crate) fn accuracies(trace: &TraceRecord) -> (bool, Vec<String>) {
     accuracies_of(&trace.judgement, metrics::trials(trace))
 }
 
@@ -69,7 +69,7 @@ fn accuracy(occlusion: &Occlusion, trials: u64) -> String {
 }
 
 /// The intervals' coverage, which few samples cannot bring to 95 %.
-pub(super) fn coverage(rows: &[Row<'_>]) -> String {
+pub(crate) fn coverage(rows: &[Row<'_>]) -> String {
     let timed = rows.iter().filter(|(role, _, trace)| *role == Role::Contender && !trace.times.samples_ms.is_empty());
     let (mut low, mut high, mut samples) = (f64::INFINITY, 0.0_f64, u64::MAX);
     for (_, _, trace) in timed {
@@ -87,7 +87,7 @@ pub(super) fn coverage(rows: &[Row<'_>]) -> String {
 
 /// How much of what a structure stores a set of rays touched: the count, and the share where the structure says how many of
 /// the same it has. `None` for what is counted ray by ray.
-pub(super) fn touched(run: &TracerRun, name: &str, counter: &CounterRecord) -> Option<String> {
+pub(crate) fn touched(run: &TracerRun, name: &str, counter: &CounterRecord) -> Option<String> {
     if counter.greatest_per_ray.is_some() {
         return None;
     }
@@ -151,7 +151,7 @@ mod tests {
         run.sweep.as_mut().unwrap().tracer = "bvh-gpu".to_owned();
         run.table = Some("bvh".to_owned());
         let folder = tempfile::TempDir::new().unwrap();
-        crate::report::write_derived(&run, folder.path()).unwrap();
+        crate::report::write_derived(&run, folder.path(), fixture::tables).unwrap();
         for (name, rows) in [("summary.md", 2), ("table_bvh.md", 2), ("sweep.md", 2)] {
             let text = std::fs::read_to_string(folder.path().join(name)).unwrap();
             assert_eq!(text.matches("1,234 (28.6 % of 4,321)").count(), rows, "{name}: {text}");

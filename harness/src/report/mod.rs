@@ -3,22 +3,21 @@
 //! Every file is made whole in memory, written beside its place and renamed, so no file is ever half-written. The
 //! derived files depend on nothing but the run: made again from the same `run.json` they are the same bytes.
 
-mod cells;
-mod chart;
+pub(crate) mod cells;
+pub(crate) mod chart;
 mod compare;
 mod error;
 mod explain;
 pub(crate) mod files;
 #[cfg(test)]
 pub(crate) mod fixture;
-mod format;
-mod group;
-mod markdown;
-mod metrics;
-mod papers;
-mod peers;
+pub(crate) mod format;
+pub(crate) mod group;
+pub(crate) mod markdown;
+pub(crate) mod metrics;
+pub(crate) mod peers;
 mod stability;
-mod summary;
+pub(crate) mod summary;
 mod surfaces;
 mod sweep;
 mod tables;
@@ -35,7 +34,6 @@ use std::path::{Path, PathBuf};
 pub use compare::comparison_text;
 pub use error::ReportError;
 pub use explain::{explanation_page, write_explanation};
-pub use papers::{claims_text, write_claims};
 pub use stability::{STABILITY_TABLE, matrix as stability_matrix, write as write_stability};
 pub use sweep::SWEEP_PAGE;
 pub use tune::{TUNE_PAGE, tuning_overview, write_tuning, write_tuning_derived};
@@ -44,22 +42,25 @@ pub use updates::{write_updates, write_updates_table};
 use crate::results::{Run, SCHEMA};
 use crate::studies::tune::Tuning;
 use crate::studies::updates::Updates;
-use crate::tables::Table;
 
 /// The file that holds everything.
 pub const RUN_FILE: &str = "run.json";
+
+/// Makes the files of the table that a run was made for, name and contents; none of one that was made for none. Tables know
+/// reports, reports know no table.
+pub type Tables = fn(&Run) -> Result<Vec<(String, Vec<u8>)>, ReportError>;
 
 /// Creates the folder if need be, writes `run.json`, then what is derived from it; gives the paths in that order.
 ///
 /// # Errors
 /// If the folder or a file cannot be written, or a chart cannot be drawn.
-pub fn write_run(run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
+pub fn write_run(run: &Run, directory: &Path, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
     files::create_directory(directory)?;
     let path = directory.join(RUN_FILE);
     // First, so that a failure in a chart costs the chart and not the measurements.
     files::write(&path, &files::json(RUN_FILE, run)?)?;
     let mut paths = vec![path];
-    paths.extend(write_derived(run, directory)?);
+    paths.extend(write_derived(run, directory, tables)?);
     Ok(paths)
 }
 
@@ -68,7 +69,7 @@ pub fn write_run(run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportErro
 ///
 /// # Errors
 /// If the folder or a file cannot be written, or a chart cannot be drawn.
-pub fn write_derived(run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
+pub fn write_derived(run: &Run, directory: &Path, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
     files::create_directory(directory)?;
     let groups = group::groups(run);
     let mut paths = Vec::new();
@@ -83,10 +84,8 @@ pub fn write_derived(run: &Run, directory: &Path) -> Result<Vec<PathBuf>, Report
     write("summary.md", summary::summary(&labelled, &shown).as_bytes())?;
     write("traces.csv", &tables::traces(run, &groups)?)?;
     write("wrong_rays.csv", &tables::wrong_rays(&groups)?)?;
-    if let Some(table) = run.table.as_deref().and_then(Table::find) {
-        for (name, contents) in table_files(table, run)? {
-            write(&name, &contents)?;
-        }
+    for (name, contents) in tables(run)? {
+        write(&name, &contents)?;
     }
     for file in chart::charts(&labelled, &shown)? {
         write(&file.name, &file.contents)?;
@@ -102,30 +101,6 @@ pub fn write_derived(run: &Run, directory: &Path) -> Result<Vec<PathBuf>, Report
     }
     remove_stale_charts(directory, &paths, &chart::STEMS);
     Ok(paths)
-}
-
-/// Writes a table over a run, whatever the run was made for, and gives the paths.
-///
-/// # Errors
-/// If the folder or a file cannot be written, or the run has no tracer of the table.
-pub fn write_table(table: Table, run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
-    if !run.runs.iter().any(|one| table.holds(&one.tracer.name)) {
-        let reason = "no tracer of this run belongs into it".to_owned();
-        return Err(ReportError::Made { what: format!("table {}", table.name()), reason });
-    }
-    files::create_directory(directory)?;
-    let write = |(name, contents): (String, Vec<u8>)| {
-        let path = directory.join(name);
-        files::write(&path, &contents).map(|()| path)
-    };
-    table_files(table, run)?.into_iter().map(write).collect()
-}
-
-fn table_files(table: Table, run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
-    match table {
-        Table::Peers(table) => peers::files(table, run),
-        Table::Paper(experiment) => papers::files(experiment, run),
-    }
 }
 
 /// Charts of scenes that only an older run in the same folder had would pass for this one's.

@@ -9,10 +9,9 @@ use super::format::{
 };
 use super::group::{Group, RaySet, Role, groups};
 use super::markdown::{Table as Markdown, inline};
-use super::metrics;
+use super::metrics::{self, host_ms};
 use super::tables::{accuracy_columns, code, number, to_csv};
 use super::{cells, summary};
-use crate::papers::host_ms;
 use crate::peers::Table;
 use crate::results::{Run, Times, TraceRecord, TracerRun};
 
@@ -21,7 +20,7 @@ const NODES: &str = "nodes";
 const SAH_COST: &str = "sah_cost";
 
 /// The files of a table: name and contents. Rows are the tracers of the table's family.
-pub(super) fn files(table: &Table, run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+pub(crate) fn files(table: &Table, run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
     let mut run = run.clone();
     run.runs.retain(|one| table.holds(&one.tracer.name));
     run.skipped.retain(|one| one.tracer.as_deref().is_none_or(|name| table.holds(name)));
@@ -33,7 +32,7 @@ pub(super) fn files(table: &Table, run: &Run) -> Result<Vec<(String, Vec<u8>)>, 
 }
 
 /// What the files of a table are called, without their ends.
-pub(super) fn stem(name: &str) -> String {
+pub(crate) fn stem(name: &str) -> String {
     format!("table_{}", name.replace('-', "_"))
 }
 
