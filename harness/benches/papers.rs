@@ -1,11 +1,17 @@
-//! What the benches of papers' tables share: a part of every experiment of a paper in one scene.
+//! A part of every paper's tables and figures in one scene; `cargo bench --bench papers -- NAME` takes one paper.
+//!
+//! For each table and figure the harness measures its rows interleaved, judges them and writes run.json, the table and its verdicts
+//! below target/; then criterion samples the same work through the harness's clock. Resolutions are half the run preset's, triangles
+//! an eighth, samples three, random rays two a pixel. Which ray sets, steps and rows are taken stands with the paper; what is left
+//! out `tracebench table NAME` has. `TRACEBENCH_PRESET` chooses the run preset.
 
+mod common;
+
+use common::Failure;
 use tracebench_api::EndPoint;
-use tracebench_harness::papers::{Experiment, Paper, Part};
+use tracebench_harness::papers::{Experiment, PAPERS, Part, paper};
 use tracebench_harness::plan::{Plan, RunPreset, SceneSource, ViewRequest};
 use tracebench_harness::rays::{RAY_SETS, default_parameters, ray_parameters};
-
-use super::common::{self, Failure};
 
 /// The scene.
 const SCENE: &str = "room";
@@ -16,11 +22,14 @@ const MOST_SAMPLES: usize = 3;
 /// Rays of sets that start several from a pixel.
 const RAYS_A_PIXEL: &str = "2";
 
-/// Runs every experiment of a paper that stands beside published tables, at half the run preset's resolutions and with a part of
-/// its triangles.
-pub fn run(paper: &Paper) -> Result<(), Failure> {
-    for experiment in paper.experiments.iter().filter(|experiment| !experiment.published.is_empty()) {
-        common::run(&experiment.name.replace('-', "_"), |preset| plans(&paper.part, experiment, preset))?;
+/// Runs every experiment that stands beside published tables: of the paper that the first argument names, else of all.
+fn main() -> Result<(), Failure> {
+    // To criterion the name is a filter, which all that is named after the paper passes.
+    let named = std::env::args().nth(1).and_then(|name| paper(&name));
+    for paper in PAPERS.iter().filter(|paper| named.is_none_or(|named| named.name == paper.name)) {
+        for experiment in paper.experiments.iter().filter(|experiment| !experiment.published.is_empty()) {
+            common::run(&experiment.name.replace('-', "_"), |preset| plans(&paper.part, experiment, preset))?;
+        }
     }
     Ok(())
 }
