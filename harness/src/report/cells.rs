@@ -1,5 +1,7 @@
 //! Cells of tables that tell of traces: never a speed without its accuracy.
 
+use std::collections::BTreeSet;
+
 use super::format::{NONE, clock_of, percent_with_interval, significant, statistic, thousands, with_interval};
 use super::group::Role;
 use super::metrics;
@@ -87,7 +89,7 @@ pub(crate) fn coverage(rows: &[Row<'_>]) -> String {
 
 /// How much of what a structure stores a set of rays touched: the count, and the share where the structure says how many of
 /// the same it has. `None` for what is counted ray by ray.
-pub(crate) fn touched(run: &TracerRun, name: &str, counter: &CounterRecord) -> Option<String> {
+pub(super) fn touched(run: &TracerRun, name: &str, counter: &CounterRecord) -> Option<String> {
     if counter.greatest_per_ray.is_some() {
         return None;
     }
@@ -100,6 +102,24 @@ pub(crate) fn touched(run: &TracerRun, name: &str, counter: &CounterRecord) -> O
         }
         None => thousands(counter.total),
     })
+}
+
+/// Headings of counters: means per ray, but for what is counted over a set.
+pub(crate) fn counter_headings(rows: &[Row<'_>], names: &BTreeSet<&str>) -> Vec<String> {
+    let of_set = |name: &str| {
+        let counters = rows.iter().filter_map(|(.., trace)| trace.counters.get(name));
+        counters.into_iter().any(|counter| counter.greatest_per_ray.is_none())
+    };
+    names.iter().map(|name| if of_set(name) { format!("{name} ↓") } else { format!("{name} per ray ↓") }).collect()
+}
+
+/// Cells of counters: the mean per ray, or what a set touched.
+pub(crate) fn counters(run: &TracerRun, trace: &TraceRecord, names: &BTreeSet<&str>) -> Vec<String> {
+    let cell = |name: &str| {
+        let counter = trace.counters.get(name)?;
+        Some(touched(run, name, counter).unwrap_or_else(|| significant(counter.per_ray, 4)))
+    };
+    names.iter().map(|name| cell(name).unwrap_or_else(|| NONE.to_owned())).collect()
 }
 
 /// The tracer's label, marked if it is a control's.

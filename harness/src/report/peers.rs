@@ -127,9 +127,7 @@ fn traces(table: &Table, group: &Group<'_>, set: &RaySet<'_>) -> String {
     let mut headings = vec!["tracer".to_owned(), "clock".to_owned(), metrics::SPEED.heading()];
     headings.push(format!("× {} ↑", table.reference));
     headings.extend(accuracies.iter().map(|&name| name.to_owned()));
-    let of_set = |name: &str| rows.iter().any(|(_, run, trace)| touched_cell(run, trace, name).is_some());
-    let heading = |name: &&str| if of_set(name) { format!("{name} ↓") } else { format!("{name} per ray ↓") };
-    headings.extend(counters.iter().map(heading));
+    headings.extend(cells::counter_headings(&rows, &counters));
     let mut markdown = Markdown::new(&headings);
     for (role, run, trace) in &rows {
         let (judged, accuracies) = cells::accuracies(trace);
@@ -138,17 +136,11 @@ fn traces(table: &Table, group: &Group<'_>, set: &RaySet<'_>) -> String {
         let ratio = ratio(reference.map(|trace| &trace.times), &trace.times).filter(|_| judged);
         let mut cells = vec![label, clock, speed, optional(ratio, 3)];
         cells.extend(accuracies);
-        let per_ray = |name: &str| optional(trace.counters.get(name).map(|each| each.per_ray), 4);
-        cells.extend(counters.iter().map(|name| touched_cell(run, trace, name).unwrap_or_else(|| per_ray(name))));
+        cells.extend(cells::counters(run, trace, &counters));
         markdown.row(&cells);
     }
     let title = format!("{}: {}, {} rays", inline(&set.title), format::query(set.query), thousands(set.count));
     format!("\n### {title}\n{}\n{}", cells::coverage(&all), markdown.text)
-}
-
-/// What of a structure a ray set touched.
-fn touched_cell(run: &TracerRun, trace: &TraceRecord, name: &str) -> Option<String> {
-    cells::touched(run, name, trace.counters.get(name)?)
 }
 
 /// One row a tracer and ray set, with every scalar of the table.

@@ -7,7 +7,7 @@ use tracebench_api::Query;
 use super::Page;
 use crate::papers::SceneRows;
 use crate::papers::rows::{self, trace};
-use crate::report::format::{self, NONE, clock_of, mib, optional, significant, statistic, thousands, with_interval};
+use crate::report::format::{self, NONE, clock_of, mib, significant, statistic, thousands, with_interval};
 use crate::report::group::Role;
 use crate::report::markdown::{Table, inline};
 use crate::report::{cells, metrics};
@@ -95,14 +95,14 @@ fn traces(scene: &SceneRows<'_>, set: &str) -> String {
     let mut headings = strings(&["tracer", "clock"]);
     headings.extend([metrics::SPEED.heading(), metrics::TRACE_TIME.heading()]);
     headings.extend(strings(accuracies));
-    headings.extend(counters.iter().map(|name| format!("{name} per ray ↓")));
+    headings.extend(cells::counter_headings(&all, &counters));
     let mut table = Table::new(&headings);
     for (role, run, trace) in &all {
         let (judged, accuracies) = cells::accuracies(trace);
         let [label, clock, _, speed, time] = cells::speed_cells(*role, run, trace, judged);
         let mut row = vec![label, clock, speed, time];
         row.extend(accuracies);
-        row.extend(counters.iter().map(|name| optional(trace.counters.get(*name).map(|each| each.per_ray), 4)));
+        row.extend(cells::counters(run, trace, &counters));
         table.row(&row);
     }
     let title = format!("{}: {}, {} rays", inline(set), format::query(first.query), thousands(first.count));

@@ -6,7 +6,7 @@ use serde_json::json;
 use tracebench_api::{ClockKind, Query};
 
 use crate::papers::fixture::{self, Quality, page_of, take_judgements};
-use crate::results::Run;
+use crate::results::{CounterRecord, Run};
 
 const SETS: [(&str, Query); 4] =
     [("visibility", Query::Any), ("specular", Query::Closest), ("glossy", Query::Closest), ("diffuse", Query::Closest)];
@@ -53,4 +53,19 @@ fn a_page_tells_no_speed_without_accuracy() {
     let silent = measured(&run);
     assert!(!rates.iter().any(|rate| silent.contains(rate)), "{silent}");
     assert!(silent.contains("– here, 3.47 published"), "{silent}");
+}
+
+/// What is counted ray by ray stands as a mean; what is counted over a set as how much of what is stored it touched.
+#[test]
+fn a_page_shows_what_a_set_touched() {
+    let mut run = throughput();
+    for trace in run.runs.iter_mut().flat_map(|one| &mut one.traces) {
+        let of_set = CounterRecord { total: 1234, per_ray: 0.015_625, greatest_per_ray: None };
+        trace.counters.insert("nodes_touched".to_owned(), of_set);
+    }
+    let page = page(&run);
+    // Two rows of four sets; the structure of the fixture has 4321 nodes.
+    assert_eq!(page.matches("| 1,234 (28.6 % of 4,321) |").count(), 8, "{page}");
+    assert!(page.contains("| nodes per ray ↓ | nodes_touched ↓ |") && page.contains("| 37.00 |"), "{page}");
+    assert!(!page.contains("0.0156") && !page.contains("nodes_touched per ray"), "{page}");
 }
