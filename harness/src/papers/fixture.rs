@@ -109,3 +109,9 @@ pub(super) fn take_judgements(run: &mut Run) {
         }
     }
 }
+
+/// Published tables without figures.
+pub(super) fn lost(paper: &Paper) -> Vec<String> {
+    let tables = paper.published().unwrap().tables;
+    tables.into_iter().filter(|table| table.rows.is_none()).map(|table| table.id).collect()
+}

@@ -36,6 +36,42 @@ fn value(name: &str, run: &Run) -> f64 {
     fixture::value(&PAPER, name, run)
 }
 
+/// Tables whose figures stood in a picture alone have none.
+#[test]
+fn lost_figures_are_named() {
+    assert_eq!(fixture::lost(&PAPER), ["dirt-figure2", "dirt-figure8", "dirt-figure10", "dirt-figure11"]);
+}
+
+/// Figures that claims and tables share are the same in both: what claims say of the paper's own tables is computed from them.
+#[test]
+fn claims_agree_with_tables_where_they_say_so() {
+    let tables = PAPER.published().unwrap().tables;
+    let table = |id: &str| tables.iter().find(|table| table.id == id).unwrap();
+    let of = |scene: &str, method: &str, column: &str| {
+        table("dirt-table2").value(&[("scene", scene), ("method", method)], column).unwrap()
+    };
+    let percent = |column: &str| {
+        let change = |scene| 100.0 * (of(scene, "DIRT", column) / of(scene, "VVP16", column) - 1.0);
+        ["Bunny", "Hangar", "Candy"].map(|scene| format!("{:.1}", change(scene).abs())).join(", ")
+    };
+    let all = PAPER.claims().unwrap();
+    let claim = |id: &str| all.iter().find(|claim| claim.id == id).unwrap();
+    let own = |id: &str| claim(id).own_figures.clone().unwrap();
+    for (id, column) in
+        [("dirt-memory-vs-fragments", "Memory"), ("dirt-fragment-growth", "Fragments"), ("dirt-build-drop", "Build")]
+    {
+        assert!(own(id).contains(&percent(column)), "{id}: {} of {}", percent(column), own(id));
+    }
+    let visibility = ["Cloth", "Bunny", "Hangar", "Candy"].map(|scene| {
+        let of = |column| table("dirt-table1").value(&[("scene", scene)], column).unwrap();
+        of("Visibility") / of("Specular")
+    });
+    assert!(own("dirt-visibility-fastest").contains(&visibility.map(|each| format!("{each:.2}")).join(", ")));
+    let ends = [f64::min, f64::max].map(|pick| visibility.into_iter().reduce(pick).unwrap());
+    let published = claim("dirt-visibility-fastest").published.clone().unwrap();
+    assert!(published.iter().zip(ends).all(|(stated, found)| (stated - found).abs() < 0.01));
+}
+
 /// Over B and tile size of one scene, bytes and references given.
 pub(in crate::papers) fn over_buckets(scene: &str, of: impl Fn(u64, u64) -> (u64, f64)) -> Vec<TracerRun> {
     let mut runs = Vec::new();

@@ -37,6 +37,12 @@ fn value(name: &str, run: &Run) -> f64 {
     fixture::value(&PAPER, name, run)
 }
 
+/// Tables whose figures stood in a picture alone have none.
+#[test]
+fn lost_figures_are_named() {
+    assert_eq!(fixture::lost(&PAPER), ["vvp16-figure12"]);
+}
+
 /// A row is found by the values that it is about, whatever is set for all rows alike; what another value differs in is another
 /// row, and so is another resolution. Numbers are compared as numbers.
 #[test]
