@@ -217,7 +217,7 @@ fn tables() -> Vec<Value> {
             "name": table.name(), "summary": table.summary(), "rays": rays, "tracers": rows(table),
         });
         match table {
-            Table::Peers(peers) => item["reference"] = json!(peers.reference),
+            Table::Peers(peers) => item["reference"] = json!(peers.reference()),
             Table::Paper(paper, experiment) => {
                 item["paper"] = json!(paper.name);
                 item["scenes"] = experiment.scenes.iter().map(|each| json!(each.scene)).collect();

@@ -314,7 +314,7 @@ mod tests {
     fn tables_have_every_peer_once() {
         let Ok(Table::Peers(bvh)) = table("bvh") else { panic!("it is one of peers") };
         let plain = peers(bvh, &[]).unwrap();
-        let set = peers(bvh, &[format!("{}.build=fast", bvh.reference)]).unwrap();
+        let set = peers(bvh, &[format!("{}.build=fast", bvh.reference())]).unwrap();
         assert_eq!(set.len() + 1, plain.len());
         assert!(plain.iter().chain(&set).all(|request| !request.required));
         assert!(message(table("bvhs")).contains("'bvh'"));

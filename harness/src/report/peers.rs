@@ -61,7 +61,7 @@ fn bytes_per_triangle(run: &TracerRun) -> [f64; 2] {
 
 /// The reference of a group: as published where that ran, since it comes first.
 fn reference_of<'a>(table: &Table, group: &Group<'a>) -> Option<&'a TracerRun> {
-    group.contenders.iter().find(|run| run.tracer.name == table.reference).copied()
+    group.contenders.iter().find(|run| run.tracer.name == table.reference()).copied()
 }
 
 fn page(table: &Table, run: &Run, groups: &[Group<'_>]) -> String {
@@ -72,7 +72,7 @@ fn page(table: &Table, run: &Run, groups: &[Group<'_>]) -> String {
          the host as it is timed, work on the device from submission until done (`submit_to_done_median_ms`). Rates of device \
          work beside them are by the clock that their row names. SAH cost: node visits and triangle tests that a random line \
          through the root is expected to take; nodes of different widths differ in what a visit costs.",
-        table.reference
+        table.reference()
     );
     for group in groups {
         let triangles = thousands(group.scene.triangles);
@@ -87,7 +87,7 @@ fn page(table: &Table, run: &Run, groups: &[Group<'_>]) -> String {
 
 fn structures(table: &Table, group: &Group<'_>) -> String {
     let reference = reference_of(table, group);
-    let times = format!("× {} ↑", table.reference);
+    let times = format!("× {} ↑", table.reference());
     let mut rows = Markdown::new(&[
         "tracer".to_owned(),
         "build clock".to_owned(),
@@ -117,7 +117,7 @@ fn structures(table: &Table, group: &Group<'_>) -> String {
 fn traces(table: &Table, group: &Group<'_>, set: &RaySet<'_>) -> String {
     let all = group.traces(set);
     let rows: Vec<_> = all.iter().filter(|(role, ..)| *role == Role::Contender).cloned().collect();
-    let reference = rows.iter().find(|(_, run, _)| run.tracer.name == table.reference).map(|(.., trace)| *trace);
+    let reference = rows.iter().find(|(_, run, _)| run.tracer.name == table.reference()).map(|(.., trace)| *trace);
     let counters: BTreeSet<&str> =
         rows.iter().flat_map(|(.., trace)| trace.counters.keys().map(String::as_str)).collect();
     let accuracies: &[&str] = match set.query {
@@ -125,7 +125,7 @@ fn traces(table: &Table, group: &Group<'_>, set: &RaySet<'_>) -> String {
         tracebench_api::Query::Any => &["balanced accuracy ↑"],
     };
     let mut headings = vec!["tracer".to_owned(), "clock".to_owned(), metrics::SPEED.heading()];
-    headings.push(format!("× {} ↑", table.reference));
+    headings.push(format!("× {} ↑", table.reference()));
     headings.extend(accuracies.iter().map(|&name| name.to_owned()));
     headings.extend(cells::counter_headings(&rows, &counters));
     let mut markdown = Markdown::new(&headings);
@@ -208,7 +208,7 @@ fn rows(table: &Table, run: &Run, groups: &[Group<'_>]) -> Vec<Vec<String>> {
                 let mut row = structure_cells(one, reference);
                 row.extend(trace.map_or_else(|| vec![String::new(); 15], |trace| trace_cells(trace, beside)));
                 let dirty = run.provenance.dirty.map_or_else(String::new, |dirty| dirty.to_string());
-                row.extend([table.reference.to_owned(), run.provenance.commit.clone(), dirty, run.preset.clone()]);
+                row.extend([table.reference().to_owned(), run.provenance.commit.clone(), dirty, run.preset.clone()]);
                 row.push(run.provenance.machine.label());
                 row.extend(statistics.iter().map(|name| number(statistic_of(one, name))));
                 let counter =
