@@ -1,33 +1,43 @@
 //! Every table that `tracebench table` makes: of peers, and of the papers' tables and figures.
 
-use crate::papers::{self, EXPERIMENTS, Experiment};
+use std::path::{Path, PathBuf};
+
+use crate::papers::{self, Experiment, PAPERS, Paper};
 use crate::peers::{self, Subject, TABLES};
+use crate::report::{self, ReportError};
+use crate::results::Run;
 
 /// A table.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub enum Table {
     /// Tracers of one family side by side.
     Peers(&'static peers::Table),
     /// A paper's table or figure.
-    Paper(&'static Experiment),
+    Paper(&'static Paper, &'static Experiment),
 }
 
 impl Table {
     /// Every table, those of peers first.
     pub fn all() -> impl Iterator<Item = Self> {
-        TABLES.iter().map(Self::Peers).chain(EXPERIMENTS.iter().map(Self::Paper))
+        let of = |paper: &&'static Paper| {
+            let paper = *paper;
+            paper.experiments.iter().map(move |experiment| Self::Paper(paper, experiment))
+        };
+        TABLES.iter().map(Self::Peers).chain(PAPERS.iter().flat_map(of))
     }
 
     /// Finds a table by name.
     pub fn find(name: &str) -> Option<Self> {
-        peers::find(name).map(Self::Peers).or_else(|| papers::find(name).map(Self::Paper))
+        peers::find(name)
+            .map(Self::Peers)
+            .or_else(|| papers::find(name).map(|(paper, experiment)| Self::Paper(paper, experiment)))
     }
 
     /// Its stable name; files are named after it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Peers(table) => table.name,
-            Self::Paper(experiment) => experiment.name,
+            Self::Paper(_, experiment) => experiment.name,
         }
     }
 
@@ -35,7 +45,7 @@ impl Table {
     pub fn summary(self) -> &'static str {
         match self {
             Self::Peers(table) => table.summary,
-            Self::Paper(experiment) => experiment.summary,
+            Self::Paper(_, experiment) => experiment.summary,
         }
     }
 
@@ -43,7 +53,7 @@ impl Table {
     pub fn rays(self) -> &'static str {
         match self {
             Self::Peers(table) => table.rays,
-            Self::Paper(experiment) => experiment.rays,
+            Self::Paper(_, experiment) => experiment.rays,
         }
     }
 
@@ -56,7 +66,77 @@ impl Table {
     pub fn holds(self, tracer: &str) -> bool {
         match self {
             Self::Peers(table) => table.holds(tracer),
-            Self::Paper(experiment) => experiment.holds(tracer),
+            Self::Paper(_, experiment) => experiment.holds(tracer),
         }
+    }
+
+    /// Its files over a run: name and contents.
+    fn files(self, run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+        match self {
+            Self::Peers(table) => report::peers::files(table, run),
+            Self::Paper(paper, experiment) => papers::files(paper, experiment, run),
+        }
+    }
+}
+
+/// The files of the table that a run was made for, as [`report::Tables`].
+///
+/// # Errors
+/// If a chart cannot be drawn.
+pub fn of_run(run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+    run.table.as_deref().and_then(Table::find).map_or_else(|| Ok(Vec::new()), |table| table.files(run))
+}
+
+/// Writes a table over a run, whatever the run was made for, and gives the paths.
+///
+/// # Errors
+/// If the folder or a file cannot be written, or the run has nothing for the table.
+pub fn write(table: Table, run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
+    let made = |reason: &str| ReportError::Made { what: format!("table {}", table.name()), reason: reason.to_owned() };
+    if !run.runs.iter().any(|one| table.holds(&one.tracer.name)) {
+        return Err(made("no tracer of this run belongs into it"));
+    }
+    let contents = match (table.is_moving(), &run.updates) {
+        (true, _) => report::of_updates(run)?,
+        (false, Some(_)) => return Err(made("the run follows animations")),
+        (false, None) => table.files(run)?,
+    };
+    report::write_all(contents, directory)
+}
+
+#[cfg(test)]
+mod tests {
+    use tempfile::TempDir;
+
+    use super::*;
+    use crate::report::fixture;
+
+    /// Every table is found by its name, which no other has.
+    #[test]
+    fn names_are_unique() {
+        let names: Vec<&str> = Table::all().map(Table::name).collect();
+        for (index, name) in names.iter().enumerate() {
+            assert!(!names[..index].contains(name), "{name} twice");
+            assert_eq!(Table::find(name).unwrap().name(), *name);
+        }
+        assert!(names.contains(&"bvh") && names.contains(&"dirt-table1") && Table::find("no-such").is_none());
+    }
+
+    /// A run has the files of the table that it was made for alone; a table over another run is written all the same, unless none of
+    /// its tracers belongs into it.
+    #[test]
+    fn tables_are_made_of_runs() {
+        let run = fixture::typical();
+        assert!(of_run(&run).unwrap().is_empty());
+        let folder = TempDir::new().unwrap();
+        let bvh = Table::find("bvh").unwrap();
+        let paths = write(bvh, &run, folder.path()).unwrap();
+        let made = of_run(&Run { table: Some("bvh".to_owned()), ..run.clone() }).unwrap();
+        assert_eq!(paths.len(), made.len());
+        for (path, (name, contents)) in paths.iter().zip(&made) {
+            assert!(path.ends_with(name) && std::fs::read(path).unwrap() == *contents, "{name} differs");
+        }
+        let others = Run { runs: run.runs[1..].to_vec(), ..run };
+        assert!(write(bvh, &others, folder.path()).unwrap_err().to_string().contains("no tracer"));
     }
 }

@@ -14,7 +14,7 @@ use tracebench_harness::plan::{Plan, RunPreset, TracerRequest};
 use tracebench_harness::progress::Progress;
 use tracebench_harness::registry::Device;
 use tracebench_harness::truth::Cache;
-use tracebench_harness::{measure, report};
+use tracebench_harness::{measure, report, tables};
 
 pub type Failure = Box<dyn std::error::Error>;
 
@@ -68,7 +68,7 @@ fn measure(name: &str, plans: &[Plan], device: &Device) -> Result<(), Failure> {
     let folder = folder(name);
     let (cache, progress, journal) = (Cache::of_user(), Progress::new(false), Journal::none());
     let run = measure::execute_all(plans, &Context::new(device, &cache, &progress, &journal))?;
-    let written = report::write_run(&run, &folder)?;
+    let written = report::write_run(&run, &folder, tables::of_run)?;
     for skipped in &run.skipped {
         println!("skipped {}: {}", skipped.tracer.as_deref().unwrap_or("all tracers"), skipped.reason);
     }

@@ -206,11 +206,11 @@ impl TableArguments {
                 .filter(|entry| peers.subject == Subject::Still || entry.animation_s.is_some())
                 .map(|entry| listed(entry.name))
                 .collect(),
-            (None, Table::Paper(experiment)) => experiment.scenes.iter().map(|each| listed(each.scene)).collect(),
+            (None, Table::Paper(_, experiment)) => experiment.scenes.iter().map(|each| listed(each.scene)).collect(),
         };
         let tracers = match table {
             Table::Peers(peers) => names::peers(peers, settings)?,
-            Table::Paper(experiment) => names::steps(experiment, settings)?.concat(),
+            Table::Paper(_, experiment) => names::steps(experiment, settings)?.concat(),
         };
         let ray_sets = match self.rays.as_deref().unwrap_or(table.rays()) {
             "" => Vec::new(),

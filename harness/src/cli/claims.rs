@@ -7,7 +7,7 @@ use clap::Args;
 use super::output::print;
 use super::work::OutputFolder;
 use super::{CliError, names};
-use crate::report;
+use crate::{papers, report};
 
 #[derive(Args)]
 pub(super) struct ClaimsArguments {
@@ -25,7 +25,7 @@ pub(super) fn claims(arguments: &ClaimsArguments) -> Result<(), CliError> {
     let paper = names::paper(&arguments.paper)?;
     let runs = arguments.runs.iter().map(|path| report::read_run(path)).collect::<Result<Vec<_>, _>>()?;
     if let Some(out) = &arguments.out {
-        report::write_claims(paper, &runs, &OutputFolder::open(out)?.path)?;
+        papers::write_claims(paper, &runs, &OutputFolder::open(out)?.path)?;
     }
-    print(&report::claims_text(paper, &runs)?)
+    print(&papers::claims_text(paper, &runs)?)
 }

@@ -199,7 +199,7 @@ fn rows(table: Table) -> Vec<String> {
     };
     let requests = match table {
         Table::Peers(peers) => peers.contenders(),
-        Table::Paper(experiment) => experiment.requests().concat(),
+        Table::Paper(_, experiment) => experiment.requests().concat(),
     };
     let mut rows: Vec<String> = Vec::new();
     for row in requests.iter().map(row) {
@@ -217,9 +217,9 @@ fn tables() -> Vec<Value> {
             "name": table.name(), "summary": table.summary(), "rays": rays, "tracers": rows(table),
         });
         match table {
-            Table::Peers(peers) => item["reference"] = json!(peers.reference),
-            Table::Paper(experiment) => {
-                item["paper"] = json!(experiment.paper);
+            Table::Peers(peers) => item["reference"] = json!(peers.reference()),
+            Table::Paper(paper, experiment) => {
+                item["paper"] = json!(paper.name);
                 item["scenes"] = experiment.scenes.iter().map(|each| json!(each.scene)).collect();
                 item["resolutions"] = experiment.steps.iter().map(|step| json!(step.resolution)).collect();
             }

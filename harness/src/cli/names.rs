@@ -6,7 +6,7 @@ use tracebench_api::{ParameterDescription, ParameterError, Parameters, Preset};
 
 use super::CliError;
 use crate::cases::{self, CASES, Case};
-use crate::papers::{self, Experiment};
+use crate::papers::{self, Experiment, PAPERS, Paper};
 use crate::peers;
 use crate::plan::{SceneSource, TracerRequest};
 use crate::rays::{self, RAY_SETS, RaySet};
@@ -159,10 +159,9 @@ pub(super) fn table(name: &str) -> Result<Table, CliError> {
 }
 
 /// A paper by its short name.
-pub(super) fn paper(name: &str) -> Result<&str, CliError> {
-    let papers = papers::papers().map_err(|error| CliError::Other(error.to_string()))?;
-    let known: Vec<&str> = papers.keys().map(String::as_str).collect();
-    if known.contains(&name) { Ok(name) } else { Err(unknown("paper", name, &known)) }
+pub(super) fn paper(name: &str) -> Result<&'static Paper, CliError> {
+    let known: Vec<&str> = PAPERS.iter().map(|paper| paper.name).collect();
+    papers::paper(name).ok_or_else(|| unknown("paper", name, &known))
 }
 
 /// What `--set` says about ray sets.
@@ -315,7 +314,7 @@ mod tests {
     fn tables_have_every_peer_once() {
         let Ok(Table::Peers(bvh)) = table("bvh") else { panic!("it is one of peers") };
         let plain = peers(bvh, &[]).unwrap();
-        let set = peers(bvh, &[format!("{}.build=fast", bvh.reference)]).unwrap();
+        let set = peers(bvh, &[format!("{}.build=fast", bvh.reference())]).unwrap();
         assert_eq!(set.len() + 1, plain.len());
         assert!(plain.iter().chain(&set).all(|request| !request.required));
         assert!(message(table("bvhs")).contains("'bvh'"));

@@ -13,7 +13,7 @@ use crate::picture;
 use crate::plan::{Plan, RunPreset, TracerRequest};
 use crate::progress::Progress;
 use crate::rays::RAY_SETS;
-use crate::report as reports;
+use crate::{report as reports, tables};
 
 #[derive(Args)]
 pub(super) struct ReportArguments {
@@ -31,7 +31,7 @@ pub(super) fn run(arguments: &RunArguments, progress: &Progress) -> Result<(), C
 
 pub(super) fn report(arguments: &ReportArguments, progress: &Progress) -> Result<(), CliError> {
     let directory = folder_of(&arguments.path);
-    for path in reports::write_derived(&reports::read_run(&arguments.path)?, &directory)? {
+    for path in reports::write_derived(&reports::read_run(&arguments.path)?, &directory, tables::of_run)? {
         progress.say(&path.display().to_string());
     }
     Ok(())

@@ -14,7 +14,7 @@ use crate::papers::Experiment;
 use crate::progress::Progress;
 use crate::report;
 use crate::studies::updates::{self, DEFAULT_FRAMES};
-use crate::tables::Table;
+use crate::tables::{self, Table};
 
 pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(), CliError> {
     let table = names::table(&arguments.name)?;
@@ -39,7 +39,7 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
         Table::Peers(_) => {
             work.measure("table", progress)?;
         }
-        Table::Paper(experiment) => measure(experiment, arguments, &mut work, progress)?,
+        Table::Paper(_, experiment) => measure(experiment, arguments, &mut work, progress)?,
     }
     show(table, &work.bench.out.path)
 }
@@ -72,7 +72,7 @@ fn again(table: Table, path: &Path, out: Option<&Path>) -> Result<(), CliError> 
     // Read before anything is written.
     let run = report::read_run(path)?;
     let folder = open()?;
-    report::write_table(table, &run, &folder)?;
+    tables::write(table, &run, &folder)?;
     show(table, &folder)
 }
 

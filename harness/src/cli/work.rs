@@ -13,9 +13,9 @@ use crate::measure::{self, Context, Journal, RunError};
 use crate::plan::{Plan, RunPreset, Shard, TracerRequest};
 use crate::progress::{self, Progress};
 use crate::registry::Device;
-use crate::report;
 use crate::results::{Run, Skipped};
 use crate::truth::Cache;
+use crate::{report, tables};
 
 /// Where results go, and how a long run is spread and gone on with.
 #[derive(Args)]
@@ -139,7 +139,7 @@ impl<'a> Bench<'a> {
             }
         })?;
         say_skipped(&run.skipped, progress);
-        report::write_run(&run, &self.out.path)?;
+        report::write_run(&run, &self.out.path, tables::of_run)?;
         journal.finish();
         Ok(run)
     }

@@ -1,11 +1,6 @@
-//! What the papers claim, and how each claim is decided here.
+//! What a paper claims, and how each claim is decided here.
 
 use serde::{Deserialize, Serialize};
-
-use super::DataError;
-
-const FILE: &str = "harness/data/claims.json";
-const TEXT: &str = include_str!("../../data/claims.json");
 
 /// A claim.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -45,7 +40,7 @@ pub enum Test {
     Measured {
         /// The table.
         table: String,
-        /// The quantity, one of [`super::QUANTITIES`].
+        /// The quantity, one of the paper's.
         quantity: String,
         /// The paper's scenes that it is about, of whose stand-ins alone the quantity is taken; none for all scenes.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -126,12 +121,4 @@ impl Rule {
         };
         format!("{over} {range}")
     }
-}
-
-/// Every claim.
-///
-/// # Errors
-/// If the embedded file is not as it should be.
-pub fn claims() -> Result<Vec<Claim>, DataError> {
-    serde_json::from_str(TEXT).map_err(|source| DataError { file: FILE, source })
 }

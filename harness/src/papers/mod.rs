@@ -1,36 +1,121 @@
 //! What the papers measured: their published values and claims as data, experiments that measure the same here, and verdicts on
 //! the claims.
 //!
-//! `data/published.json` and `data/claims.json` hold facts and figures with their scopes, read out of the papers' text. A
-//! figure that only a lost picture has is `null`. How a claim is decided stands with it: which table measures which quantity of
-//! every scene, and the range that it must lie in.
+//! Every paper has a folder with all that is its own; what stands beside the folders knows none of them, nor any tracer. A
+//! folder's `published.json` and `claims.json` hold facts and figures with their scopes, read out of the paper's text. A figure
+//! that only a lost picture has is `null`. How a claim is decided stands with it: which table measures which quantity of every
+//! scene, and the range that it must lie in.
 
 mod claims;
-mod experiments;
+mod dirt;
+mod experiment;
+#[cfg(test)]
+mod fixture;
+mod page;
 mod published;
-mod quantities;
+mod quantity;
 mod rows;
 #[cfg(test)]
 mod tests;
 mod verdict;
+mod vvp16;
 
-pub use claims::{Claim, Over, Rule, Test, claims};
-pub use experiments::{EXPERIMENTS, Experiment, Row, Shown, StandIn, Step, TooManyRays, find};
-pub use published::{Paper, PublishedColumn, PublishedRow, PublishedTable, Setting, paper, papers, tables};
-pub(crate) use quantities::{
-    ABUFFER, MIXES, abuffer_formula, abuffer_ledger, bounces, counted, efficiency, layers, rays, tiles, total_ms, views,
-};
-pub use quantities::{Measure, QUANTITIES, Quantity, quantity};
+pub use claims::{Claim, Over, Rule, Test};
+pub use experiment::{Experiment, Part, Row, StandIn, Step, TooManyRays};
+pub(crate) use page::files;
+pub use page::{claims_text, write_claims};
+pub use published::{Publication, Published, PublishedColumn, PublishedRow, PublishedTable, Setting};
+pub use quantity::{Measure, Quantity};
 pub use rows::{Rows, SceneRows};
-pub(crate) use rows::{agreement, footprint, host_ms, integer, statistic, stored_bytes, trace};
+use tracebench_api::EndPoint;
 pub use verdict::{JudgedClaim, MeasuredBy, SceneValue, Verdict, judge, judge_all};
+
+use crate::results::TracerRun;
+
+/// Every paper, in the order of lists.
+pub const PAPERS: &[&Paper] = &[&dirt::PAPER, &vvp16::PAPER];
+
+/// A paper: what its folder holds.
+#[derive(Debug)]
+pub struct Paper {
+    /// Its short name, that of its folder; its experiments are named after it.
+    pub name: &'static str,
+    /// Its tables and figures, measured here.
+    pub experiments: &'static [Experiment],
+    /// The part of them that its bench takes.
+    pub part: Part,
+    /// What it printed: the text of `published.json`.
+    published: &'static str,
+    /// What it claims: the text of `claims.json`.
+    claims: &'static str,
+    /// What decides its claims.
+    quantities: &'static [&'static [Quantity]],
+    /// Counts that structures say of themselves and its pages show, with their headings.
+    counts: &'static [(&'static str, &'static str)],
+    /// Tracers with those buffers of a trace to surfaces, by name, that it counts as their memory.
+    of_a_trace: &'static [(&'static str, &'static [&'static str])],
+}
+
+/// Finds a paper by its short name.
+pub fn paper(name: &str) -> Option<&'static Paper> {
+    PAPERS.iter().copied().find(|paper| paper.name == name)
+}
+
+/// Finds an experiment by name, with its paper.
+pub fn find(name: &str) -> Option<(&'static Paper, &'static Experiment)> {
+    PAPERS.iter().find_map(|paper| Some((*paper, paper.experiment(name)?)))
+}
+
+impl Paper {
+    /// An experiment by name.
+    pub fn experiment(&self, name: &str) -> Option<&'static Experiment> {
+        self.experiments.iter().find(|experiment| experiment.name == name)
+    }
+
+    /// A quantity by name.
+    pub fn quantity(&self, name: &str) -> Option<&'static Quantity> {
+        self.quantities.iter().copied().flatten().find(|quantity| quantity.name == name)
+    }
+
+    /// Bytes that a structure uses, by its own ledger, and with them those buffers of a trace to surfaces that the paper counts.
+    pub(crate) fn bytes(&self, run: &TracerRun) -> f64 {
+        let counted = |name: &str| {
+            self.of_a_trace.iter().any(|(tracer, names)| *tracer == run.tracer.name && names.contains(&name))
+        };
+        let to_surfaces = run.traces.iter().find(|trace| trace.end == EndPoint::Surface);
+        let of_a_trace = to_surfaces.into_iter().flat_map(|trace| &trace.per_trace);
+        let parts = run.memory.structure.iter().chain(of_a_trace.filter(|part| counted(&part.name)));
+        parts.map(|part| part.used_bytes as f64).sum()
+    }
+
+    /// What it printed.
+    ///
+    /// # Errors
+    /// If the embedded file is not as it should be.
+    pub fn published(&self) -> Result<Published, DataError> {
+        self.read("published.json", self.published)
+    }
+
+    /// What it claims.
+    ///
+    /// # Errors
+    /// If the embedded file is not as it should be.
+    pub fn claims(&self) -> Result<Vec<Claim>, DataError> {
+        self.read("claims.json", self.claims)
+    }
+
+    fn read<T: serde::de::DeserializeOwned>(&self, file: &str, text: &str) -> Result<T, DataError> {
+        let file = || format!("harness/src/papers/{}/{file}", self.name);
+        serde_json::from_str(text).map_err(|source| DataError { file: file(), source })
+    }
+}
 
 /// Why embedded data cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[error("{file} is not as it should be: {source}")]
 pub struct DataError {
     /// The file.
-    file: &'static str,
+    file: String,
     /// What is wrong.
     source: serde_json::Error,
 }

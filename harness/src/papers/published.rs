@@ -1,18 +1,23 @@
-//! Values that the papers published, with hardware and scopes.
+//! Values that a paper published, with hardware and scopes.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::DataError;
-
-const FILE: &str = "harness/data/published.json";
-const TEXT: &str = include_str!("../../data/published.json");
-
-/// A paper.
+/// What a paper printed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Paper {
+pub struct Published {
+    /// The paper itself.
+    pub paper: Publication,
+    /// Its tables, and what captions and text state.
+    pub tables: Vec<PublishedTable>,
+}
+
+/// A paper as it is cited, with how it measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Publication {
     /// Its title.
     pub title: String,
     /// Where it appeared.
@@ -79,41 +84,6 @@ pub struct PublishedRow {
     pub labels: BTreeMap<String, String>,
     /// A value a column; `None` where there is none.
     pub values: Vec<Option<f64>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    papers: BTreeMap<String, Paper>,
-    tables: Vec<PublishedTable>,
-}
-
-fn file() -> Result<File, DataError> {
-    serde_json::from_str(TEXT).map_err(|source| DataError { file: FILE, source })
-}
-
-/// Every paper by its short name.
-///
-/// # Errors
-/// If the embedded file is not as it should be.
-pub fn papers() -> Result<BTreeMap<String, Paper>, DataError> {
-    Ok(file()?.papers)
-}
-
-/// A paper by its short name.
-///
-/// # Errors
-/// As [`papers`].
-pub fn paper(name: &str) -> Result<Option<Paper>, DataError> {
-    Ok(papers()?.remove(name))
-}
-
-/// Every published table.
-///
-/// # Errors
-/// As [`papers`].
-pub fn tables() -> Result<Vec<PublishedTable>, DataError> {
-    Ok(file()?.tables)
 }
 
 impl PublishedTable {

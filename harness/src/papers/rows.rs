@@ -1,10 +1,9 @@
 //! A run's rows as quantities look at them: by scene, by parameters, by resolution.
 
 use serde_json::Value;
-use tracebench_api::{ClockKind, EndPoint};
 
-use super::experiments::Experiment;
-use crate::results::{Judgement, Run, Skipped, Times, TraceRecord, TracerRun};
+use super::experiment::Experiment;
+use crate::results::{Judgement, Run, Skipped, TraceRecord, TracerRun, same_pose, time_ratio};
 
 /// A run by scene.
 pub struct Rows<'a> {
@@ -30,7 +29,7 @@ impl<'a> Rows<'a> {
     pub fn of(run: &'a Run) -> Self {
         let mut scenes: Vec<SceneRows<'a>> = Vec::new();
         for one in &run.runs {
-            match scenes.iter_mut().find(|scene| same_place(scene.runs[0], one)) {
+            match scenes.iter_mut().find(|scene| same_pose(scene.runs[0], one)) {
                 Some(scene) => scene.runs.push(one),
                 None => {
                     let skipped = run.skipped.iter().filter(|skipped| skipped.scene == one.scene.name).collect();
@@ -55,13 +54,6 @@ impl<'a> Rows<'a> {
         };
         Self { run: self.run, scenes: self.scenes.iter().filter(wanted).cloned().collect() }
     }
-}
-
-fn same_place(one: &TracerRun, other: &TracerRun) -> bool {
-    one.scene.name == other.scene.name
-        && one.scene.sha256 == other.scene.sha256
-        && (one.viewpoint.eye, one.viewpoint.forward) == (other.viewpoint.eye, other.viewpoint.forward)
-        && one.viewpoint.time_s == other.viewpoint.time_s
 }
 
 /// Whether a run has a value of a parameter, given as the command line takes it.
@@ -107,6 +99,17 @@ impl<'a> SceneRows<'a> {
         self.of_tracer(tracer).find(alike)
     }
 
+    /// Names of the ray sets, in order of first appearance.
+    pub fn ray_sets(&self) -> Vec<&'a str> {
+        let mut sets: Vec<&str> = Vec::new();
+        for trace in self.runs.iter().flat_map(|run| &run.traces) {
+            if !sets.contains(&trace.rays.as_str()) {
+                sets.push(&trace.rays);
+            }
+        }
+        sets
+    }
+
     /// The runs by resolution: of the ray image, from the lowest, then of the views.
     pub fn by_resolution(&self) -> Vec<SceneRows<'a>> {
         let mut resolutions: Vec<[u64; 3]> = self.runs.iter().map(|run| resolution(run)).collect();
@@ -133,31 +136,9 @@ pub(crate) fn trace<'a>(run: &'a TracerRun, rays: &str) -> Option<&'a TraceRecor
     run.traces.iter().find(|trace| trace.rays == rays)
 }
 
-/// A tracer's time by the host's clock: that of work on the host, or round a submission.
-pub(crate) fn host_ms(times: &Times) -> Option<f64> {
-    let measured = match times.clock {
-        ClockKind::Host => (!times.samples_ms.is_empty()).then_some(times.median_ms),
-        ClockKind::DeviceTimestamps | ClockKind::SubmitToDone => times.submit_to_done_median_ms,
-    };
-    measured.filter(|ms| *ms > 0.0)
-}
-
-/// How many times as long one took as the other: by the clock that timed both, else by the host's.
-pub(crate) fn time_ratio(one: &Times, other: &Times) -> Option<f64> {
-    let own = |times: &Times| (!times.samples_ms.is_empty() && times.median_ms > 0.0).then_some(times.median_ms);
-    if one.clock == other.clock { Some(own(one)? / own(other)?) } else { Some(host_ms(one)? / host_ms(other)?) }
-}
-
-/// What DIRT's Table 3 counts of a trace's own buffers.
-const OF_A_TRACE: [&str; 4] = ["hit buffer: heads", "hit buffer: nodes", "mask texture", "shading buffer"];
-
-/// Bytes that a structure uses, by its own ledger, and of DIRT where surfaces were traced the buffers that its paper counts with it.
-pub(crate) fn stored_bytes(run: &TracerRun) -> f64 {
-    let own = run.traces.iter().filter(|_| run.tracer.name == "dirt");
-    let to_surfaces = own.into_iter().find(|trace| trace.end == EndPoint::Surface);
-    let of_trace = to_surfaces.into_iter().flat_map(|trace| &trace.per_trace);
-    let counted = of_trace.filter(|part| OF_A_TRACE.contains(&part.name.as_str()));
-    run.memory.structure.iter().chain(counted).map(|part| part.used_bytes as f64).sum()
+/// How many times as long a trace of a ray set takes in one row as in another.
+pub(crate) fn trace_ratio(one: &TracerRun, other: &TracerRun, rays: &str) -> Option<f64> {
+    time_ratio(&trace(one, rays)?.times, &trace(other, rays)?.times)
 }
 
 /// What a structure says of itself.
@@ -198,4 +179,32 @@ pub(crate) fn wrong(trace: &TraceRecord) -> Option<[u64; 2]> {
     let classes = &closest.classes.tight;
     let wrong = classes.false_hit + classes.false_miss + classes.early + classes.late;
     Some([trace.count.saturating_sub(closest.ties), wrong])
+}
+
+/// Rays in a million, of a share.
+pub(crate) const MILLION: f64 = 1e6;
+
+/// What is counted of a trace: rays that count, and of them those of a kind.
+type Count = fn(&TraceRecord) -> Option<[u64; 2]>;
+
+/// Rays in a million over all closest-hit sets that two rows have, in one beyond the other.
+pub(crate) fn beyond(one: &TracerRun, other: &TracerRun, count: Count) -> Option<f64> {
+    beyond_of(one, other, |_| true, count)
+}
+
+/// The same over some of the sets.
+pub(crate) fn beyond_of(
+    one: &TracerRun,
+    other: &TracerRun,
+    wanted: impl Fn(&TraceRecord) -> bool,
+    count: Count,
+) -> Option<f64> {
+    let mut sums = [0_u64; 3];
+    for own in one.traces.iter().filter(|trace| wanted(trace)) {
+        let same = trace(other, &own.rays).filter(|each| each.rays_sha256 == own.rays_sha256);
+        let Some((here, there)) = count(own).zip(same.and_then(count)) else { continue };
+        sums = [sums[0] + here[0], sums[1] + here[1], sums[2] + there[1]];
+    }
+    let [rays, here, there] = sums.map(|sum| sum as f64);
+    (rays > 0.0).then(|| (here - there) / rays * MILLION)
 }

@@ -3,9 +3,8 @@
 use serde::Serialize;
 
 use super::claims::{Claim, Test};
-use super::experiments;
-use super::quantities::quantity;
 use super::rows::Rows;
+use super::{DataError, Paper};
 use crate::results::Run;
 
 /// What is said of a claim.
@@ -99,16 +98,16 @@ fn on_hardware(run: &Run) -> bool {
     run.provenance.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind != "software")
 }
 
-/// Judges one claim by a run that was made for its table, or is taken for it.
-pub fn judge(claim: &Claim, table: &str, rows: &Rows<'_>) -> JudgedClaim {
+/// Judges one claim of a paper by a run that was made for its table, or is taken for it.
+pub fn judge(paper: &Paper, claim: &Claim, table: &str, rows: &Rows<'_>) -> JudgedClaim {
     let (wanted, name, scenes, rule) = match &claim.test {
         Test::NotMeasurable { not_measurable } => {
             return JudgedClaim::not_measurable(claim, not_measurable);
         }
         Test::Measured { table, quantity, scenes, rule } => (table, quantity, scenes, rule),
     };
-    let quantity = quantity(name).filter(|_| wanted == table);
-    let about = experiments::find(wanted).filter(|_| !scenes.is_empty()).map(|made| rows.standing_for(made, scenes));
+    let quantity = paper.quantity(name).filter(|_| wanted == table);
+    let about = paper.experiment(wanted).filter(|_| !scenes.is_empty()).map(|made| rows.standing_for(made, scenes));
     let values = quantity.map(|quantity| quantity.values(about.as_ref().unwrap_or(rows))).unwrap_or_default();
     let plain: Vec<f64> = values.iter().map(|value| value.value).collect();
     let (verdict, reason) = if values.is_empty() {
@@ -143,24 +142,27 @@ pub fn judge(claim: &Claim, table: &str, rows: &Rows<'_>) -> JudgedClaim {
 
 /// Judges all claims of a paper by the runs that were made for its tables. A claim that several runs measure is judged by each;
 /// one that none measures is named with the table that would.
-pub fn judge_all(claims: &[Claim], paper: &str, runs: &[Run]) -> Vec<JudgedClaim> {
+///
+/// # Errors
+/// If the embedded claims are not as they should be.
+pub fn judge_all(paper: &Paper, runs: &[Run]) -> Result<Vec<JudgedClaim>, DataError> {
     let mut judged = Vec::new();
-    for claim in claims.iter().filter(|claim| claim.paper == paper) {
+    for claim in paper.claims()? {
         let table = match &claim.test {
             Test::Measured { table, .. } => table,
             Test::NotMeasurable { not_measurable } => {
-                judged.push(JudgedClaim::not_measurable(claim, not_measurable));
+                judged.push(JudgedClaim::not_measurable(&claim, not_measurable));
                 continue;
             }
         };
         let before = judged.len();
         for run in runs.iter().filter(|run| run.table.as_deref() == Some(table)) {
-            judged.push(judge(claim, table, &Rows::of(run)));
+            judged.push(judge(paper, &claim, table, &Rows::of(run)));
         }
         if judged.len() == before {
             let reason = format!("no run of `tracebench table {table}` was given");
-            judged.push(JudgedClaim::without_values(claim.clone(), Verdict::NotMeasured, reason));
+            judged.push(JudgedClaim::without_values(claim, Verdict::NotMeasured, reason));
         }
     }
-    judged
+    Ok(judged)
 }

@@ -23,9 +23,7 @@ pub struct Table {
     pub summary: &'static str,
     /// Whose tracers stand in it.
     pub family: Family,
-    /// The tracer that others are set against.
-    pub reference: &'static str,
-    /// A parameter of the reference, each of whose values worth sweeping has a row.
+    /// A parameter of the reference tracer, each of whose values worth sweeping has a row.
     pub swept: Option<&'static str>,
     /// Ray sets where nothing else is said, as `--rays` takes them.
     pub rays: &'static str,
@@ -39,7 +37,6 @@ pub const TABLES: &[Table] = &[
         name: "bvh",
         summary: "bounding volume hierarchies: build rate, size, cost, speed with accuracy, counters, over every scene",
         family: Family::Bvh,
-        reference: "bvh-cpu",
         swept: Some("build"),
         rays: "primary,ao,specular,diffuse",
         subject: Subject::Still,
@@ -48,7 +45,6 @@ pub const TABLES: &[Table] = &[
         name: "bvh-updates",
         summary: "bounding volume hierarchies over animations: rebuild and refit, their times and what is left of quality",
         family: Family::Bvh,
-        reference: "bvh-cpu",
         swept: None,
         rays: "diffuse",
         subject: Subject::Moving,
@@ -61,11 +57,17 @@ pub fn find(name: &str) -> Option<&'static Table> {
 }
 
 impl Table {
+    /// The tracer that others are set against: the first of the family in the registry.
+    pub fn reference(&self) -> &'static str {
+        let first = TRACERS.iter().find(|each| each.family == self.family);
+        first.map_or("", |registration| (registration.describe)().name)
+    }
+
     /// Every tracer of the family as published, each followed by its variants: of the reference the values of the swept
     /// parameter, of others their own named kinds of structure, parameters that the reference has too left out.
     pub fn contenders(&self) -> Vec<TracerRequest> {
         let peers: Vec<_> = TRACERS.iter().filter(|each| each.family == self.family).collect();
-        let is_reference = |request: &TracerRequest| request.name() == self.reference;
+        let is_reference = |request: &TracerRequest| request.name() == self.reference();
         let published: Vec<_> = peers.into_iter().map(|each| TracerRequest::of(each, Preset::Published)).collect();
         let reference = published.iter().find(|request| is_reference(request));
         let known = reference.map(|request| (request.registration.describe)().parameters).unwrap_or_default();
@@ -110,8 +112,8 @@ mod tests {
     fn tables_name_what_exists() {
         for (index, table) in TABLES.iter().enumerate() {
             assert!(TABLES[..index].iter().all(|other| other.name != table.name));
-            let reference = registry::find(table.reference).unwrap();
-            assert!(reference.family == table.family && table.holds(table.reference));
+            let reference = registry::find(table.reference()).unwrap();
+            assert!(reference.family == table.family && table.holds(table.reference()));
             let parameters = (reference.describe)().parameters;
             assert!(table.swept.is_none_or(|name| parameters.iter().any(|parameter| parameter.name == name)));
             assert!(table.rays.split(',').all(|name| RAY_SETS.iter().any(|set| set.name == name)));
@@ -130,8 +132,8 @@ mod tests {
                 let found = rows.iter().filter(|row| row.name() == name).count();
                 assert_eq!(found > 0, registration.family == table.family, "{name} in {}", table.name);
             }
-            let of_reference = rows.iter().filter(|row| row.name() == table.reference).count();
-            let parameters = (registry::find(table.reference).unwrap().describe)().parameters;
+            let of_reference = rows.iter().filter(|row| row.name() == table.reference()).count();
+            let parameters = (registry::find(table.reference()).unwrap().describe)().parameters;
             let swept =
                 parameters.iter().find(|each| Some(each.name) == table.swept).map_or(1, |each| each.sweep.len());
             assert_eq!(of_reference, swept, "{}", table.name);
@@ -139,7 +141,7 @@ mod tests {
                 let same = |other: &&TracerRequest| other.name() == row.name() && other.parameters == row.parameters;
                 assert_eq!(rows[..index].iter().find(same).map(TracerRequest::name), None);
                 let shared = |name: &String| parameters.iter().any(|each| each.name == name);
-                assert!(row.name() == table.reference || !row.changed.iter().any(shared), "{:?}", row.changed);
+                assert!(row.name() == table.reference() || !row.changed.iter().any(shared), "{:?}", row.changed);
             }
         }
     }

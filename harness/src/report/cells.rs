@@ -1,16 +1,18 @@
 //! Cells of tables that tell of traces: never a speed without its accuracy.
 
+use std::collections::BTreeSet;
+
 use super::format::{NONE, clock_of, percent_with_interval, significant, statistic, thousands, with_interval};
 use super::group::Role;
 use super::metrics;
 use crate::results::{Classes, ClosestJudgement, CounterRecord, Judgement, Occlusion, TraceRecord, TracerRun};
 
 /// A trace with its place in the table.
-pub(super) type Row<'a> = (Role, &'a TracerRun, &'a TraceRecord);
+pub(crate) type Row<'a> = (Role, &'a TracerRun, &'a TraceRecord);
 
 /// Label, clock, rays, speed and time; the last two only beside an accuracy, and never for controls, which trace
 /// nothing.
-pub(super) fn speed_cells(role: Role, run: &TracerRun, trace: &TraceRecord, judged: bool) -> [String; 5] {
+pub(crate) fn speed_cells(role: Role, run: &TracerRun, trace: &TraceRecord, judged: bool) -> [String; 5] {
     let clock = if role == Role::Control { NONE.to_owned() } else { clock_of(&trace.times) };
     let speed = metrics::speed(trace).filter(|_| judged && role == Role::Contender);
     let [speed, time] = match speed {
@@ -25,7 +27,7 @@ pub(super) fn speed_cells(role: Role, run: &TracerRun, trace: &TraceRecord, judg
 
 /// Whether anything could be judged, and the cells that tell the accuracy of a trace: three of a closest-hit set, one of
 /// an any-hit set.
-pub(super) fn accuracies(trace: &TraceRecord) -> (bool, Vec<String>) {
+pub(crate) fn accuracies(trace: &TraceRecord) -> (bool, Vec<String>) {
     accuracies_of(&trace.judgement, metrics::trials(trace))
 }
 
@@ -69,7 +71,7 @@ fn accuracy(occlusion: &Occlusion, trials: u64) -> String {
 }
 
 /// The intervals' coverage, which few samples cannot bring to 95 %.
-pub(super) fn coverage(rows: &[Row<'_>]) -> String {
+pub(crate) fn coverage(rows: &[Row<'_>]) -> String {
     let timed = rows.iter().filter(|(role, _, trace)| *role == Role::Contender && !trace.times.samples_ms.is_empty());
     let (mut low, mut high, mut samples) = (f64::INFINITY, 0.0_f64, u64::MAX);
     for (_, _, trace) in timed {
@@ -100,6 +102,24 @@ pub(super) fn touched(run: &TracerRun, name: &str, counter: &CounterRecord) -> O
         }
         None => thousands(counter.total),
     })
+}
+
+/// Headings of counters: means per ray, but for what is counted over a set.
+pub(crate) fn counter_headings(rows: &[Row<'_>], names: &BTreeSet<&str>) -> Vec<String> {
+    let of_set = |name: &str| {
+        let counters = rows.iter().filter_map(|(.., trace)| trace.counters.get(name));
+        counters.into_iter().any(|counter| counter.greatest_per_ray.is_none())
+    };
+    names.iter().map(|name| if of_set(name) { format!("{name} ↓") } else { format!("{name} per ray ↓") }).collect()
+}
+
+/// Cells of counters: the mean per ray, or what a set touched.
+pub(crate) fn counters(run: &TracerRun, trace: &TraceRecord, names: &BTreeSet<&str>) -> Vec<String> {
+    let cell = |name: &str| {
+        let counter = trace.counters.get(name)?;
+        Some(touched(run, name, counter).unwrap_or_else(|| significant(counter.per_ray, 4)))
+    };
+    names.iter().map(|name| cell(name).unwrap_or_else(|| NONE.to_owned())).collect()
 }
 
 /// The tracer's label, marked if it is a control's.
@@ -151,7 +171,7 @@ mod tests {
         run.sweep.as_mut().unwrap().tracer = "bvh-gpu".to_owned();
         run.table = Some("bvh".to_owned());
         let folder = tempfile::TempDir::new().unwrap();
-        crate::report::write_derived(&run, folder.path()).unwrap();
+        crate::report::write_derived(&run, folder.path(), fixture::tables).unwrap();
         for (name, rows) in [("summary.md", 2), ("table_bvh.md", 2), ("sweep.md", 2)] {
             let text = std::fs::read_to_string(folder.path().join(name)).unwrap();
             assert_eq!(text.matches("1,234 (28.6 % of 4,321)").count(), rows, "{name}: {text}");

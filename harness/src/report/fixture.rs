@@ -376,3 +376,9 @@ fn wrong_rays(quality: Quality) -> Vec<WrongRay> {
     };
     if quality.missed > 0.0 { (0..5).map(ray).collect() } else { Vec::new() }
 }
+
+/// The table of peers that a run was made for.
+pub(crate) fn tables(run: &Run) -> Result<Vec<(String, Vec<u8>)>, super::ReportError> {
+    let table = run.table.as_deref().and_then(crate::peers::find);
+    table.map_or_else(|| Ok(Vec::new()), |table| super::peers::files(table, run))
+}

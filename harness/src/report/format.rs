@@ -5,10 +5,10 @@ use tracebench_api::{ClockKind, EndPoint, Query};
 use crate::results::Times;
 
 /// What stands where there is no figure.
-pub(super) const NONE: &str = "–";
+pub(crate) const NONE: &str = "–";
 
 /// A number with about `digits` significant digits: plain where that is short, else with a power of ten.
-pub(super) fn significant(value: f64, digits: usize) -> String {
+pub(crate) fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return NONE.to_owned();
     }
@@ -24,17 +24,17 @@ pub(super) fn significant(value: f64, digits: usize) -> String {
 }
 
 /// A number or the sign for none.
-pub(super) fn optional(value: Option<f64>, digits: usize) -> String {
+pub(crate) fn optional(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| NONE.to_owned(), |value| significant(value, digits))
 }
 
 /// A value with its interval.
-pub(super) fn with_interval(value: f64, [low, high]: [f64; 2], digits: usize) -> String {
+pub(crate) fn with_interval(value: f64, [low, high]: [f64; 2], digits: usize) -> String {
     format!("{} [{}, {}]", significant(value, digits), significant(low, digits), significant(high, digits))
 }
 
 /// A share in percent, with so many decimals that one ray of `trials` shows: nothing but 1 itself reads "100".
-pub(super) fn percent(share: f64, trials: u64) -> String {
+pub(crate) fn percent(share: f64, trials: u64) -> String {
     if !share.is_finite() {
         return NONE.to_owned();
     }
@@ -76,7 +76,7 @@ pub(super) fn percent_with_interval(share: f64, interval: Option<[f64; 2]>, tria
 }
 
 /// A count with commas between thousands.
-pub(super) fn thousands(count: u64) -> String {
+pub(crate) fn thousands(count: u64) -> String {
     let digits = count.to_string();
     let mut text = String::new();
     for (index, digit) in digits.chars().enumerate() {
@@ -89,12 +89,12 @@ pub(super) fn thousands(count: u64) -> String {
 }
 
 /// What a structure says of itself: a count with commas, or a number.
-pub(super) fn statistic(value: f64) -> String {
+pub(crate) fn statistic(value: f64) -> String {
     if value.fract() == 0.0 && (0.0..1e15).contains(&value) { thousands(value as u64) } else { significant(value, 4) }
 }
 
 /// Bytes as MiB (2^20 bytes).
-pub(super) fn mib(bytes: u64) -> String {
+pub(crate) fn mib(bytes: u64) -> String {
     significant(bytes as f64 / f64::from(1 << 20), 4)
 }
 
@@ -108,7 +108,7 @@ pub(super) fn clock(clock: ClockKind) -> &'static str {
 }
 
 /// The clock of times, and whether another was refused.
-pub(super) fn clock_of(times: &Times) -> String {
+pub(crate) fn clock_of(times: &Times) -> String {
     let refused = if times.timestamps_refused { " (timestamps not believed)" } else { "" };
     format!("{}{refused}", clock(times.clock))
 }
@@ -123,7 +123,7 @@ pub(super) fn clock_code(clock: ClockKind) -> &'static str {
 }
 
 /// A query's name.
-pub(super) fn query(query: Query) -> &'static str {
+pub(crate) fn query(query: Query) -> &'static str {
     match query {
         Query::Closest => "closest hit",
         Query::Any => "any hit",
@@ -151,7 +151,7 @@ pub(super) fn commit(commit: &str, dirty: Option<bool>) -> String {
 }
 
 /// Text made safe for a file's name: letters, digits, `_` and `-`; everything else becomes `_`.
-pub(super) fn file_stem(name: &str) -> String {
+pub(crate) fn file_stem(name: &str) -> String {
     let safe = |c: char| if c.is_ascii_alphanumeric() || c == '_' || c == '-' { c } else { '_' };
     let stem: String = name.chars().map(safe).take(80).collect();
     if stem.is_empty() { "scene".to_owned() } else { stem }

@@ -39,7 +39,7 @@ pub(super) struct RaySet<'a> {
 
 /// Whether a row is a control's or a contender's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Role {
+pub(crate) enum Role {
     /// Its score is known beforehand.
     Control,
     /// What is measured.

@@ -3,19 +3,19 @@
 use std::fmt::Write as _;
 
 /// Text that cannot end its line or be taken for markup of a table.
-pub(super) fn inline(text: &str) -> String {
+pub(crate) fn inline(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ").replace('|', "\\|").replace('<', "&lt;")
 }
 
 /// A table in Markdown.
-pub(super) struct Table {
+pub(crate) struct Table {
     /// The rows so far.
     pub text: String,
 }
 
 impl Table {
     /// A table with its headings.
-    pub(super) fn new(headings: &[String]) -> Self {
+    pub(crate) fn new(headings: &[String]) -> Self {
         let mut table = Self { text: String::new() };
         table.row(headings);
         let _ = writeln!(table.text, "|{}", " --- |".repeat(headings.len()));
@@ -23,7 +23,7 @@ impl Table {
     }
 
     /// Adds a row.
-    pub(super) fn row(&mut self, cells: &[String]) {
+    pub(crate) fn row(&mut self, cells: &[String]) {
         for cell in cells {
             let _ = write!(self.text, "| {} ", inline(cell));
         }

@@ -1,10 +1,12 @@
 //! Every figure of a trace that tables and charts show: its name, unit, which way is better, and where it is found.
 
-use crate::results::{AnyJudgement, ClosestJudgement, Judgement, TraceRecord, TracerRun};
+use tracebench_api::ClockKind;
+
+use crate::results::{AnyJudgement, ClosestJudgement, Judgement, Times, TraceRecord, TracerRun};
 
 /// Which way is better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Better {
+pub(crate) enum Better {
     /// More is better.
     Higher,
     /// Less is better.
@@ -15,7 +17,7 @@ pub(super) enum Better {
 
 /// A column of tables for programs.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Column {
+pub(crate) struct Column {
     /// Its name, with the unit at its end.
     pub name: &'static str,
     /// Its value, `None` where the trace has none.
@@ -24,7 +26,7 @@ pub(super) struct Column {
 
 /// A figure that people read too.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Metric {
+pub(crate) struct Metric {
     /// Where it is found, and its name in tables for programs.
     pub column: Column,
     /// Name for people.
@@ -37,7 +39,7 @@ pub(super) struct Metric {
 
 impl Metric {
     /// Label with unit, and an arrow the way that is better: a table's heading.
-    pub(super) fn heading(&self) -> String {
+    pub(crate) fn heading(&self) -> String {
         let arrow = match self.better {
             Better::Higher => " ↑",
             Better::Lower => " ↓",
@@ -67,12 +69,12 @@ const fn column(name: &'static str, value: fn(&TracerRun, &TraceRecord) -> Optio
 }
 
 /// Traces a second.
-pub(super) const SPEED: Metric = metric("mrays_per_s", "speed", "Mrays/s", Better::Higher, |_, trace| speed(trace));
+pub(crate) const SPEED: Metric = metric("mrays_per_s", "speed", "Mrays/s", Better::Higher, |_, trace| speed(trace));
 /// Time of a trace.
-pub(super) const TRACE_TIME: Metric =
+pub(crate) const TRACE_TIME: Metric =
     metric("median_ms", "median time", "ms", Better::Lower, |_, trace| timed(trace, trace.times.median_ms));
 /// Time of a build.
-pub(super) const BUILD_TIME: Metric = metric("build_median_ms", "build time", "ms", Better::Lower, |run, _| {
+pub(crate) const BUILD_TIME: Metric = metric("build_median_ms", "build time", "ms", Better::Lower, |run, _| {
     (!run.build.times.samples_ms.is_empty()).then_some(run.build.times.median_ms)
 });
 /// Right about hit or miss.
@@ -208,12 +210,12 @@ pub(super) fn ties(judgement: &Judgement) -> u64 {
 }
 
 /// Rays that count.
-pub(super) fn trials(trace: &TraceRecord) -> u64 {
+pub(crate) fn trials(trace: &TraceRecord) -> u64 {
     trace.count.saturating_sub(ties(&trace.judgement))
 }
 
 /// Million rays a second, where something was timed.
-pub(super) fn speed(trace: &TraceRecord) -> Option<f64> {
+pub(crate) fn speed(trace: &TraceRecord) -> Option<f64> {
     timed(trace, trace.mrays_per_s).filter(|speed| speed.is_finite() && *speed > 0.0)
 }
 

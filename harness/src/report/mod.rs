@@ -3,21 +3,20 @@
 //! Every file is made whole in memory, written beside its place and renamed, so no file is ever half-written. The
 //! derived files depend on nothing but the run: made again from the same `run.json` they are the same bytes.
 
-mod cells;
-mod chart;
+pub(crate) mod cells;
+pub(crate) mod chart;
 mod compare;
 mod error;
 mod explain;
 #[cfg(test)]
 pub(crate) mod fixture;
-mod format;
-mod group;
-mod markdown;
-mod metrics;
-mod papers;
-mod peers;
+pub(crate) mod format;
+pub(crate) mod group;
+pub(crate) mod markdown;
+pub(crate) mod metrics;
+pub(crate) mod peers;
 mod stability;
-mod summary;
+pub(crate) mod summary;
 mod surfaces;
 mod sweep;
 mod tables;
@@ -36,7 +35,6 @@ use flate2::read::MultiGzDecoder;
 pub use compare::comparison_text;
 pub use error::ReportError;
 pub use explain::{EXPLAIN_PAGE, explanation_page};
-pub use papers::{claims_text, write_claims};
 pub use stability::{STABILITY_TABLE, matrix as stability_matrix};
 pub use sweep::SWEEP_PAGE;
 pub use tune::{TUNE_PAGE, tuning_overview};
@@ -45,22 +43,25 @@ use crate::files;
 use crate::results::{Run, SCHEMA};
 use crate::studies::stability::Stability;
 use crate::studies::tune::Tuning;
-use crate::tables::Table;
 
 /// The file that holds everything.
 pub const RUN_FILE: &str = "run.json";
+
+/// Makes the files of the table that a run was made for, name and contents; none of one that was made for none. Tables know
+/// reports, reports know no table.
+pub type Tables = fn(&Run) -> Result<Vec<(String, Vec<u8>)>, ReportError>;
 
 /// Creates the folder if need be, writes `run.json`, then what is derived from it; gives the paths in that order.
 ///
 /// # Errors
 /// If the folder or a file cannot be written, or a chart cannot be drawn.
-pub fn write_run(run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
+pub fn write_run(run: &Run, directory: &Path, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
     files::create_directory(directory)?;
     let path = directory.join(RUN_FILE);
     // First, so that a failure in a chart costs the chart and not the measurements.
     files::write(&path, &files::json(RUN_FILE, run)?)?;
     let mut paths = vec![path];
-    paths.extend(write_derived(run, directory)?);
+    paths.extend(write_derived(run, directory, tables)?);
     Ok(paths)
 }
 
@@ -68,14 +69,15 @@ pub fn write_run(run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportErro
 ///
 /// # Errors
 /// If the folder or a file cannot be written, or a chart cannot be drawn.
-pub fn write_derived(run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
-    let (contents, stems) = derived(run)?;
+pub fn write_derived(run: &Run, directory: &Path, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
+    let (contents, stems) = derived(run, tables)?;
     let paths = write_all(contents, directory)?;
     remove_stale_charts(directory, &paths, stems);
     Ok(paths)
 }
 
-fn write_all(contents: Vec<(String, Vec<u8>)>, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
+/// Writes files into a folder, and gives their paths.
+pub(crate) fn write_all(contents: Vec<(String, Vec<u8>)>, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
     files::create_directory(directory)?;
     let write = |(name, contents): (String, Vec<u8>)| {
         let path = directory.join(name);
@@ -86,7 +88,7 @@ fn write_all(contents: Vec<(String, Vec<u8>)>, directory: &Path) -> Result<Vec<P
 }
 
 /// The files that derive from a record, by name, and what the names of its charts begin with.
-fn derived(run: &Run) -> Result<(Vec<(String, Vec<u8>)>, &'static [&'static str]), ReportError> {
+fn derived(run: &Run, tables: Tables) -> Result<(Vec<(String, Vec<u8>)>, &'static [&'static str]), ReportError> {
     if let Some(tuning) = Tuning::of(run) {
         return Ok((tune::files(&tuning)?, &[tune::STEM]));
     }
@@ -102,12 +104,12 @@ fn derived(run: &Run) -> Result<(Vec<(String, Vec<u8>)>, &'static [&'static str]
         let page = explanation_page(run, found);
         return Ok((vec![(EXPLAIN_PAGE.to_owned(), page.into_bytes())], &[]));
     }
-    Ok((of_run(run)?, &chart::STEMS))
+    Ok((of_run(run, tables)?, &chart::STEMS))
 }
 
 /// The files of a plain run: `summary.md`, `traces.csv`, `wrong_rays.csv`, charts; of one that was made for a table the table;
 /// of a sweep also `sweep.md`, `sweep.csv` and its charts.
-fn of_run(run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+fn of_run(run: &Run, of_table: Tables) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
     let groups = group::groups(run);
     let labelled = sweep::labelled(run);
     let shown = group::groups(&labelled);
@@ -116,9 +118,7 @@ fn of_run(run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
         ("traces.csv".to_owned(), tables::traces(run, &groups)?),
         ("wrong_rays.csv".to_owned(), tables::wrong_rays(&groups)?),
     ];
-    if let Some(table) = run.table.as_deref().and_then(Table::find) {
-        contents.extend(table_files(table, run)?);
-    }
+    contents.extend(of_table(run)?);
     contents.extend(chart::charts(&labelled, &shown)?.into_iter().map(|file| (file.name, file.contents)));
     if let Some(record) = &run.sweep {
         let views = sweep::views(record, &groups);
@@ -128,31 +128,16 @@ fn of_run(run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
     Ok(contents)
 }
 
-/// Writes a table over a run, whatever the run was made for, and gives the paths.
+/// The table of a record that follows animations: names and contents.
 ///
 /// # Errors
-/// If the folder or a file cannot be written, or the run has nothing for the table.
-pub fn write_table(table: Table, run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
-    let made = |reason: &str| ReportError::Made { what: format!("table {}", table.name()), reason: reason.to_owned() };
-    if table.is_moving() != run.updates.is_some() {
-        let reason = if table.is_moving() { "the run follows no animation" } else { "the run follows animations" };
-        return Err(made(reason));
-    }
-    if !run.runs.iter().any(|one| table.holds(&one.tracer.name)) {
-        return Err(made("no tracer of this run belongs into it"));
-    }
-    let contents = match &run.updates {
-        Some(updates) => updates::files(run, updates)?,
-        None => table_files(table, run)?,
+/// If the record follows none.
+pub(crate) fn of_updates(run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+    let none = || ReportError::Made {
+        what: "a table over animations".to_owned(),
+        reason: "the run follows no animation".to_owned(),
     };
-    write_all(contents, directory)
-}
-
-fn table_files(table: Table, run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
-    match table {
-        Table::Peers(table) => peers::files(table, run),
-        Table::Paper(experiment) => papers::files(experiment, run),
-    }
+    updates::files(run, run.updates.as_ref().ok_or_else(none)?)
 }
 
 /// Charts of scenes that only an older run in the same folder had would pass for this one's.

@@ -12,8 +12,8 @@ use super::markdown::{Table as Markdown, inline};
 use super::metrics;
 use super::tables::{accuracy_columns, code, number, to_csv};
 use super::{cells, summary};
-use crate::papers::host_ms;
 use crate::peers::Table;
+use crate::results::host_ms;
 use crate::results::{Run, Times, TraceRecord, TracerRun};
 
 /// Statistics of structures that have columns of their own, by their names in `validate`.
@@ -21,7 +21,7 @@ const NODES: &str = "nodes";
 const SAH_COST: &str = "sah_cost";
 
 /// The files of a table: name and contents. Rows are the tracers of the table's family.
-pub(super) fn files(table: &Table, run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+pub(crate) fn files(table: &Table, run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
     let mut run = run.clone();
     run.runs.retain(|one| table.holds(&one.tracer.name));
     run.skipped.retain(|one| one.tracer.as_deref().is_none_or(|name| table.holds(name)));
@@ -33,7 +33,7 @@ pub(super) fn files(table: &Table, run: &Run) -> Result<Vec<(String, Vec<u8>)>, 
 }
 
 /// What the files of a table are called, without their ends.
-pub(super) fn stem(name: &str) -> String {
+pub(crate) fn stem(name: &str) -> String {
     format!("table_{}", name.replace('-', "_"))
 }
 
@@ -62,7 +62,7 @@ fn bytes_per_triangle(run: &TracerRun) -> [f64; 2] {
 
 /// The reference of a group: as published where that ran, since it comes first.
 fn reference_of<'a>(table: &Table, group: &Group<'a>) -> Option<&'a TracerRun> {
-    group.contenders.iter().find(|run| run.tracer.name == table.reference).copied()
+    group.contenders.iter().find(|run| run.tracer.name == table.reference()).copied()
 }
 
 fn page(table: &Table, run: &Run, groups: &[Group<'_>]) -> String {
@@ -73,7 +73,7 @@ fn page(table: &Table, run: &Run, groups: &[Group<'_>]) -> String {
          the host as it is timed, work on the device from submission until done (`submit_to_done_median_ms`). Rates of device \
          work beside them are by the clock that their row names. SAH cost: node visits and triangle tests that a random line \
          through the root is expected to take; nodes of different widths differ in what a visit costs.",
-        table.reference
+        table.reference()
     );
     for group in groups {
         let triangles = thousands(group.scene.triangles);
@@ -88,7 +88,7 @@ fn page(table: &Table, run: &Run, groups: &[Group<'_>]) -> String {
 
 fn structures(table: &Table, group: &Group<'_>) -> String {
     let reference = reference_of(table, group);
-    let times = format!("× {} ↑", table.reference);
+    let times = format!("× {} ↑", table.reference());
     let mut rows = Markdown::new(&[
         "tracer".to_owned(),
         "build clock".to_owned(),
@@ -118,7 +118,7 @@ fn structures(table: &Table, group: &Group<'_>) -> String {
 fn traces(table: &Table, group: &Group<'_>, set: &RaySet<'_>) -> String {
     let all = group.traces(set);
     let rows: Vec<_> = all.iter().filter(|(role, ..)| *role == Role::Contender).cloned().collect();
-    let reference = rows.iter().find(|(_, run, _)| run.tracer.name == table.reference).map(|(.., trace)| *trace);
+    let reference = rows.iter().find(|(_, run, _)| run.tracer.name == table.reference()).map(|(.., trace)| *trace);
     let counters: BTreeSet<&str> =
         rows.iter().flat_map(|(.., trace)| trace.counters.keys().map(String::as_str)).collect();
     let accuracies: &[&str] = match set.query {
@@ -126,11 +126,9 @@ fn traces(table: &Table, group: &Group<'_>, set: &RaySet<'_>) -> String {
         tracebench_api::Query::Any => &["balanced accuracy ↑"],
     };
     let mut headings = vec!["tracer".to_owned(), "clock".to_owned(), metrics::SPEED.heading()];
-    headings.push(format!("× {} ↑", table.reference));
+    headings.push(format!("× {} ↑", table.reference()));
     headings.extend(accuracies.iter().map(|&name| name.to_owned()));
-    let of_set = |name: &str| rows.iter().any(|(_, run, trace)| touched_cell(run, trace, name).is_some());
-    let heading = |name: &&str| if of_set(name) { format!("{name} ↓") } else { format!("{name} per ray ↓") };
-    headings.extend(counters.iter().map(heading));
+    headings.extend(cells::counter_headings(&rows, &counters));
     let mut markdown = Markdown::new(&headings);
     for (role, run, trace) in &rows {
         let (judged, accuracies) = cells::accuracies(trace);
@@ -139,17 +137,11 @@ fn traces(table: &Table, group: &Group<'_>, set: &RaySet<'_>) -> String {
         let ratio = ratio(reference.map(|trace| &trace.times), &trace.times).filter(|_| judged);
         let mut cells = vec![label, clock, speed, optional(ratio, 3)];
         cells.extend(accuracies);
-        let per_ray = |name: &str| optional(trace.counters.get(name).map(|each| each.per_ray), 4);
-        cells.extend(counters.iter().map(|name| touched_cell(run, trace, name).unwrap_or_else(|| per_ray(name))));
+        cells.extend(cells::counters(run, trace, &counters));
         markdown.row(&cells);
     }
     let title = format!("{}: {}, {} rays", inline(&set.title), format::query(set.query), thousands(set.count));
     format!("\n### {title}\n{}\n{}", cells::coverage(&all), markdown.text)
-}
-
-/// What of a structure a ray set touched.
-fn touched_cell(run: &TracerRun, trace: &TraceRecord, name: &str) -> Option<String> {
-    cells::touched(run, name, trace.counters.get(name)?)
 }
 
 /// One row a tracer and ray set, with every scalar of the table.
@@ -217,7 +209,7 @@ fn rows(table: &Table, run: &Run, groups: &[Group<'_>]) -> Vec<Vec<String>> {
                 let mut row = structure_cells(one, reference);
                 row.extend(trace.map_or_else(|| vec![String::new(); 15], |trace| trace_cells(trace, beside)));
                 let dirty = run.provenance.dirty.map_or_else(String::new, |dirty| dirty.to_string());
-                row.extend([table.reference.to_owned(), run.provenance.commit.clone(), dirty, run.preset.clone()]);
+                row.extend([table.reference().to_owned(), run.provenance.commit.clone(), dirty, run.preset.clone()]);
                 row.push(run.provenance.machine.label());
                 row.extend(statistics.iter().map(|name| number(statistic_of(one, name))));
                 let counter =

@@ -33,7 +33,7 @@ pub(super) fn summary(run: &Run, groups: &[Group<'_>]) -> String {
 }
 
 /// What holds of the whole run, below a title.
-pub(super) fn head(run: &Run, title: &str) -> String {
+pub(crate) fn head(run: &Run, title: &str) -> String {
     let mut text = head_of(&run.provenance, &run.preset, run.seed, &verdict::controls(run), title);
     text += "\n";
     if run.provenance.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind == "software") {
@@ -333,7 +333,7 @@ fn statuses(rows: &[Row<'_>]) -> String {
 }
 
 /// What did not run.
-pub(super) fn skipped(skipped: &[Skipped]) -> String {
+pub(crate) fn skipped(skipped: &[Skipped]) -> String {
     let mut text = "\n## Skipped\n\n".to_owned();
     if skipped.is_empty() {
         return text + "Nothing.\n";

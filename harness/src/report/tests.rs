@@ -11,7 +11,7 @@ use crate::results::{Judgement, TraceRecord};
 
 fn write(run: &Run) -> (TempDir, BTreeMap<String, Vec<u8>>) {
     let folder = TempDir::new().unwrap();
-    let paths = write_run(run, &folder.path().join("a/b")).unwrap();
+    let paths = write_run(run, &folder.path().join("a/b"), fixture::tables).unwrap();
     assert_eq!(paths[0].file_name().unwrap(), RUN_FILE);
     let name = |path: &PathBuf| path.file_name().unwrap().to_str().unwrap().to_owned();
     let files: BTreeMap<_, _> = paths.iter().map(|path| (name(path), fs::read(path).unwrap())).collect();
@@ -43,7 +43,7 @@ fn derived_files_can_be_made_again() {
     assert_eq!(again, run);
     assert_eq!(read_run(&directory.join(RUN_FILE)).unwrap(), run);
     let elsewhere = TempDir::new().unwrap();
-    let paths = write_derived(&again, elsewhere.path()).unwrap();
+    let paths = write_derived(&again, elsewhere.path(), fixture::tables).unwrap();
     assert_eq!(paths.len() + 1, files.len());
     for path in paths {
         let name = path.file_name().unwrap().to_str().unwrap();
@@ -235,10 +235,16 @@ fn errors_are_clear() {
     };
     let run = fixture::run(&[], &[]);
     fs::write(at("file"), "x").unwrap();
-    assert!(matches!(write_run(&run, &at("file")), Err(ReportError::File(FileError::NotADirectory { .. }))));
-    assert!(matches!(write_run(&run, &at("file/below")), Err(ReportError::File(FileError::CreateDirectory { .. }))));
+    assert!(matches!(
+        write_run(&run, &at("file"), fixture::tables),
+        Err(ReportError::File(FileError::NotADirectory { .. }))
+    ));
+    assert!(matches!(
+        write_run(&run, &at("file/below"), fixture::tables),
+        Err(ReportError::File(FileError::CreateDirectory { .. }))
+    ));
     fs::create_dir_all(at("taken/run.json")).unwrap();
-    assert!(matches!(write_run(&run, &at("taken")), Err(ReportError::File(FileError::Write { .. }))));
+    assert!(matches!(write_run(&run, &at("taken"), fixture::tables), Err(ReportError::File(FileError::Write { .. }))));
     assert_eq!(fs::read_dir(at("taken")).unwrap().count(), 1);
 
     fails(&at("nowhere"), "there is no");
@@ -306,14 +312,9 @@ fn tables_set_peers_side_by_side() {
     );
     let plain = Run { table: None, ..run.clone() };
     assert!(write(&plain).1.keys().all(|name| !name.starts_with("table_")));
-    let elsewhere = TempDir::new().unwrap();
-    let bvh = Table::find("bvh").unwrap();
-    for path in write_table(bvh, &plain, elsewhere.path()).unwrap() {
-        let name = path.file_name().unwrap().to_str().unwrap();
-        assert!(fs::read(&path).unwrap() == files[name], "{name} differs");
+    for (name, contents) in peers::files(crate::peers::find("bvh").unwrap(), &plain).unwrap() {
+        assert!(contents == files[&name], "{name} differs");
     }
-    let others = Run { runs: run.runs[2..].to_vec(), ..run };
-    assert!(write_table(bvh, &others, elsewhere.path()).unwrap_err().to_string().contains("no tracer"));
 }
 
 /// No row of a table tells a speed, or a ratio of speeds, without its accuracy.

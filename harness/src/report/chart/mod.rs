@@ -5,7 +5,7 @@ mod canvas;
 mod frame;
 mod palette;
 mod plot;
-pub(super) mod series;
+pub(crate) mod series;
 mod speed;
 mod strength;
 mod sweep;
@@ -41,7 +41,7 @@ pub(super) const STEMS: [&str; 4] = ["error_vs_speed_", "agreement_over_toleranc
 
 /// A chart's file.
 #[derive(Debug)]
-pub(super) struct ChartFile {
+pub(crate) struct ChartFile {
     /// Its name.
     pub name: String,
     /// Its contents.

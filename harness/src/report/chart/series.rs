@@ -15,7 +15,7 @@ const HOLLOW: f64 = 6.0;
 
 /// A line of a panel.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::report) struct Series {
+pub(crate) struct Series {
     /// What it is of; the same label has the same look in every panel.
     pub label: String,
     /// A value a step of the setting; `None` where there is none.
@@ -26,7 +26,7 @@ pub(in crate::report) struct Series {
 
 /// A panel.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::report) struct Panel {
+pub(crate) struct Panel {
     /// Its title.
     pub title: String,
     /// The setting's name.
@@ -41,7 +41,7 @@ pub(in crate::report) struct Panel {
 
 /// A chart.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::report) struct SeriesChart {
+pub(crate) struct SeriesChart {
     /// What its files are called, without their ends.
     pub stem: String,
     /// Its title.
@@ -55,7 +55,7 @@ pub(in crate::report) struct SeriesChart {
 }
 
 /// The files of a chart.
-pub(in crate::report) fn series_chart(run: &Run, chart: &SeriesChart) -> Result<Vec<ChartFile>, ReportError> {
+pub(crate) fn series_chart(run: &Run, chart: &SeriesChart) -> Result<Vec<ChartFile>, ReportError> {
     let mut files = Vec::new();
     draw(&chart.stem, &SeriesFigure::new(run, chart), &mut files)?;
     Ok(files)

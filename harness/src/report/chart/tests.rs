@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use tracebench_api::{ClockKind, Query};
 
 use super::canvas::text_width;
+use super::series::{Panel, Series, SeriesChart, series_chart};
 use super::*;
 use crate::report::fixture::{self, Quality};
 use crate::report::group::groups;
@@ -188,4 +189,41 @@ fn looks_differ() {
     let look = |index: usize| format!("{:?}", styles.get(&format!("t{index}")));
     let looks: BTreeSet<_> = (0..144).map(look).collect();
     assert_eq!(looks.len(), 144);
+}
+
+/// Charts of whole, of missing and of odd values are drawn, with every label and setting in them.
+#[test]
+fn series_are_drawn_whatever_they_hold() {
+    let run = fixture::typical();
+    let panel = |values: Vec<Option<f64>>| Panel {
+        title: "Bytes".to_owned(),
+        setting: "B".to_owned(),
+        steps: ["8", "16", "24"].map(str::to_owned).to_vec(),
+        quantity: "bytes (MiB)".to_owned(),
+        series: [false, true]
+            .map(|dashed| Series { label: "tiles".to_owned(), values: values.clone(), dashed })
+            .to_vec(),
+    };
+    let (nothing, zero) = ("nothing was measured", "0 throughout");
+    for (values, notes) in [
+        (vec![Some(1.0), Some(2.0), Some(30.0)], [false, false]),
+        (vec![Some(1.0), None, Some(2.0)], [false, false]),
+        (vec![Some(0.0), Some(2.0), Some(0.0)], [false, false]),
+        (vec![Some(0.0), None, Some(0.0)], [false, true]),
+        (vec![Some(f64::NAN), None, Some(-1.0)], [true, false]),
+        (vec![], [true, false]),
+    ] {
+        let chart = SeriesChart {
+            stem: "figure_x".to_owned(),
+            title: "Title".to_owned(),
+            subtitle: "subtitle".to_owned(),
+            key: Some(["solid", "broken"]),
+            panels: vec![panel(values.clone()), panel(values)],
+        };
+        let drawn = series_chart(&run, &chart).unwrap();
+        assert_eq!(drawn.iter().map(|file| file.name.as_str()).collect::<Vec<_>>(), ["figure_x.svg", "figure_x.png"]);
+        let svg = std::str::from_utf8(&drawn[0].contents).unwrap();
+        assert!(["tiles", "solid", "broken (dashed)", "24", "bytes (MiB)"].iter().all(|text| svg.contains(text)));
+        assert!(!svg.contains("NaN") && [nothing, zero].map(|note| svg.contains(note)) == notes, "{svg}");
+    }
 }

@@ -105,7 +105,7 @@ fn rows_are_those_of_their_points() {
         .skipped
         .insert("room".to_owned(), "too large".to_owned());
     let folder = TempDir::new().unwrap();
-    write_run(&run, folder.path()).unwrap();
+    write_run(&run, folder.path(), fixture::tables).unwrap();
     let rows = rows(&folder);
     let found: Vec<_> = rows
         .iter()
@@ -140,10 +140,10 @@ fn files_can_be_made_again() {
     let mut run = sweep_run(&[BUCKETS, RESOLUTIONS], &SETS, false);
     run.controls = [run.controls.clone(), run.controls.clone()].concat();
     let (folder, elsewhere) = (TempDir::new().unwrap(), TempDir::new().unwrap());
-    write_run(&run, folder.path()).unwrap();
+    write_run(&run, folder.path(), fixture::tables).unwrap();
     let again = read_run(folder.path()).unwrap();
     assert_eq!(again, run);
-    let paths = write_derived(&again, elsewhere.path()).unwrap();
+    let paths = write_derived(&again, elsewhere.path(), fixture::tables).unwrap();
     // Two axes, two ray sets, two formats.
     assert_eq!(paths.iter().filter(|path| path.to_string_lossy().contains("sweep_room_")).count(), 8);
     for path in paths {
@@ -151,7 +151,7 @@ fn files_can_be_made_again() {
         assert!(std::fs::read(&path).unwrap() == std::fs::read(folder.path().join(name)).unwrap(), "{name:?} differs");
     }
     let summary = |run: &Run| {
-        write_derived(run, elsewhere.path()).unwrap();
+        write_derived(run, elsewhere.path(), fixture::tables).unwrap();
         std::fs::read_to_string(elsewhere.path().join("summary.md")).unwrap()
     };
     let text = summary(&run);
@@ -166,7 +166,7 @@ fn files_can_be_made_again() {
     assert_eq!(oracles(&summary(&run)), 2 * once);
     // Without a sweep nothing of one is left.
     run.sweep = None;
-    let paths = write_derived(&run, elsewhere.path()).unwrap();
+    let paths = write_derived(&run, elsewhere.path(), fixture::tables).unwrap();
     assert!(paths.iter().all(|path| !path.to_string_lossy().contains("sweep")));
     assert!(!elsewhere.path().join("sweep_room_buckets_diffuse.svg").exists());
 }
@@ -177,7 +177,7 @@ fn files_can_be_made_again() {
 fn agreements_have_their_intervals() {
     let run = sweep_run(&[RESOLUTIONS], &SETS[..1], false);
     let folder = TempDir::new().unwrap();
-    write_run(&run, folder.path()).unwrap();
+    write_run(&run, folder.path(), fixture::tables).unwrap();
     let page = std::fs::read_to_string(folder.path().join("sweep.md")).unwrap();
     let rows = rows(&folder);
     assert_eq!(rows.len(), 2);

@@ -1,0 +1,164 @@
+//! Charts of DIRT's figures.
+
+use std::collections::BTreeSet;
+
+use super::PAPER;
+use super::quantities::time::{MIXES, total_ms};
+use crate::papers::page::Page;
+use crate::papers::page::charts::{stem, subtitle};
+use crate::papers::rows::{agreement, integer, statistic};
+use crate::papers::vvp16::ABUFFER;
+use crate::papers::{Experiment, SceneRows};
+use crate::report::chart::series::{Panel, Series, SeriesChart};
+use crate::results::TracerRun;
+use crate::results::host_ms;
+
+const MIB: f64 = (1 << 20) as f64;
+
+fn sorted(mut values: Vec<u64>) -> Vec<u64> {
+    values.sort_unstable();
+    values.dedup();
+    values
+}
+
+/// Memory, references, build, trace and tests over B, a line a tile size; a chart a scene.
+pub(super) fn over_buckets(page: &Page<'_>) -> Vec<SeriesChart> {
+    page.rows.scenes.iter().map(|scene| over_buckets_of(page.experiment, scene)).collect()
+}
+
+fn over_buckets_of(experiment: &Experiment, scene: &SceneRows<'_>) -> SeriesChart {
+    let values = |name: &str| sorted(scene.runs.iter().filter_map(|run| integer(run, name)).collect());
+    let (tile_sizes, buckets) = (values("tile_size"), values("buckets"));
+    type Of<'a> = &'a dyn Fn(&TracerRun) -> Option<f64>;
+    let panel = |title: &str, quantity: &str, of: Of<'_>| {
+        let series = tile_sizes.iter().map(|tile_size| {
+            let is_row = |run: &&&TracerRun, number: u64| {
+                integer(run, "tile_size") == Some(*tile_size) && integer(run, "buckets") == Some(number)
+            };
+            let value = |number: &u64| scene.runs.iter().find(|run| is_row(run, *number)).and_then(|run| of(run));
+            Series {
+                label: format!("tiles of {tile_size}x{tile_size}"),
+                values: buckets.iter().map(value).collect(),
+                dashed: false,
+            }
+        });
+        Panel {
+            title: title.to_owned(),
+            setting: "B (buckets)".to_owned(),
+            steps: buckets.iter().map(u64::to_string).collect(),
+            quantity: quantity.to_owned(),
+            series: series.collect(),
+        }
+    };
+    let diffuse = |run: &TracerRun| run.traces.iter().find(|trace| trace.rays == "diffuse").cloned();
+    let counter = |run: &TracerRun, name: &str| Some(diffuse(run)?.counters.get(name)?.per_ray);
+    SeriesChart {
+        stem: stem(experiment, &format!("_{}", scene.label)),
+        title: "DIRT over buckets and tile size".to_owned(),
+        subtitle: subtitle(scene),
+        key: None,
+        panels: vec![
+            panel("Structure", "bytes used (MiB)", &|run| Some(PAPER.bytes(run) / MIB)),
+            panel("References stored", "references (millions)", &|run| Some(statistic(run, "references")? / 1e6)),
+            panel("Build", "build (ms)", &|run| Some(run.build.times.median_ms)),
+            panel("Diffuse rays", "trace (ms)", &|run| Some(diffuse(run)?.times.median_ms)),
+            panel("Tests", "triangle tests per diffuse ray", &|run| counter(run, "triangle_tests")),
+            panel("Wrong rays", "wrong under tight (%)", &|run| {
+                let agreement = agreement(&diffuse(run)?)?;
+                Some((1.0 - agreement) * 100.0)
+            }),
+        ],
+    }
+}
+
+/// The resolutions of ray images, from the lowest.
+fn resolutions(scenes: &[SceneRows<'_>]) -> Vec<[u32; 2]> {
+    let mut found: Vec<[u32; 2]> = Vec::new();
+    for run in scenes.iter().flat_map(|scene| &scene.runs) {
+        if !found.contains(&run.viewpoint.ray_image) {
+            found.push(run.viewpoint.ray_image);
+        }
+    }
+    found.sort_by_key(|image| image.map(u64::from).iter().product::<u64>());
+    found
+}
+
+fn names(resolutions: &[[u32; 2]]) -> Vec<String> {
+    resolutions.iter().map(|[width, height]| format!("{width}x{height}")).collect()
+}
+
+/// Traces of every mix solid and builds dashed over resolution, a line a tracer; a chart a scene.
+pub(super) fn mixes(page: &Page<'_>) -> Vec<SeriesChart> {
+    page.rows.scenes.iter().map(|scene| mixes_of(page.experiment, scene)).collect()
+}
+
+fn mixes_of(experiment: &Experiment, scene: &SceneRows<'_>) -> SeriesChart {
+    let steps = resolutions(std::slice::from_ref(scene));
+    let mut tracers: Vec<&str> = Vec::new();
+    for run in &scene.runs {
+        if !tracers.contains(&run.tracer.name.as_str()) {
+            tracers.push(&run.tracer.name);
+        }
+    }
+    let values = |tracer: &str, of: &dyn Fn(&TracerRun) -> Option<f64>| {
+        let at = |image: &[u32; 2]| scene.of_tracer(tracer).find(|run| run.viewpoint.ray_image == *image).and_then(of);
+        steps.iter().map(at).collect::<Vec<_>>()
+    };
+    let panels = MIXES.iter().map(|(name, mix)| {
+        let lines = tracers.iter().flat_map(|tracer| {
+            let traced = |run: &TracerRun| Some(total_ms(run, mix)? - host_ms(&run.build.times)?);
+            let line = |values, dashed| Series { label: (*tracer).to_owned(), values, dashed };
+            [line(values(tracer, &traced), false), line(values(tracer, &|run| host_ms(&run.build.times)), true)]
+        });
+        Panel {
+            title: (*name).to_owned(),
+            setting: "rays from the pixels of".to_owned(),
+            steps: names(&steps),
+            quantity: "time (ms, host clock)".to_owned(),
+            series: lines.collect(),
+        }
+    });
+    SeriesChart {
+        stem: stem(experiment, &format!("_{}", scene.label)),
+        title: "Traces and rebuilds over resolution, DIRT's tiles growing along".to_owned(),
+        subtitle: subtitle(scene),
+        key: Some(["traces of the mix", "build"]),
+        panels: panels.collect(),
+    }
+}
+
+/// Bytes and references or fragments over resolution, a line a tracer and scene.
+pub(super) fn memory_over_resolution(page: &Page<'_>) -> Vec<SeriesChart> {
+    let rows = page.rows;
+    let steps = resolutions(&rows.scenes);
+    let tracers: BTreeSet<&str> =
+        rows.scenes.iter().flat_map(|scene| &scene.runs).map(|run| run.tracer.name.as_str()).collect();
+    let panel = |title: &str, quantity: &str, of: &dyn Fn(&TracerRun) -> Option<f64>| {
+        let lines = rows.scenes.iter().flat_map(|scene| tracers.iter().map(move |tracer| (scene, *tracer)));
+        let lines = lines.map(|(scene, tracer)| {
+            let at =
+                |image: &[u32; 2]| scene.of_tracer(tracer).find(|run| run.viewpoint.ray_image == *image).and_then(of);
+            let values = steps.iter().map(at).collect();
+            Series { label: scene.label.clone(), values, dashed: tracer == ABUFFER }
+        });
+        Panel {
+            title: title.to_owned(),
+            setting: "R_h = R_l".to_owned(),
+            steps: names(&steps),
+            quantity: quantity.to_owned(),
+            series: lines.collect(),
+        }
+    };
+    vec![SeriesChart {
+        stem: stem(page.experiment, ""),
+        title: "Structures over resolution".to_owned(),
+        subtitle: "one bucket; of DIRT tiles of one pixel, with hit and shading buffers".to_owned(),
+        key: tracers.contains(ABUFFER).then_some(["dirt", ABUFFER]),
+        panels: vec![
+            panel("Memory", "bytes used (MiB)", &|run| Some(PAPER.bytes(run) / MIB)),
+            panel("References or fragments stored", "stored (millions)", &|run| {
+                Some(statistic(run, "references").or_else(|| statistic(run, "fragments"))? / 1e6)
+            }),
+        ],
+    }]
+}

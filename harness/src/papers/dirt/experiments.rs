@@ -1,0 +1,223 @@
+//! DIRT's tables and figures.
+
+use tracebench_api::EndPoint;
+
+use super::{charts, sections};
+use crate::papers::experiment::{Experiment, Row, Values, at, peer, stands_for};
+use crate::papers::vvp16::abuffer;
+
+/// Every one, in the order of lists.
+pub(super) const EXPERIMENTS: &[Experiment] = &[TABLE1, TABLE2, TABLE3, FIGURE8, FIGURE9, FIGURE10, FIGURE11, TEXT];
+
+const fn dirt(values: Values) -> Row {
+    Row { tracer: "dirt", values }
+}
+
+/// Thickness of VVP16's fragments, which DIRT's authors tuned a scene without telling the values: a width of a pixel where the
+/// ray is.
+const THICKNESS: (&str, &[&str]) = ("thickness", &["1"]);
+const IN_PIXELS: (&str, &[&str]) = ("thickness_in", &["pixels"]);
+
+/// Figure 11: tiles of one pixel, one bucket.
+const ONE_BUCKET: &[Row] = &[
+    dirt(&[("tile_size", &["1"]), ("buckets", &["1"])]),
+    abuffer(&[("views", &["seven"]), ("storage", &["dllb"]), ("buckets", &["1"]), IN_PIXELS, THICKNESS]),
+];
+const LBVH: Row = peer("lbvh-gpu");
+const BVH: Row = peer("bvh-gpu");
+
+/// Table 1.
+const TABLE1: Experiment = Experiment {
+    name: "dirt-table1",
+    summary: "rays a second by kind of ray (DIRT, Table 1)",
+    published: &["dirt-table1"],
+    scenes: &[
+        stands_for("cloth", "Cloth"),
+        stands_for("room", "Bunny"),
+        stands_for("hangar", "Hangar"),
+        stands_for("candy", "Candy"),
+    ],
+    rays: "visibility,specular,glossy,diffuse",
+    settings: &["rays.visibility_target=outside"],
+    end: EndPoint::Hit,
+    steps: &[at(1.0, &[dirt(&[("tile_size", &["1", "2"]), ("buckets", &["24"])])])],
+    sections: &[sections::throughput],
+    charts: &[],
+    notes: &[
+        "Tiles of one pixel are the paper's by section 5 where nothing else is said, tiles of 2x2 those that it \
+         recommends; it states no B.",
+        "A rate is that of the trace alone, to the hit; whether the paper's has Fetch and Shade in it is not stated.",
+    ],
+};
+
+/// Table 2.
+const TABLE2: Experiment = Experiment {
+    name: "dirt-table2",
+    summary: "stored references, memory, build and trace with tiles of one pixel, coverage by sample and conservative, beside \
+              the fragment A-buffer (DIRT, Table 2)",
+    published: &["dirt-table2", "dirt-table2-summary"],
+    scenes: &[stands_for("room", "Bunny"), stands_for("hangar", "Hangar"), stands_for("candy", "Candy")],
+    rays: "diffuse",
+    settings: &[],
+    end: EndPoint::Surface,
+    steps: &[at(
+        1.0,
+        &[
+            dirt(&[("tile_size", &["1"]), ("buckets", &["4"]), ("coverage", &["standard", "conservative"])]),
+            abuffer(&[("views", &["seven"]), ("storage", &["dllb"]), ("buckets", &["4"]), IN_PIXELS, THICKNESS]),
+        ],
+    )],
+    sections: &[sections::beside_abuffer],
+    charts: &[],
+    notes: &[
+        "Traces go to surfaces: VVP16 stores what shading needs with every fragment, DIRT fetches it of hits; the memory of \
+         DIRT has hit buffer, mask and shading buffer in it, as its Table 3 counts them.",
+        "The thickness of VVP16's fragments was tuned a scene in the paper, to values that it does not tell; here it is the one in \
+         the row's label, the same in every scene.",
+        "Coverage by sample loses what lies between samples: its times are those of searches that miss, so look at the \
+         agreement beside them.",
+        "B = 4 is VVP16's, which the paper does not repeat; which rays were traced it does not state: diffuse ones here.",
+    ],
+};
+
+/// Table 3.
+const TABLE3: Experiment = Experiment {
+    name: "dirt-table3",
+    summary: "bytes by the formula beside those of the ledger, over tile size and B (DIRT, Table 3)",
+    published: &["dirt-table3", "dirt-node-sizes", "dirt-mipmaps"],
+    scenes: &[
+        stands_for("cloth", "Cloth"),
+        stands_for("room", "Bunny"),
+        stands_for("hangar", "Hangar"),
+        stands_for("candy", "Candy"),
+    ],
+    rays: "",
+    settings: &[],
+    end: EndPoint::Hit,
+    steps: &[at(1.0, &[dirt(&[("tile_size", &["1", "2", "4"]), ("buckets", &["4", "24"])])])],
+    sections: &[sections::formula],
+    charts: &[],
+    notes: &[
+        "The formula has the device's own counts in it: c n_p are the references stored, tiles those of six faces.",
+        "Hit buffer, shading buffer and mask are not part of a structure and not measured here.",
+    ],
+};
+
+/// Figure 8.
+const FIGURE8: Experiment = Experiment {
+    name: "dirt-figure8",
+    summary: "build and trace over resolution with tiles growing along, beside BVHs rebuilt every frame (DIRT, Figure 8)",
+    published: &["dirt-figure8"],
+    scenes: &[stands_for("atrium", "Sponza")],
+    rays: "primary,visibility,diffuse",
+    settings: &["rays.visibility_target=outside"],
+    end: EndPoint::Hit,
+    steps: &[
+        at(0.25, &[dirt(&[("tile_size", &["1"])]), LBVH, BVH]),
+        at(0.5, &[dirt(&[("tile_size", &["2"])]), LBVH, BVH]),
+        at(1.0, &[dirt(&[("tile_size", &["4"])]), LBVH, BVH]),
+        at(2.0, &[dirt(&[("tile_size", &["8"])]), LBVH, BVH]),
+    ],
+    sections: &[sections::mixes],
+    charts: &[charts::mixes],
+    notes: &[
+        "lbvh-gpu, built on the device, stands for HLBVH and TRBVH; bvh-gpu is built on the host and uploaded.",
+        "Mixes are sums of medians: primary and visibility; primary and diffuse; primary, diffuse and twice visibility. \
+         The second shadow ray starts at the secondary hit in the paper, here it is counted as another of the first.",
+        "DIRT's primary rays are traced here, not rasterized. The paper's resolutions are lost with the figure.",
+    ],
+};
+
+/// Figure 9.
+const FIGURE9: Experiment = Experiment {
+    name: "dirt-figure9",
+    summary: "one view beside six (DIRT, Figure 9)",
+    published: &["dirt-figure9"],
+    scenes: &[stands_for("room", "Bunny"), stands_for("candy", "Candy")],
+    rays: "primary,specular,diffuse",
+    settings: &[],
+    end: EndPoint::Hit,
+    steps: &[at(1.0, &[dirt(&[("views", &["six", "frame"])])])],
+    sections: &[],
+    charts: &[],
+    notes: &["There are no shadow maps here. The second scene of the paper's figure is not named."],
+};
+
+/// Figure 10.
+const FIGURE10: Experiment = Experiment {
+    name: "dirt-figure10",
+    summary: "references, memory, build, trace and tests over B by tile size (DIRT, Figure 10)",
+    published: &["dirt-figure10", "dirt-downscaling", "dirt-bucket-steps", "dirt-build-slope"],
+    scenes: &[stands_for("cloth", "Cloth"), stands_for("room", "Bunny"), stands_for("candy", "Candy")],
+    rays: "diffuse",
+    settings: &[],
+    end: EndPoint::Hit,
+    steps: &[at(1.0, &[dirt(&[("tile_size", &["1", "2", "4"]), ("buckets", &["8", "16", "24", "32", "40"])])])],
+    sections: &[],
+    charts: &[charts::over_buckets],
+    notes: &[
+        "Which three scenes the paper's figure has is lost with it, as are its values of B. Fetch and Shade are not \
+         measured here.",
+        "Memory is that of the structure by its own ledger.",
+    ],
+};
+
+/// Figure 11.
+const FIGURE11: Experiment = Experiment {
+    name: "dirt-figure11",
+    summary: "memory over resolution with tiles of one pixel and one bucket, beside the fragment A-buffer (DIRT, Figure 11)",
+    published: &["dirt-figure11"],
+    scenes: &[
+        stands_for("cloth", "Cloth"),
+        stands_for("room", "Bunny"),
+        stands_for("hangar", "Hangar"),
+        stands_for("candy", "Candy"),
+    ],
+    rays: "primary",
+    settings: &[],
+    end: EndPoint::Surface,
+    steps: &[at(0.25, ONE_BUCKET), at(0.5, ONE_BUCKET), at(1.0, ONE_BUCKET), at(2.0, ONE_BUCKET)],
+    sections: &[],
+    charts: &[charts::memory_over_resolution],
+    notes: &[
+        "VVP16 has the camera's view beside the six faces. Which scenes the paper's figure has is lost with it.",
+        "Memory is that of the structure and of the hit buffer, the mask and the shading buffer that a trace to surfaces takes, by \
+         the ledger. Of the paper's three shading points one is allocated.",
+    ],
+};
+
+/// What the text states beside them.
+const TEXT: Experiment = Experiment {
+    name: "dirt-text",
+    summary: "what the text states beside its tables: coverage, acceptance, the early stop, tiles, path length, fragments \
+              (DIRT, sections 4 and 5)",
+    published: &[],
+    scenes: &[
+        stands_for("cloth", "Cloth"),
+        stands_for("room", "Bunny"),
+        stands_for("hangar", "Hangar"),
+        stands_for("candy", "Candy"),
+    ],
+    rays: "primary,specular,diffuse,bounce2",
+    settings: &[],
+    end: EndPoint::Hit,
+    steps: &[
+        at(
+            1.0,
+            &[
+                dirt(&[("tile_size", &["1", "2", "4", "8"])]),
+                dirt(&[("tile_size", &["1"]), ("coverage", &["standard"])]),
+                dirt(&[("tile_size", &["2"]), ("searched", &["all"]), ("accept", &["tile", "distance"])]),
+                peer("screen-dda"),
+                abuffer(&[IN_PIXELS, ("thickness", &["0", "1", "4", "16"])]),
+            ],
+        ),
+        at(0.5, &[dirt(&[("tile_size", &["1", "4"])])]),
+    ],
+    sections: &[],
+    charts: &[],
+    notes: &[
+        "Rows that search all buckets or accept by distance are a proof's aid, not the method.",
+        "VVP16's thickness is varied in widths of a pixel where the ray is.",
+    ],
+};

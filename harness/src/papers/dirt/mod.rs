@@ -1,0 +1,53 @@
+//! Vardis, Vasilakis, Papaioannou: *DIRT: Deferred Image-based Ray Tracing*, HPG 2016.
+
+mod charts;
+mod experiments;
+mod quantities;
+mod sections;
+#[cfg(test)]
+pub(super) mod tests;
+
+use super::{Experiment, Paper, Part, Step};
+use crate::plan::TracerRequest;
+
+/// The paper.
+pub(super) const PAPER: Paper = Paper {
+    name: "dirt",
+    experiments: experiments::EXPERIMENTS,
+    part: Part { rays: &["visibility", "diffuse"], step, row },
+    published: include_str!("published.json"),
+    claims: include_str!("claims.json"),
+    quantities: quantities::QUANTITIES,
+    counts: &[
+        ("references", "references"),
+        ("parts", "parts of triangles"),
+        ("occupied_tiles", "occupied tiles"),
+        ("mean_list_length", "mean list"),
+        ("longest_list", "longest list"),
+        ("fragments", "fragments"),
+        ("covered_pixels", "covered pixels"),
+        ("average_layers", "layers of a covered pixel"),
+        ("maximum_layers", "most layers"),
+    ],
+    // What its Table 3 counts of a trace.
+    of_a_trace: &[("dirt", &["hit buffer: heads", "hit buffer: nodes", "mask texture", "shading buffer"])],
+};
+
+/// Of a figure over resolution the bench takes one.
+fn step(step: &Step) -> bool {
+    step.resolution == 1.0
+}
+
+/// bvh-gpu is left out, and of Table 3 and Figure 10 most tile sizes and B.
+fn row(experiment: &Experiment, request: &TracerRequest) -> bool {
+    if request.name() != "dirt" {
+        return request.name() != "bvh-gpu";
+    }
+    let buckets = request.parameters.integer("buckets");
+    let edge = ["1", "4"].contains(&request.parameters.choice("tile_size"));
+    match experiment.name {
+        "dirt-table3" => edge && buckets == 4,
+        "dirt-figure10" => edge && [8, 24].contains(&buckets),
+        _ => true,
+    }
+}

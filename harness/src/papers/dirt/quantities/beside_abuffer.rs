@@ -1,0 +1,135 @@
+//! DIRT's Table 2, Figure 11 and section 5.1: DIRT beside the A-buffer.
+
+use super::accuracy::as_published;
+use super::memory::references;
+use crate::papers::dirt::PAPER;
+use crate::papers::quantity::{IN_A_MILLION, PERCENT, Quantity, of_scene, of_scenes, rank_correlation};
+use crate::papers::rows::{MILLION, SceneRows, beyond_of, false_misses, footprint, statistic, trace};
+use crate::papers::vvp16::{ABUFFER, bytes_over_formula, row};
+use crate::results::host_ms;
+use crate::results::{Classes, Judgement, TraceRecord, TracerRun};
+
+pub(super) const QUANTITIES: &[Quantity] = &[
+    of_scene("memory_below_abuffer", PERCENT, memory_below),
+    of_scene("references_beyond_fragments", PERCENT, references_beyond_fragments),
+    of_scene("build_below_abuffer", PERCENT, build_below),
+    of_scene("trace_below_abuffer", PERCENT, trace_below),
+    of_scene("dirt_trace_over_abuffer", "", trace_over),
+    of_scenes("rank_of_saving_by_fragments", "", rank_of_saving_by_fragments),
+    of_scenes("dirt_bytes_over_abuffer_where_fewest", "", bytes_over_abuffer_where_fewest),
+    of_scene("abuffer_bytes_over_formula", "", bytes_over_formula),
+    of_scene("fragments_false_misses_beyond_dirt", IN_A_MILLION, false_misses_beyond_dirt),
+    of_scene("thickness_closes_and_invents", IN_A_MILLION, thickness_closes_and_invents),
+    of_scene("froxels_gain_and_leave", IN_A_MILLION, froxels_gain_and_leave),
+];
+
+/// DIRT as Table 2 has it, and the A-buffer.
+fn pair<'a>(scene: &SceneRows<'a>) -> Option<[&'a TracerRun; 2]> {
+    Some([scene.find("dirt", &[("tile_size", "1"), ("coverage", "standard")])?, row(scene, &[])?])
+}
+
+/// What something of DIRT is below that of the A-buffer, percent.
+fn below(scene: &SceneRows<'_>, of: impl Fn(&TracerRun) -> Option<f64>) -> Option<f64> {
+    let [dirt, abuffer] = pair(scene)?;
+    Some(100.0 * (1.0 - of(dirt)? / of(abuffer)?))
+}
+
+fn memory_below(scene: &SceneRows<'_>) -> Option<f64> {
+    below(scene, |run| Some(PAPER.bytes(run)))
+}
+
+/// Stored references beyond stored fragments, percent.
+fn references_beyond_fragments(scene: &SceneRows<'_>) -> Option<f64> {
+    let [dirt, abuffer] = pair(scene)?;
+    Some(100.0 * (references(dirt)? / statistic(abuffer, "fragments")? - 1.0))
+}
+
+fn build_below(scene: &SceneRows<'_>) -> Option<f64> {
+    below(scene, |run| host_ms(&run.build.times))
+}
+
+fn diffuse_ms(run: &TracerRun) -> Option<f64> {
+    host_ms(&trace(run, "diffuse")?.times)
+}
+
+fn trace_below(scene: &SceneRows<'_>) -> Option<f64> {
+    below(scene, diffuse_ms)
+}
+
+/// Time of diffuse rays in DIRT over that in the A-buffer.
+fn trace_over(scene: &SceneRows<'_>) -> Option<f64> {
+    let [dirt, abuffer] = pair(scene)?;
+    Some(diffuse_ms(dirt)? / diffuse_ms(abuffer)?)
+}
+
+/// How DIRT's saving of memory is ranked by the fragments over the scenes.
+fn rank_of_saving_by_fragments(scenes: &[SceneRows<'_>]) -> Option<f64> {
+    let point = |scene: &SceneRows<'_>| {
+        let [_, abuffer] = pair(scene)?;
+        Some([statistic(abuffer, "fragments")?, memory_below(scene)?])
+    };
+    rank_correlation(&scenes.iter().filter_map(point).collect::<Vec<_>>())
+}
+
+/// Bytes of DIRT over those of the A-buffer, in the scene and at the resolution where a pixel has the fewest fragments.
+fn bytes_over_abuffer_where_fewest(scenes: &[SceneRows<'_>]) -> Option<f64> {
+    let point = |scene: SceneRows<'_>| {
+        let (dirt, abuffer) = (scene.find("dirt", &[])?, row(&scene, &[])?);
+        let layers = statistic(abuffer, "fragments")? / statistic(abuffer, "pixels")?;
+        Some([layers, PAPER.bytes(dirt) / PAPER.bytes(abuffer)])
+    };
+    let all = scenes.iter().flat_map(SceneRows::by_resolution).filter_map(point);
+    all.min_by(|a, b| a[0].total_cmp(&b[0])).map(|[_, ratio]| ratio)
+}
+
+fn is_mirrored(trace: &TraceRecord) -> bool {
+    trace.rays == "specular"
+}
+
+/// Mirror rays in a million missed by fragments without thickness beyond those that DIRT misses.
+fn false_misses_beyond_dirt(scene: &SceneRows<'_>) -> Option<f64> {
+    let dirt = scene.find("dirt", &as_published(&[("tile_size", "1")]))?;
+    beyond_of(row(scene, &[("thickness", "0")])?, dirt, is_mirrored, false_misses)
+}
+
+/// Rays in a million of a class of mirror rays under a rule.
+fn share(run: &TracerRun, of: impl Fn(&Classes) -> u64) -> Option<f64> {
+    let traced = trace(run, "specular")?;
+    let Judgement::Closest(closest) = &traced.judgement else { return None };
+    let rays = traced.count.saturating_sub(closest.ties);
+    (rays > 0).then(|| of(&closest.classes.footprint) as f64 / rays as f64 * MILLION)
+}
+
+fn thickness(run: &TracerRun) -> Option<f64> {
+    run.tracer.parameters.get("thickness")?.as_f64()
+}
+
+/// The rows of the A-buffer by rising thickness; none unless the first has none and another has some.
+fn by_thickness<'a>(scene: &SceneRows<'a>) -> Option<Vec<&'a TracerRun>> {
+    let mut rows: Vec<(f64, &TracerRun)> =
+        scene.of_tracer(ABUFFER).filter_map(|run| Some((thickness(run)?, run))).collect();
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let usable = rows.first()?.0 == 0.0 && rows.last()?.0 > 0.0;
+    usable.then(|| rows.into_iter().map(|(_, run)| run).collect())
+}
+
+/// From no thickness to the most: mirror rays in a million missed less, and those answered where nothing is or too near more; the
+/// less of the two.
+fn thickness_closes_and_invents(scene: &SceneRows<'_>) -> Option<f64> {
+    let rows = by_thickness(scene)?;
+    let (thin, thick) = (rows.first()?, rows.last()?);
+    let missed = |run: &TracerRun| share(run, |classes| classes.false_miss);
+    let invented = |run: &TracerRun| share(run, |classes| classes.false_hit + classes.early);
+    Some((missed(thin)? - missed(thick)?).min(invented(thick)? - invented(thin)?))
+}
+
+/// With the thickness of the best footprint agreement: mirror rays in a million missed less than without, and those wrong all the
+/// same; the less of the two.
+fn froxels_gain_and_leave(scene: &SceneRows<'_>) -> Option<f64> {
+    let rows = by_thickness(scene)?;
+    let right = |run: &&TracerRun| trace(run, "specular").and_then(footprint).unwrap_or(0.0);
+    let best = rows.iter().copied().max_by(|a, b| right(a).total_cmp(&right(b)))?;
+    let missed = |run: &TracerRun| share(run, |classes| classes.false_miss);
+    let wrong = share(best, |each| each.false_miss + each.false_hit + each.early + each.late)?;
+    Some((missed(rows.first()?)? - missed(best)?).min(wrong))
+}

@@ -1,0 +1,185 @@
+//! Bytes, references and other counts.
+
+use crate::papers::dirt::PAPER;
+use crate::papers::quantity::{PERCENT, Quantity, greatest, least, mean, of_scene, of_scenes};
+use crate::papers::rows::{SceneRows, has, integer, per_ray, statistic, trace};
+use crate::results::TracerRun;
+
+pub(super) const QUANTITIES: &[Quantity] = &[
+    of_scene("samples_saved_1_to_2", PERCENT, |scene| saved(scene, ["1", "2"], parts)),
+    of_scene("samples_saved_2_to_4", PERCENT, |scene| saved(scene, ["2", "4"], parts)),
+    of_scene("references_saved_1_to_2", PERCENT, |scene| saved(scene, ["1", "2"], references)),
+    of_scene("references_saved_2_to_4", PERCENT, |scene| saved(scene, ["2", "4"], references)),
+    of_scene("memory_saved_1_to_2", PERCENT, |scene| saved(scene, ["1", "2"], bytes)),
+    of_scene("memory_saved_2_to_4", PERCENT, |scene| saved(scene, ["2", "4"], bytes)),
+    of_scene("memory_growth_per_8_buckets_1", PERCENT, |scene| growth_per_8_buckets(scene, "1")),
+    of_scene("memory_growth_per_8_buckets_2", PERCENT, |scene| growth_per_8_buckets(scene, "2")),
+    of_scene("memory_growth_per_8_buckets_4", PERCENT, |scene| growth_per_8_buckets(scene, "4")),
+    of_scenes("memory_saving_spread", PERCENT, saving_spread),
+    of_scenes("memory_exponent_over_references", "", exponent_over_references),
+    of_scenes("bytes_a_reference", "bytes", bytes_a_reference),
+    of_scene("mipmap_factor", "", mipmap_factor),
+    of_scene("greatest_references_ratio_of_tiles", "", greatest_references_ratio_of_tiles),
+    of_scene("copies_at_40_over_8", "", copies_at_40_over_8),
+    of_scene("pyramid_steps_4_over_1", "", pyramid_steps_4_over_1),
+    of_scene("equation_1b_beyond_last_bucket", "buckets", equation_1b_beyond_last_bucket),
+    of_scene("validated_share", "", validated_share),
+];
+
+/// What the ledger calls the depth bounds.
+const DEPTH_BOUNDS: &str = "depth bounds texture";
+/// Bytes of a pair of depth bounds.
+const BOUNDS_BYTES: f64 = 8.0;
+/// The paper's "practical minimum" is above this many buckets (section 5.3).
+const FEW_BUCKETS: u64 = 8;
+
+/// References stored, copies in several buckets counted.
+pub(super) fn references(run: &TracerRun) -> Option<f64> {
+    statistic(run, "references")
+}
+
+/// Clipped primitives, each once a tile: n_p of Table 3.
+fn parts(run: &TracerRun) -> Option<f64> {
+    statistic(run, "parts")
+}
+
+/// Bytes as the paper counts them.
+#[expect(clippy::unnecessary_wraps, reason = "stands beside quantities that may be missing")]
+fn bytes(run: &TracerRun) -> Option<f64> {
+    Some(PAPER.bytes(run))
+}
+
+/// DIRT with a tile size, by rising B.
+pub(super) fn over_buckets<'a>(scene: &SceneRows<'a>, tile_size: &str) -> Vec<(u64, &'a TracerRun)> {
+    let runs = scene.of_tracer("dirt").filter(|run| has(run, "tile_size", tile_size));
+    let mut found: Vec<_> = runs.filter_map(|run| Some((integer(run, "buckets")?, run))).collect();
+    found.sort_by_key(|(buckets, _)| *buckets);
+    found
+}
+
+/// DIRT with two tile sizes and the same B, by rising B.
+pub(super) fn pairs<'a>(scene: &SceneRows<'a>, tile_sizes: [&str; 2]) -> Vec<(u64, [&'a TracerRun; 2])> {
+    let [from, to] = tile_sizes.map(|tile_size| over_buckets(scene, tile_size));
+    let partner = |buckets: u64| to.iter().find(|(other, _)| *other == buckets).map(|(_, run)| *run);
+    from.into_iter().filter_map(|(buckets, run)| Some((buckets, [run, partner(buckets)?]))).collect()
+}
+
+/// What a larger tile saves at B > 8, percent, mean over B.
+fn saved(scene: &SceneRows<'_>, tile_sizes: [&str; 2], of: fn(&TracerRun) -> Option<f64>) -> Option<f64> {
+    let pairs = pairs(scene, tile_sizes);
+    let saved = pairs.into_iter().filter(|(buckets, _)| *buckets > FEW_BUCKETS);
+    let saved: Option<Vec<f64>> = saved.map(|(_, [from, to])| Some(100.0 * (1.0 - of(to)? / of(from)?))).collect();
+    mean(&saved?)
+}
+
+/// How much memory a step of eight buckets adds, percent, mean over the steps from B = 8.
+fn growth_per_8_buckets(scene: &SceneRows<'_>, tile_size: &str) -> Option<f64> {
+    let runs = over_buckets(scene, tile_size);
+    let steps = runs.windows(2).filter(|pair| pair[0].0 >= FEW_BUCKETS && pair[1].0 == pair[0].0 + 8);
+    let growth: Vec<f64> = steps.map(|pair| 100.0 * (PAPER.bytes(pair[1].1) / PAPER.bytes(pair[0].1) - 1.0)).collect();
+    mean(&growth)
+}
+
+/// By how many percentage points the scenes differ in what tiles of 2x2 save of memory.
+fn saving_spread(scenes: &[SceneRows<'_>]) -> Option<f64> {
+    let savings: Vec<f64> = scenes.iter().filter_map(|scene| saved(scene, ["1", "2"], bytes)).collect();
+    let several = savings.len() > 1;
+    let ends = greatest(savings.iter().copied())? - least(savings.iter().copied())?;
+    several.then_some(ends)
+}
+
+/// The scenes with the fewest and the most references at the highest resolution that all have, and the same parameters:
+/// references and bytes of each.
+fn extremes(scenes: &[SceneRows<'_>]) -> Option<[[f64; 2]; 2]> {
+    let first = scenes.first()?.by_resolution().pop()?.of_tracer("dirt").next()?;
+    let alike = |run: &&TracerRun| {
+        run.tracer.parameters == first.tracer.parameters
+            && run.viewpoint.ray_image == first.viewpoint.ray_image
+            && (run.viewpoint.frame, run.viewpoint.face) == (first.viewpoint.frame, first.viewpoint.face)
+    };
+    let of_scene = |scene: &SceneRows<'_>| {
+        let run = scene.of_tracer("dirt").find(alike)?;
+        Some([references(run)?, PAPER.bytes(run)])
+    };
+    let found: Vec<[f64; 2]> = scenes.iter().filter_map(of_scene).collect();
+    let fewest = found.iter().copied().reduce(|a, b| if b[0] < a[0] { b } else { a })?;
+    let most = found.iter().copied().reduce(|a, b| if b[0] > a[0] { b } else { a })?;
+    (most[0] > fewest[0] && fewest[0] > 0.0).then_some([fewest, most])
+}
+
+/// The exponent of bytes over references from the scene with fewest to that with most: 0 if bytes are constant, 1 if linear.
+fn exponent_over_references(scenes: &[SceneRows<'_>]) -> Option<f64> {
+    let [fewest, most] = extremes(scenes)?;
+    Some((most[1] / fewest[1]).ln() / (most[0] / fewest[0]).ln())
+}
+
+/// Bytes that a reference more takes, from the scene with fewest to that with most.
+fn bytes_a_reference(scenes: &[SceneRows<'_>]) -> Option<f64> {
+    let [fewest, most] = extremes(scenes)?;
+    Some((most[1] - fewest[1]) / (most[0] - fewest[0]))
+}
+
+/// Tiles of all views, from the viewpoint alone.
+pub(in crate::papers::dirt) fn tiles(run: &TracerRun) -> Option<f64> {
+    let tile_size = u32::try_from(integer(run, "tile_size")?).ok()?;
+    let [views, edges] =
+        if has(run, "views", "frame") { [[1, 1], run.viewpoint.frame] } else { [[6, 1], [run.viewpoint.face; 2]] };
+    let of_view: f64 = edges.iter().map(|edge| f64::from(edge.div_ceil(tile_size))).product();
+    Some(f64::from(views[0]) * of_view)
+}
+
+/// Bytes of the depth bounds with mipmaps over those of the lowest level alone: the ratio that lies farthest from 1.
+fn mipmap_factor(scene: &SceneRows<'_>) -> Option<f64> {
+    let factor = |run: &TracerRun| {
+        let bounds = run.memory.structure.iter().find(|part| part.name == DEPTH_BOUNDS)?;
+        Some(bounds.used_bytes as f64 / (BOUNDS_BYTES * tiles(run)?))
+    };
+    greatest(scene.of_tracer("dirt").filter_map(factor))
+}
+
+/// Tile sizes, each twice the one before.
+const TILE_SIZES: [&str; 4] = ["1", "2", "4", "8"];
+
+/// The greatest ratio of references of a tile size to those of half of it.
+fn greatest_references_ratio_of_tiles(scene: &SceneRows<'_>) -> Option<f64> {
+    let steps = TILE_SIZES.windows(2).flat_map(|step| pairs(scene, [step[0], step[1]]));
+    let ratios: Option<Vec<f64>> = steps.map(|(_, [from, to])| Some(references(to)? / references(from)?)).collect();
+    greatest(ratios?)
+}
+
+/// References a part of a triangle in a tile, at B = 40 over B = 8, tiles of one pixel.
+fn copies_at_40_over_8(scene: &SceneRows<'_>) -> Option<f64> {
+    let copies = |buckets: &str| {
+        let run = scene.find("dirt", &[("tile_size", "1"), ("buckets", buckets)])?;
+        Some(references(run)? / statistic(run, "parts")?)
+    };
+    Some(copies("40")? / copies("8")?)
+}
+
+/// Pyramid steps a diffuse ray, tiles of 4x4 over tiles of one pixel, at B = 24.
+fn pyramid_steps_4_over_1(scene: &SceneRows<'_>) -> Option<f64> {
+    let steps = |tile_size: &str| {
+        let run = scene.find("dirt", &[("tile_size", tile_size), ("buckets", "24")])?;
+        per_ray(trace(run, "diffuse")?, "pyramid_steps")
+    };
+    Some(steps("4")? / steps("1")?)
+}
+
+/// By how much the index of Equation 1b at the far end of a tile's range lies beyond the last bucket, the most over the B of
+/// the table.
+fn equation_1b_beyond_last_bucket(scene: &SceneRows<'_>) -> Option<f64> {
+    // Any range: at its far end the fraction is exactly 1.
+    let (near, far) = (1.0_f64, 3.0_f64);
+    let index = |buckets: f64| (buckets * (far - near) / (far - near)).floor();
+    let all = scene.of_tracer("dirt").filter_map(|run| integer(run, "buckets"));
+    greatest(all.map(|buckets| index(buckets as f64) - (buckets as f64 - 1.0)))
+}
+
+/// The share of structures that were read back and held against brute force. What is unsound is taken out of a run with the
+/// reason, as is what cannot be built: both count here as not validated.
+fn validated_share(scene: &SceneRows<'_>) -> Option<f64> {
+    let all: Vec<&TracerRun> = scene.of_tracer("dirt").collect();
+    let validated = all.iter().filter(|run| !run.structure_statistics.is_empty()).count();
+    let skipped = scene.skipped.iter().filter(|skipped| skipped.tracer.as_deref() == Some("dirt")).count();
+    (!all.is_empty()).then(|| validated as f64 / (all.len() + skipped) as f64)
+}

@@ -1,0 +1,171 @@
+//! A paper's tables and figures as experiments: what is run, as data, and what its page shows of it.
+
+use tracebench_api::{EndPoint, Preset};
+
+use super::page::Page;
+use crate::plan::{Plan, RunPreset, TracerRequest};
+use crate::rays::MOST_RAYS;
+use crate::registry;
+use crate::report::chart::series::SeriesChart;
+
+/// A paper's table or figure, measured here.
+#[derive(Debug)]
+pub struct Experiment {
+    /// Stable name; files are named after it.
+    pub name: &'static str,
+    /// What it shows, in one line.
+    pub summary: &'static str,
+    /// Published tables that it stands beside, by id.
+    pub published: &'static [&'static str],
+    /// Scenes of the catalogue where nothing else is said, and what they stand for.
+    pub scenes: &'static [StandIn],
+    /// Ray sets where nothing else is said, as `--rays` takes them; none for an experiment without traces.
+    pub rays: &'static str,
+    /// Parameters of ray sets where nothing else is said, as `--set` takes them.
+    pub settings: &'static [&'static str],
+    /// How far traces go at least.
+    pub end: EndPoint,
+    /// What is run one after the other.
+    pub steps: &'static [Step],
+    /// What the page shows of it before its rows.
+    pub(crate) sections: &'static [Section],
+    /// The charts of the page.
+    pub(crate) charts: &'static [Charts],
+    /// Deviations and what is to be known.
+    pub notes: &'static [&'static str],
+}
+
+/// Makes a section of a page, in Markdown.
+pub(crate) type Section = fn(&Page<'_>) -> String;
+
+/// Makes charts of a page.
+pub(crate) type Charts = fn(&Page<'_>) -> Vec<SeriesChart>;
+
+/// A scene of the catalogue in place of a paper's.
+#[derive(Debug, PartialEq, Eq)]
+pub struct StandIn {
+    /// The scene of the catalogue.
+    pub scene: &'static str,
+    /// The paper's scene, as its tables name it.
+    pub published: &'static str,
+}
+
+/// Contenders side by side at one resolution.
+#[derive(Debug, PartialEq)]
+pub struct Step {
+    /// Factor on the edges of ray image, frame and faces.
+    pub resolution: f64,
+    /// Factor on the edges of the faces on top of it.
+    pub faces: f64,
+    /// Who runs.
+    pub rows: &'static [Row],
+}
+
+/// A tracer with every combination of values of its parameters.
+#[derive(Debug, PartialEq)]
+pub struct Row {
+    /// The tracer.
+    pub tracer: &'static str,
+    /// Parameters with their values.
+    pub values: Values,
+}
+
+/// The part of a paper's experiments that its bench takes.
+#[derive(Debug)]
+pub struct Part {
+    /// Ray sets that are traced where an experiment has them.
+    pub rays: &'static [&'static str],
+    /// Which steps are taken.
+    pub step: fn(&Step) -> bool,
+    /// Which rows are taken of an experiment.
+    pub row: fn(&Experiment, &TracerRequest) -> bool,
+}
+
+/// Values of parameters of a row.
+pub(super) type Values = &'static [(&'static str, &'static [&'static str])];
+
+pub(super) const fn stands_for(scene: &'static str, published: &'static str) -> StandIn {
+    StandIn { scene, published }
+}
+
+/// A step at a factor on every resolution.
+pub(super) const fn at(resolution: f64, rows: &'static [Row]) -> Step {
+    Step { resolution, faces: 1.0, rows }
+}
+
+/// A tracer as published.
+pub(super) const fn peer(tracer: &'static str) -> Row {
+    Row { tracer, values: &[] }
+}
+
+/// Why an experiment cannot be run as asked.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{rays} rays at {factor} times the resolution, {MOST_RAYS} are the most: turn down --size or --preset")]
+pub struct TooManyRays {
+    rays: u64,
+    factor: String,
+}
+
+impl Experiment {
+    /// The tracers of each step; a value in the published preset counts as named all the same, so that labels tell it.
+    pub fn requests(&self) -> Vec<Vec<TracerRequest>> {
+        self.steps.iter().map(|step| step.rows.iter().flat_map(Row::requests).collect()).collect()
+    }
+
+    /// What is to be run: the base plan at the resolution of every step, with its tracers.
+    ///
+    /// # Errors
+    /// If a step has more rays than one set may have.
+    pub fn plans(&self, base: &Plan, steps: &[Vec<TracerRequest>]) -> Result<Vec<Plan>, TooManyRays> {
+        let plan = |(step, tracers): (&Step, &Vec<TracerRequest>)| {
+            let preset = step.scaled(base.preset);
+            let rays = preset.ray_image.map(u64::from).iter().product();
+            if rays > MOST_RAYS {
+                return Err(TooManyRays { rays, factor: step.resolution.to_string() });
+            }
+            let end = if base.end == EndPoint::Surface { base.end } else { self.end };
+            Ok(Plan { preset, end, tracers: tracers.clone(), table: Some(self.name), ..base.clone() })
+        };
+        self.steps.iter().zip(steps).map(plan).collect()
+    }
+
+    /// The paper's scene that a scene stands for.
+    pub fn stands_for(&self, scene: &str) -> Option<&'static str> {
+        self.scenes.iter().find(|each| each.scene == scene).map(|each| each.published)
+    }
+
+    /// Whether a tracer of this name belongs into the table.
+    pub fn holds(&self, tracer: &str) -> bool {
+        self.steps.iter().flat_map(|step| step.rows).any(|row| row.tracer == tracer)
+    }
+}
+
+impl Step {
+    fn scaled(&self, preset: RunPreset) -> RunPreset {
+        let scaled = |pixels: u32, factor: f64| ((f64::from(pixels) * factor).round() as u32).max(1);
+        let edge = |pixels: u32| scaled(pixels, self.resolution);
+        RunPreset {
+            ray_image: preset.ray_image.map(edge),
+            frame: preset.frame.map(edge),
+            face: scaled(preset.face, self.resolution * self.faces),
+            ..preset
+        }
+    }
+}
+
+impl Row {
+    fn requests(&self) -> Vec<TracerRequest> {
+        let Some(registration) = registry::find(self.tracer) else { return Vec::new() };
+        let mut requests = vec![TracerRequest::of(registration, Preset::Published)];
+        for (parameter, values) in self.values {
+            let with = |request: &TracerRequest, value: &str| {
+                let mut request = request.clone();
+                // A test holds every value against its parameter's range.
+                request.set(parameter, value).is_ok().then_some(request)
+            };
+            requests =
+                requests.iter().flat_map(|request| values.iter().filter_map(|each| with(request, each))).collect();
+        }
+        requests
+    }
+}

@@ -1,0 +1,117 @@
+//! Runs for tests of papers: contenders with parameters and figures as given.
+
+use std::collections::BTreeMap;
+
+use tracebench_api::{ClockKind, MemoryEntry, Query};
+
+use super::{Paper, Rows, files, find};
+pub(super) use crate::report::fixture::{COUNT, Quality, run};
+use crate::results::{CounterRecord, Judgement, PhaseRecord, Run, TraceRecord, TracerRun};
+
+/// A contender of a scene: its parameters, what its structure says of itself, its ray sets.
+pub(super) fn contender(
+    tracer: &str,
+    scene: &str,
+    parameters: serde_json::Value,
+    statistics: &[(&str, f64)],
+    sets: &[(&str, Query)],
+) -> TracerRun {
+    let quality = Quality { missed: 0.0, blur: 0.0, speed: 2.0, clock: ClockKind::DeviceTimestamps };
+    let mut run = run(&[(tracer, quality)], sets).runs.remove(0);
+    run.scene.name = scene.to_owned();
+    run.scene.sha256 = scene.to_owned();
+    run.tracer.parameters = serde_json::from_value(parameters).unwrap();
+    run.structure_statistics = statistics.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+    run
+}
+
+/// Sets a counter of a ray set, over all rays.
+pub(super) fn count(run: &mut TracerRun, rays: &str, counter: &str, total: u64) {
+    let trace = run.traces.iter_mut().find(|trace| trace.rays == rays).unwrap();
+    let per_ray = total as f64 / trace.count as f64;
+    trace.counters.insert(counter.to_owned(), CounterRecord { total, per_ray, greatest_per_ray: None });
+}
+
+pub(super) fn run_of(runs: Vec<TracerRun>) -> Run {
+    let mut run = run(&[], &[]);
+    (run.runs, run.skipped) = (runs, Vec::new());
+    run
+}
+
+/// A quantity of a paper by scene.
+pub(super) fn values(paper: &Paper, name: &str, run: &Run) -> BTreeMap<String, f64> {
+    let found = paper.quantity(name).unwrap().values(&Rows::of(run));
+    found.into_iter().map(|each| (each.scene, each.value)).collect()
+}
+
+/// A quantity of a paper in a run of one scene, or over all scenes.
+pub(super) fn value(paper: &Paper, name: &str, run: &Run) -> f64 {
+    let all = values(paper, name, run);
+    assert_eq!(all.len(), 1, "{name}: {all:?}");
+    all.into_values().next().unwrap()
+}
+
+pub(super) fn set_time(run: &mut TracerRun, rays: &str, ms: f64) {
+    let trace = run.traces.iter_mut().find(|trace| trace.rays == rays).unwrap();
+    (trace.times.median_ms, trace.times.submit_to_done_median_ms) = (ms, Some(ms));
+}
+
+pub(super) fn set_phase(run: &mut TracerRun, name: &str, ms: f64) {
+    run.build.times.phases = vec![PhaseRecord { name: name.to_owned(), median_ms: ms, samples_ms: vec![ms] }];
+}
+
+pub(super) fn set_build(run: &mut TracerRun, ms: f64) {
+    (run.build.times.median_ms, run.build.times.submit_to_done_median_ms) = (ms, Some(ms));
+}
+
+pub(super) fn set_bytes(run: &mut TracerRun, parts: &[(&str, u64)]) {
+    let entry = |(name, bytes): &(&str, u64)| MemoryEntry::whole(name, *bytes);
+    run.memory.structure = parts.iter().map(entry).collect();
+}
+
+pub(super) fn trace_of<'a>(run: &'a mut TracerRun, rays: &str) -> &'a mut TraceRecord {
+    run.traces.iter_mut().find(|trace| trace.rays == rays).unwrap()
+}
+
+/// Misses, inventions and footprint agreement of a closest-hit set, under both rules.
+pub(super) fn set_classes(run: &mut TracerRun, rays: &str, [missed, invented]: [u64; 2], footprint: f64) {
+    let Judgement::Closest(closest) = &mut trace_of(run, rays).judgement else { panic!("{rays} is any-hit") };
+    for classes in [&mut closest.classes.tight, &mut closest.classes.footprint] {
+        (classes.false_miss, classes.false_hit, classes.early, classes.late) = (missed, invented, 0, 0);
+    }
+    closest.agreement.footprint = Some(footprint);
+}
+
+/// Rays in a million.
+pub(super) fn in_a_million(rays: u64) -> f64 {
+    rays as f64 / (COUNT - 12) as f64 * 1e6
+}
+
+pub(super) fn close(found: f64, expected: f64) {
+    assert!((found - expected).abs() <= 1e-9 * expected.abs().max(1.0), "{found}, not {expected}");
+}
+
+/// The page of an experiment over a run.
+pub(super) fn page_of(name: &str, run: &Run) -> String {
+    let (paper, experiment) = find(name).unwrap();
+    let files = files(paper, experiment, run).unwrap();
+    let own = format!("table_{}.md", name.replace('-', "_"));
+    let page = files.into_iter().find(|(file, _)| *file == own).unwrap();
+    String::from_utf8(page.1).unwrap()
+}
+
+/// Leaves nothing that could be judged.
+pub(super) fn take_judgements(run: &mut Run) {
+    for trace in run.runs.iter_mut().flat_map(|one| &mut one.traces) {
+        match &mut trace.judgement {
+            Judgement::Closest(closest) => (closest.agreement, closest.interval) = Default::default(),
+            Judgement::Any(any) => any.occlusion.balanced_accuracy = None,
+        }
+    }
+}
+
+/// Published tables without figures.
+pub(super) fn lost(paper: &Paper) -> Vec<String> {
+    let tables = paper.published().unwrap().tables;
+    tables.into_iter().filter(|table| table.rows.is_none()).map(|table| table.id).collect()
+}

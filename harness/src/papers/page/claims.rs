@@ -1,0 +1,149 @@
+//! Claims with their verdicts: on an experiment's page, and all of a paper together.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use super::broken;
+use crate::papers::{Claim, JudgedClaim, Paper, Test, Verdict, judge_all};
+use crate::report::format::{NONE, significant};
+use crate::report::markdown::{Table, inline};
+use crate::report::{ReportError, files};
+use crate::results::Run;
+
+/// The claims that an experiment measures.
+pub(super) fn section(judged: &[JudgedClaim]) -> String {
+    if judged.is_empty() {
+        return String::new();
+    }
+    format!("\n## Claims\n\n{HOW}\n\n{}", table(judged, false))
+}
+
+const HOW: &str = "A claim holds if the values here lie in the range beside them; a percentage holds within 10 percentage points, \
+                   or within half of its value where that is less. Where the paper gives no number, the range is this suite's and \
+                   stands with the conditions. The adapter and its clock are those above: on a software adapter a ratio of times \
+                   says what it says there.";
+
+fn value(value: f64, unit: &str) -> String {
+    let figure = significant(value, 4);
+    if unit.is_empty() { figure } else { format!("{figure} {unit}") }
+}
+
+fn published(claim: &Claim) -> String {
+    let unit = if claim.unit.is_empty() { String::new() } else { format!(" {}", claim.unit) };
+    let figure = match claim.published.as_deref() {
+        None => "no number".to_owned(),
+        Some([low, high]) => format!("{low} to {high}{unit}"),
+        Some(values) => values.iter().map(|value| format!("{value}{unit}")).collect::<Vec<_>>().join(", "),
+    };
+    match (&claim.own_figures, claim.agrees_with_own_figures) {
+        (Some(own), Some(false)) => format!("{figure}; its own figures differ: {own}"),
+        (Some(own), _) => format!("{figure}; its own figures: {own}"),
+        (None, _) => figure,
+    }
+}
+
+/// Every scene's own figure, then the median.
+fn measured(judged: &JudgedClaim) -> String {
+    let all: Vec<String> =
+        judged.values.iter().map(|each| format!("{} {}", each.scene, value(each.value, judged.unit))).collect();
+    match (all.as_slice(), judged.median) {
+        ([], _) => NONE.to_owned(),
+        ([_, _, ..], Some(median)) => format!("{}; median {}", all.join(", "), value(median, judged.unit)),
+        _ => all.join(", "),
+    }
+}
+
+fn rule(claim: &Claim) -> String {
+    match &claim.test {
+        Test::Measured { quantity, rule, .. } => format!("`{quantity}`: {}", rule.words()),
+        Test::NotMeasurable { .. } => NONE.to_owned(),
+    }
+}
+
+fn verdict(judged: &JudgedClaim) -> String {
+    let reason = judged.reason.as_ref().map_or_else(String::new, |reason| format!(": {reason}"));
+    format!("**{}**{reason}", judged.verdict.name())
+}
+
+fn table(judged: &[JudgedClaim], with_table: bool) -> String {
+    let mut headings = vec!["claim", "section", "conditions", "published", "here", "holds if", "verdict"];
+    if with_table {
+        headings.push("table");
+    }
+    let mut table = Table::new(&headings.iter().map(|heading| (*heading).to_owned()).collect::<Vec<_>>());
+    for each in judged {
+        let claim = &each.claim;
+        let mut cells = vec![
+            format!("`{}`: {}", claim.id, claim.statement),
+            claim.section.clone(),
+            claim.conditions.clone(),
+            published(claim),
+            measured(each),
+            rule(claim),
+            verdict(each),
+        ];
+        if with_table {
+            let by = each.measured_by.as_ref();
+            cells.push(by.map_or_else(
+                || claim.table().unwrap_or(NONE).to_owned(),
+                |by| format!("{}, preset {}, {}", by.table, by.preset, by.started),
+            ));
+        }
+        table.row(&cells);
+    }
+    table.text
+}
+
+/// Verdicts as JSON.
+pub(super) fn json(name: &str, judged: &[JudgedClaim]) -> Result<Vec<u8>, ReportError> {
+    Ok(files::json(name, &judged)?)
+}
+
+/// All claims of a paper together, by the runs that were made for its tables, as Markdown.
+///
+/// # Errors
+/// If the embedded data is not as it should be.
+pub fn claims_text(paper: &Paper, runs: &[Run]) -> Result<String, ReportError> {
+    let published = paper.published().map_err(|error| broken(&error))?;
+    let judged = judged(paper, runs)?;
+    let mut text = format!("# Claims of {}\n\n", inline(&published.paper.title));
+    let mut machines: Vec<&str> = Vec::new();
+    for by in judged.iter().filter_map(|each| each.measured_by.as_ref()) {
+        if !machines.contains(&by.machine.as_str()) {
+            machines.push(&by.machine);
+        }
+    }
+    for machine in machines {
+        let _ = writeln!(text, "- Machine: {}", inline(machine));
+    }
+    for verdict in Verdict::ALL {
+        let count = judged.iter().filter(|each| each.verdict == verdict).count();
+        let _ = writeln!(text, "- {}: {count}", verdict.name());
+    }
+    let _ = write!(text, "\n{HOW}\n\n{}", table(&judged, true));
+    Ok(text)
+}
+
+fn judged(paper: &Paper, runs: &[Run]) -> Result<Vec<JudgedClaim>, ReportError> {
+    judge_all(paper, runs).map_err(|error| broken(&error))
+}
+
+/// Writes all claims of a paper together, `claims_PAPER.md` and `claims_PAPER.json`, and gives the paths.
+///
+/// # Errors
+/// If the folder or a file cannot be written.
+pub fn write_claims(paper: &Paper, runs: &[Run], directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
+    files::create_directory(directory)?;
+    let stem = format!("claims_{}", paper.name);
+    let name = format!("{stem}.json");
+    let contents = [
+        (format!("{stem}.md"), claims_text(paper, runs)?.into_bytes()),
+        (name.clone(), json(&name, &judged(paper, runs)?)?),
+    ];
+    let write = |(name, contents): (String, Vec<u8>)| {
+        let path = directory.join(name);
+        files::write(&path, &contents)?;
+        Ok(path)
+    };
+    contents.into_iter().map(write).collect()
+}

@@ -1,0 +1,92 @@
+//! Quantities that decide claims: functions of a run, by name.
+
+use super::rows::{Rows, SceneRows};
+use super::verdict::SceneValue;
+
+/// Of what a quantity is a value.
+#[derive(Clone, Copy, Debug)]
+pub enum Measure {
+    /// Of every scene that has the rows for it.
+    Scene(fn(&SceneRows<'_>) -> Option<f64>),
+    /// Of all scenes together.
+    Scenes(fn(&[SceneRows<'_>]) -> Option<f64>),
+}
+
+/// A quantity.
+#[derive(Clone, Copy, Debug)]
+pub struct Quantity {
+    /// Stable name.
+    pub name: &'static str,
+    /// Its unit, empty for a ratio or share.
+    pub unit: &'static str,
+    /// How it is had.
+    pub measure: Measure,
+}
+
+impl Quantity {
+    /// Its values in a run; none where the run lacks the rows. What is no number is none.
+    pub fn values(&self, rows: &Rows<'_>) -> Vec<SceneValue> {
+        let value = |scene: &str, value: f64| SceneValue { scene: scene.to_owned(), value };
+        let found: Vec<SceneValue> = match self.measure {
+            Measure::Scene(of) => {
+                rows.scenes.iter().filter_map(|scene| Some(value(&scene.label, of(scene)?))).collect()
+            }
+            Measure::Scenes(of) => of(&rows.scenes).map(|found| value("all scenes", found)).into_iter().collect(),
+        };
+        found.into_iter().filter(|found| found.value.is_finite()).collect()
+    }
+}
+
+pub(super) const fn of_scene(
+    name: &'static str,
+    unit: &'static str,
+    of: fn(&SceneRows<'_>) -> Option<f64>,
+) -> Quantity {
+    Quantity { name, unit, measure: Measure::Scene(of) }
+}
+
+pub(super) const fn of_scenes(
+    name: &'static str,
+    unit: &'static str,
+    of: fn(&[SceneRows<'_>]) -> Option<f64>,
+) -> Quantity {
+    Quantity { name, unit, measure: Measure::Scenes(of) }
+}
+
+pub(super) const PERCENT: &str = "%";
+pub(super) const IN_A_MILLION: &str = "rays in a million";
+
+/// The larger of values, none of none.
+pub(super) fn greatest(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    values.into_iter().reduce(f64::max)
+}
+
+/// The least of values, none of none.
+pub(super) fn least(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    values.into_iter().reduce(f64::min)
+}
+
+/// The mean of values, none of none.
+pub(super) fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// Of ratios that which lies farthest from 1, none of none.
+pub(super) fn farthest_from_one(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    values.into_iter().max_by(|a, b| a.ln().abs().total_cmp(&b.ln().abs()))
+}
+
+/// Kendall's rank correlation of pairs, from -1 (one falls as the other rises) to 1; pairs that are equal in one count as
+/// neither. None below three pairs, which have no order to speak of.
+pub(super) fn rank_correlation(pairs: &[[f64; 2]]) -> Option<f64> {
+    let mut sum = 0.0;
+    let mut compared = 0_u32;
+    for (index, one) in pairs.iter().enumerate() {
+        for other in &pairs[..index] {
+            let product = (one[0] - other[0]) * (one[1] - other[1]);
+            sum += if product == 0.0 { 0.0 } else { product.signum() };
+            compared += 1;
+        }
+    }
+    (pairs.len() > 2).then(|| sum / f64::from(compared))
+}

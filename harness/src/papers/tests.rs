@@ -1,0 +1,258 @@
+//! The data is whole, experiments name what exists, quantities are what they say, verdicts follow from them.
+
+use serde_json::json;
+
+use super::dirt::tests::{dirt, over_buckets};
+use super::fixture::run_of;
+use super::vvp16::tests::variants;
+use super::*;
+use crate::plan::{RUN_PRESETS, TracerRequest};
+use crate::rays::RAY_SETS;
+use crate::results::Run;
+
+/// What every paper printed.
+fn published() -> Vec<(&'static Paper, Published)> {
+    PAPERS.iter().map(|paper| (*paper, paper.published().unwrap())).collect()
+}
+
+fn tables() -> Vec<PublishedTable> {
+    published().into_iter().flat_map(|(_, published)| published.tables).collect()
+}
+
+/// Every claim of every paper.
+fn claims() -> Vec<(&'static Paper, Claim)> {
+    PAPERS.iter().flat_map(|paper| paper.claims().unwrap().into_iter().map(|claim| (*paper, claim))).collect()
+}
+
+/// Every published table has unique name, a paper, as many values a row as columns, and lost figures are `null`.
+#[test]
+fn published_data_is_whole() {
+    let (papers, tables) = (published(), tables());
+    for (index, table) in tables.iter().enumerate() {
+        assert!(tables[..index].iter().all(|other| other.id != table.id), "{}", table.id);
+        assert!(!table.what.is_empty() && !table.place.is_empty());
+        for row in table.rows.iter().flatten() {
+            assert_eq!(row.values.len(), table.columns.len(), "{}", table.id);
+        }
+        assert!(table.rows.as_ref().is_none_or(|rows| !rows.is_empty()), "{}: an empty table is a lost one", table.id);
+    }
+    for (index, (paper, Published { paper: publication, tables })) in papers.iter().enumerate() {
+        assert!(papers[..index].iter().all(|(other, _)| other.name != paper.name), "{}", paper.name);
+        assert!(tables.iter().all(|table| table.paper == paper.name), "{}", paper.name);
+        assert!(!publication.hardware.is_empty() && publication.setup.iter().all(|each| !each.section.is_empty()));
+    }
+}
+
+/// Every claim has a unique name and is decided by a quantity and a table of this paper, or says why not; every quantity decides
+/// a claim; ranges are ranges, and those of percentages that the paper states are the ones that the pages announce.
+#[test]
+fn claims_can_be_decided() {
+    let claims = claims();
+    let mut used = Vec::new();
+    for (index, (paper, claim)) in claims.iter().enumerate() {
+        assert!(claims[..index].iter().all(|(_, other)| other.id != claim.id), "{}", claim.id);
+        assert!(claim.paper == paper.name && !claim.statement.is_empty() && !claim.section.is_empty());
+        assert!(["text", "table", "derived"].contains(&claim.source.as_str()), "{}", claim.source);
+        match &claim.test {
+            Test::NotMeasurable { not_measurable } => assert!(!not_measurable.is_empty(), "{}", claim.id),
+            Test::Measured { table, quantity: name, scenes, rule } => {
+                let experiment = paper.experiment(table).unwrap_or_else(|| panic!("{}: no table {table}", claim.id));
+                let stands = |name: &String| experiment.scenes.iter().any(|scene| scene.published == name);
+                assert!(scenes.iter().all(stands), "{}: {scenes:?}", claim.id);
+                let quantity = paper.quantity(name).unwrap_or_else(|| panic!("{}: no quantity {name}", claim.id));
+                used.push((paper.name, quantity.name));
+                assert!(rule.least.is_some() || rule.most.is_some(), "{}", claim.id);
+                assert!(rule.least.zip(rule.most).is_none_or(|(least, most)| least <= most), "{}", claim.id);
+                if let (Some([stated]), "%") = (claim.published.as_deref(), claim.unit.as_str()) {
+                    let room = (stated / 2.0).min(10.0);
+                    assert_eq!((rule.least, rule.most), (Some(stated - room), Some(stated + room)), "{}", claim.id);
+                    assert_eq!((quantity.unit, rule.over), ("%", Over::Median), "{}", claim.id);
+                }
+            }
+        }
+    }
+    for paper in PAPERS {
+        let own: Vec<&str> = paper.quantities.iter().copied().flatten().map(|quantity| quantity.name).collect();
+        for (index, name) in own.iter().enumerate() {
+            assert!(!own[..index].contains(name), "{name} twice");
+            assert!(used.contains(&(paper.name, *name)), "{name} decides nothing of {}", paper.name);
+        }
+    }
+}
+
+/// Experiments name scenes, ray sets, tracers, parameters, values and published tables that exist, no row twice in a step; they
+/// are named after their paper.
+#[test]
+fn experiments_name_what_exists() {
+    let catalogue: Vec<&str> = tracebench_scenes::catalogue().iter().map(|entry| entry.name).collect();
+    for (paper, experiment) in PAPERS.iter().flat_map(|paper| paper.experiments.iter().map(move |each| (paper, each))) {
+        let published = paper.published().unwrap().tables;
+        assert!(experiment.name.strip_prefix(paper.name).is_some_and(|rest| rest.starts_with('-')));
+        assert!(!experiment.scenes.is_empty());
+        assert!(experiment.scenes.iter().all(|each| catalogue.contains(&each.scene)), "{}", experiment.name);
+        let sets = experiment.rays.split(',').filter(|name| !name.is_empty());
+        assert!(sets.into_iter().all(|name| RAY_SETS.iter().any(|set| set.name == name)), "{}", experiment.name);
+        assert!(experiment.published.iter().all(|id| published.iter().any(|table| table.id == *id)));
+        assert!(experiment.settings.iter().all(|setting| setting.starts_with("rays.")));
+        for (step, requests) in experiment.steps.iter().zip(experiment.requests()) {
+            let combinations = |row: &Row| row.values.iter().map(|(_, values)| values.len()).product::<usize>();
+            assert_eq!(requests.len(), step.rows.iter().map(combinations).sum::<usize>(), "{}", experiment.name);
+            for (index, request) in requests.iter().enumerate() {
+                let same =
+                    |other: &TracerRequest| other.name() == request.name() && other.parameters == request.parameters;
+                assert!(!requests[..index].iter().any(same), "{} has {:?} twice", experiment.name, request.changed);
+                assert!(!request.required && experiment.holds(request.name()));
+            }
+        }
+        assert!(!experiment.holds("no-such"));
+    }
+    assert!(find("no-such").is_none() && paper("no-such").is_none());
+}
+
+/// Steps scale ray image, frame and faces alike and never to nothing, and a step of too many rays is refused.
+#[test]
+fn steps_scale_the_resolution() {
+    let (_, experiment) = find("dirt-figure8").unwrap();
+    let plan = |size: [u32; 2]| crate::plan::Plan {
+        scenes: Vec::new(),
+        tracers: Vec::new(),
+        ray_sets: Vec::new(),
+        ray_parameters: crate::rays::default_parameters(),
+        preset: crate::plan::RunPreset { ray_image: size, ..RUN_PRESETS[1] },
+        view: crate::plan::ViewRequest::Default,
+        time_s: 0.0,
+        seed: 1,
+        end: EndPoint::Hit,
+        table: None,
+    };
+    let steps = experiment.requests();
+    let plans = experiment.plans(&plan([256, 128]), &steps).unwrap();
+    let sizes: Vec<_> = plans.iter().map(|plan| (plan.preset.ray_image, plan.preset.frame, plan.preset.face)).collect();
+    let at = |factor: u32| ([64 * factor, 32 * factor], [128 * factor, 64 * factor], 64 * factor);
+    assert_eq!(sizes, [1, 2, 4, 8].map(at));
+    assert!(plans.iter().all(|plan| plan.table == Some("dirt-figure8") && plan.tracers.len() == 3));
+    assert_eq!(experiment.plans(&plan([1, 1]), &steps).unwrap()[0].preset.ray_image, [1, 1]);
+    let refused = experiment.plans(&plan([4096, 4096]), &steps).err().unwrap();
+    assert!(refused.to_string().contains("--size"), "{refused}");
+}
+
+/// Rules look at the values that they name: one scene beyond the range decides "every" alone.
+#[test]
+fn rules_hold_over_what_they_name() {
+    let rule = |over| Rule { over, least: Some(1.0), most: Some(2.0) };
+    let [median, every, most] = [Over::Median, Over::Every, Over::Most].map(rule);
+    for (values, expected) in [
+        (vec![1.0, 1.5, 2.0], [true, true, true]),
+        (vec![1.0, 1.5, 9.0], [true, false, true]),
+        (vec![1.5, 9.0], [false, false, false]),
+        (vec![0.0, 1.0, 1.0, 9.0], [true, false, false]),
+        (vec![3.0], [false, false, false]),
+    ] {
+        assert_eq!([median, every, most].map(|rule| rule.holds(&values)), expected, "{values:?}");
+    }
+    let open = Rule { over: Over::Every, least: None, most: Some(0.0) };
+    assert!(open.holds(&[-5.0, 0.0]) && !open.holds(&[1e-9]));
+    assert_eq!(open.words(), "every scene at most 0");
+}
+
+fn claim_of(id: &str) -> (&'static Paper, Claim) {
+    claims().into_iter().find(|(_, claim)| claim.id == id).unwrap()
+}
+
+/// A run that has what is claimed holds, one that has not does not, one without the rows is not measured, and neither is one
+/// of another table; values and table are kept.
+#[test]
+fn verdicts_follow_from_values() {
+    let (paper, claim) = claim_of("dirt-references-2x2");
+    let run = |saved: f64| {
+        let of = move |tile_size: u64, _| (1000, if tile_size == 1 { 1000.0 } else { 1000.0 * (1.0 - saved) });
+        run_of([over_buckets("a", of), over_buckets("b", of)].concat())
+    };
+    let judged = |run: &Run| judge(paper, &claim, "dirt-figure10", &Rows::of(run));
+    let holds = judged(&run(0.56));
+    assert_eq!((holds.verdict, holds.values.len(), holds.reason), (Verdict::Holds, 2, None));
+    assert!((holds.median.unwrap() - 56.0).abs() < 1e-9);
+    assert_eq!(holds.measured_by.unwrap().table, "dirt-figure10");
+    let fails = judged(&run(0.2));
+    assert!(fails.verdict == Verdict::DoesNotHold && (fails.values[0].value - 20.0).abs() < 1e-9);
+    let lacking = judged(&run_of(vec![dirt("a", json!({ "tile_size": "1", "buckets": 24 }), &[("references", 5.0)])]));
+    assert!(lacking.verdict == Verdict::NotMeasured && lacking.values.is_empty() && lacking.reason.is_some());
+    assert_eq!(judge(paper, &claim, "dirt-table1", &Rows::of(&run(0.56))).verdict, Verdict::NotMeasured);
+    let (_, never) = claim_of("dirt-hiz-speedup");
+    assert_eq!(judge(paper, &never, "dirt-table2", &Rows::of(&run(0.56))).verdict, Verdict::NotMeasurable);
+}
+
+/// Claims about times of rasterization are decided on hardware alone; on a software adapter the values stand all the same.
+#[test]
+fn rasterization_is_timed_on_hardware_alone() {
+    let (paper, claim) = claim_of("dirt-buckets-build-linear");
+    assert!(claim.needs_hardware_raster);
+    let mut runs = over_buckets("a", |_, _| (1000, 1000.0));
+    for run in &mut runs {
+        let step = (run.tracer.parameters["buckets"].as_f64().unwrap() - 8.0) / 8.0;
+        run.build.times.median_ms = 10.0 * 1.02_f64.powf(step);
+    }
+    let software = run_of(runs);
+    let mut hardware = software.clone();
+    hardware.provenance.machine.adapter.as_mut().unwrap().kind = "discrete".to_owned();
+    let judged = |run: &Run| judge(paper, &claim, "dirt-figure10", &Rows::of(run));
+    let (here, there) = (judged(&software), judged(&hardware));
+    assert_eq!((here.verdict, there.verdict), (Verdict::NotMeasurable, Verdict::Holds));
+    assert!(here.values == there.values && (here.median.unwrap() - 2.0).abs() < 1e-9);
+    hardware.runs.iter_mut().for_each(|run| run.build.times.median_ms = 10.0);
+    assert_eq!(judged(&hardware).verdict, Verdict::DoesNotHold);
+    hardware.provenance.machine.adapter = None;
+    assert_eq!(judged(&hardware).verdict, Verdict::NotMeasurable);
+}
+
+/// All claims of a paper are set together, each once or once a run of its table; what no run measures names the table.
+#[test]
+fn claims_are_set_together() {
+    let of = |tile_size: u64, _| (1000, 1000.0 / tile_size as f64);
+    let run = Run { table: Some("dirt-figure10".to_owned()), ..run_of(over_buckets("a", of)) };
+    let none = judge_all(&dirt::PAPER, &[]).unwrap();
+    let of_vvp16 = judge_all(&vvp16::PAPER, &[]).unwrap();
+    assert_eq!([none.len(), of_vvp16.len()], [&dirt::PAPER, &vvp16::PAPER].map(|paper| paper.claims().unwrap().len()));
+    assert_eq!(of_vvp16.len(), 61);
+    assert!(none.iter().all(|each| matches!(each.verdict, Verdict::NotMeasured | Verdict::NotMeasurable)));
+    let missing = none.iter().find(|each| each.claim.id == "dirt-samples-2x2").unwrap();
+    assert!(missing.reason.as_ref().unwrap().contains("tracebench table dirt-figure10"));
+    let twice = judge_all(&dirt::PAPER, &[run.clone(), run]).unwrap();
+    let found: Vec<_> = twice.iter().filter(|each| each.claim.id == "dirt-references-2x2").collect();
+    assert!(found.len() == 2 && found.iter().all(|each| each.verdict == Verdict::Holds));
+}
+
+/// Scenes of the same name from other viewpoints are two, and say so; other resolutions are the same scene.
+#[test]
+fn rows_are_sorted_by_scene() {
+    let one = dirt("a", json!({}), &[]);
+    let (mut finer, mut elsewhere) = (one.clone(), one.clone());
+    finer.viewpoint.ray_image = [1024, 512];
+    elsewhere.viewpoint.eye = [9.0; 3];
+    elsewhere.viewpoint.name = "yard".to_owned();
+    let run = run_of(vec![one, finer, elsewhere]);
+    let rows = Rows::of(&run);
+    let labels: Vec<&str> = rows.scenes.iter().map(|scene| scene.label.as_str()).collect();
+    assert_eq!(labels, ["a from door", "a from yard"]);
+    assert_eq!(rows.scenes[0].by_resolution().len(), 2);
+}
+
+/// A claim about one of the paper's scenes is decided by its stand-in alone, and is not measured where nothing stands for it.
+#[test]
+fn claims_about_a_scene_look_at_its_stand_in() {
+    let (paper, claim) = claim_of("vvp16-skipping-ruins");
+    let Test::Measured { table, scenes, .. } = &claim.test else { panic!("it is measured") };
+    let stand_in =
+        paper.experiment(table).unwrap().scenes.iter().find(|each| *each.published == scenes[0]).unwrap().scene;
+    let judged = |scene: &str| {
+        let mut runs = variants(scene, [3.0, 1.0]);
+        runs.extend(variants("elsewhere", [1.0, 1.0]));
+        let run = run_of(runs);
+        judge(paper, &claim, table, &Rows::of(&run))
+    };
+    let found = judged(stand_in);
+    assert!(found.values.len() == 1 && found.values[0].scene == stand_in, "{:?}", found.values);
+    assert!((found.median.unwrap() - 200.0).abs() < 1e-9 && found.verdict == Verdict::Holds);
+    let none = judged("nowhere");
+    assert!(none.values.is_empty() && none.verdict == Verdict::NotMeasured && none.reason.unwrap().contains("Ruins"));
+}

@@ -1,0 +1,162 @@
+//! VVP16's tables and figures.
+
+use tracebench_api::EndPoint;
+
+use super::{abuffer, charts, sections};
+use crate::papers::experiment::{Experiment, StandIn, Step, at, peer, stands_for};
+
+/// Every one, in the order of lists.
+pub(super) const EXPERIMENTS: &[Experiment] = &[TABLE1, TABLE2, FIGURE11, FIGURE12, VIEWS];
+
+/// The scenes of Table 1, by fragments and layers of seven views.
+const OF_TABLE_1: &[StandIn] = &[
+    stands_for("room", "Bunny"),
+    stands_for("candy", "Dead Nature"),
+    stands_for("solids", "Pool"),
+    stands_for("smithy", "Smithy"),
+];
+const ON_OFF: &[&str] = &["on", "off"];
+const STORAGES: &[&str] = &["s-buffer", "ll", "dll", "llb", "dllb"];
+
+/// Table 1.
+const TABLE1: Experiment = Experiment {
+    name: "vvp16-table1",
+    summary: "memory, fragments, layers, build, and traces of one and two bounces with and without skipping (VVP16, Table 1)",
+    published: &["vvp16-table1", "vvp16-buckets"],
+    scenes: OF_TABLE_1,
+    rays: "diffuse,bounce2,ao",
+    settings: &[],
+    end: EndPoint::Surface,
+    steps: &[at(1.0, &[abuffer(&[("skipping", ON_OFF)]), abuffer(&[("buckets", &["8", "12"])])])],
+    sections: &[sections::bounces],
+    charts: &[],
+    notes: &[
+        "One bounce is the set diffuse, a ray a pixel; two bounces are diffuse and bounce2 together, paths that leave the scene \
+         start no second ray. The paper's times have direct lighting in them, these have not: camera rays are not traced.",
+        "Empty-space efficiency, which the paper does not define, is the share of the pixels or steps looked at of which no \
+         fragment was tested. Layers are told a ray, and a pixel of which at least one fragment was tested.",
+        "A fragment has 16 bytes of data here whatever is traced; the paper's AO keeps normals alone. ao is an any-hit set of a \
+         tenth of the scene's diagonal, where the paper has 3 m.",
+    ],
+};
+
+/// Table 2.
+const TABLE2: Experiment = Experiment {
+    name: "vvp16-table2",
+    summary: "bytes by the formula beside those of the ledger, for five storages (VVP16, Table 2)",
+    published: &["vvp16-table2"],
+    scenes: OF_TABLE_1,
+    rays: "",
+    settings: &[],
+    end: EndPoint::Hit,
+    steps: &[at(
+        1.0,
+        &[
+            abuffer(&[("storage", &["s-buffer", "ll", "dll"])]),
+            abuffer(&[("storage", &["llb", "dllb"]), ("buckets", &["4", "1", "8"])]),
+        ],
+    )],
+    sections: &[sections::formula],
+    charts: &[],
+    notes: &[
+        "The formula has the device's own counts in it, and 16 bytes of data a fragment: its normal and its material.",
+    ],
+};
+
+/// Figure 11.
+const FIGURE11: Experiment = Experiment {
+    name: "vvp16-figure11",
+    summary: "build and trace beside every BVH (VVP16, Figure 11)",
+    published: &["vvp16-figure11"],
+    scenes: &[stands_for("atrium", "Sponza"), stands_for("foliage", "Ruins")],
+    rays: "diffuse",
+    settings: &[],
+    end: EndPoint::Surface,
+    steps: &[at(
+        1.0,
+        &[
+            abuffer(&[("thickness", &["0"])]),
+            abuffer(&[("thickness_in", &["pixels"]), ("thickness", &["1"])]),
+            peer("lbvh-gpu"),
+            peer("bvh-gpu"),
+            peer("bvh-cpu"),
+            peer("ray-query"),
+        ],
+    )],
+    sections: &[sections::peers],
+    charts: &[],
+    notes: &[
+        "lbvh-gpu, built on the device, stands for TRBVH; bvh-gpu, built on the host and traced on the device, for SBVH. Neither \
+         is OptiX.",
+        "One bounce is the set diffuse. The paper states no thickness; one of 0 is its section 3.4's, the other row's stands in its \
+         label.",
+    ],
+};
+
+/// Figure 12.
+const FIGURE12: Experiment = Experiment {
+    name: "vvp16-figure12",
+    summary: "traces of five storages in one view, plain, decoupled, and decoupled with skipping (VVP16, Figure 12)",
+    published: &["vvp16-figure12", "vvp16-figure12-scenes", "vvp16-gains", "vvp16-construction"],
+    scenes: &[stands_for("atrium", "Dead Nature"), stands_for("hangar", "Sponza"), stands_for("foliage", "Ruins")],
+    rays: "pixel-random",
+    settings: &[],
+    end: EndPoint::Surface,
+    steps: &[at(
+        1.0,
+        &[
+            abuffer(&[("views", &["frame"]), ("storage", STORAGES), ("decoupled", &["off"]), ("skipping", &["off"])]),
+            abuffer(&[
+                ("views", &["frame"]),
+                ("storage", STORAGES),
+                ("decoupled", &["on"]),
+                ("skipping", &["off", "on"]),
+            ]),
+        ],
+    )],
+    sections: &[sections::variants],
+    charts: &[charts::variants],
+    notes: &[
+        "The stand-ins are chosen by their layers in one view: 3, 7 and 16 fragments a pixel in the paper.",
+        "The paper has 20 random rays a pixel of 800x800 and does not say from where; here they start from what the pixels see. \
+         `--set rays.pixel_random_count=N` makes them fewer, `--size 800x800 --frame 800x800` has the paper's pixels.",
+        "The stored colour of a hit is its normal and material here.",
+    ],
+};
+
+const BASE: Step = at(
+    1.0,
+    &[
+        abuffer(&[("views", &["seven", "six", "frame"]), ("layers", &["all", "one"])]),
+        abuffer(&[("march", &["pixels", "hi-z"])]),
+        abuffer(&[("view_steps", &["25", "400"])]),
+        abuffer(&[("bounds", &["boxes"])]),
+        abuffer(&[("views", &["six"]), ("centre", &["eye"])]),
+        abuffer(&[("storage", &["s-buffer"]), ("binary_search_above", &["16", "0", "64", "1048576"])]),
+        abuffer(&[("thickness_in", &["pixels"]), ("thickness", &["1"])]),
+    ],
+);
+/// Faces with pixels no larger than the camera's.
+const FINE_FACES: Step = Step { faces: 2.0, ..at(1.0, &[abuffer(&[("views", &["seven", "six"])])]) };
+const COARSE: Step =
+    at(0.5, &[abuffer(&[("march", &["pixels"])]), abuffer(&[("thickness_in", &["pixels"]), ("thickness", &["1"])])]);
+
+/// Figures 7 to 9, and what the text states.
+const VIEWS: Experiment = Experiment {
+    name: "vvp16-views",
+    summary: "views, layers, marches, bounds, centres and binary search (VVP16, Figures 7 to 9, sections 3 and 4)",
+    published: &["vvp16-figure7", "vvp16-figure8", "vvp16-figure9", "vvp16-views-cost", "vvp16-search"],
+    scenes: &[stands_for("candy", "Dead Nature"), stands_for("solids", "Pool"), stands_for("smithy", "Smithy")],
+    rays: "diffuse,specular,refraction,ao",
+    settings: &[],
+    end: EndPoint::Hit,
+    steps: &[BASE, FINE_FACES, COARSE],
+    sections: &[sections::views_and_layers],
+    charts: &[],
+    notes: &[
+        "From one viewpoint a scene; `--view` takes others, as Figure 7 has two. The paper's times have direct lighting in them, \
+         these have not; Figure 8 has two bounces, here its refracted and mirrored rays are those of the first.",
+        "The second part has faces of twice the edge, whose pixels are no larger than the camera's; the third has half of every \
+         resolution.",
+    ],
+};

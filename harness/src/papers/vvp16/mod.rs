@@ -1,0 +1,70 @@
+//! Vardis, Vasilakis, Papaioannou: *A Multiview and Multilayer Approach for Interactive Ray Tracing*, I3D 2016.
+//!
+//! Papers that measured themselves beside its A-buffer take rows and formula from here.
+
+mod charts;
+mod experiments;
+mod quantities;
+mod sections;
+#[cfg(test)]
+pub(super) mod tests;
+
+use super::experiment::Values;
+use super::{Experiment, Paper, Part, Row, SceneRows, Step};
+use crate::plan::TracerRequest;
+use crate::results::TracerRun;
+pub(super) use quantities::memory::bytes_over_formula;
+
+/// The paper.
+pub(super) const PAPER: Paper = Paper {
+    name: "vvp16",
+    experiments: experiments::EXPERIMENTS,
+    part: Part { rays: &["diffuse", "pixel-random"], step, row: in_part },
+    published: include_str!("published.json"),
+    claims: include_str!("claims.json"),
+    quantities: quantities::QUANTITIES,
+    counts: &[
+        ("references", "references"),
+        ("fragments", "fragments"),
+        ("covered_pixels", "covered pixels"),
+        ("average_layers", "layers of a covered pixel"),
+        ("maximum_layers", "most layers"),
+    ],
+    of_a_trace: &[],
+};
+
+/// Its tracer.
+pub(super) const ABUFFER: &str = "fragment-abuffer";
+
+/// Its tracer with every combination of values.
+pub(super) const fn abuffer(values: Values) -> Row {
+    Row { tracer: ABUFFER, values }
+}
+
+/// Its tracer's row with these values, and else those of its first row.
+pub(super) fn row<'a>(scene: &SceneRows<'a>, values: &[(&str, &str)]) -> Option<&'a TracerRun> {
+    scene.like_first(ABUFFER, values)
+}
+
+fn step(step: &Step) -> bool {
+    (step.resolution, step.faces) == (1.0, 1.0)
+}
+
+/// The bench leaves out more than four buckets, of the storages in Figure 12 all but the plainest and the paper's own, a thickness,
+/// of views and layers all but one view and one layer, and what the text states.
+fn in_part(experiment: &Experiment, request: &TracerRequest) -> bool {
+    if request.name() != ABUFFER {
+        return true;
+    }
+    let choice = |name: &str| request.parameters.choice(name);
+    match experiment.name {
+        "vvp16-figure11" => request.parameters.real("thickness") == 0.0,
+        "vvp16-figure12" => ["ll", "dllb"].contains(&choice("storage")),
+        "vvp16-views" => {
+            let of_figures = request.changed.iter().any(|name| name == "layers");
+            of_figures
+                && [["seven", "all"], ["seven", "one"], ["frame", "all"]].contains(&[choice("views"), choice("layers")])
+        }
+        _ => request.parameters.integer("buckets") == 4,
+    }
+}

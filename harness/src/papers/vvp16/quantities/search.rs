@@ -1,0 +1,135 @@
+//! Table 1: what is traversed, what is skipped, what buckets cost.
+
+use super::{counted, phase, rays};
+use crate::papers::quantity::{Quantity, least, of_scene, of_scenes, rank_correlation};
+use crate::papers::rows::{SceneRows, statistic, trace, trace_ratio};
+use crate::papers::vvp16::{PAPER, row};
+use crate::results::host_ms;
+use crate::results::time_ratio;
+use crate::results::{TraceRecord, TracerRun};
+
+pub(super) const QUANTITIES: &[Quantity] = &[
+    of_scene("skipping_gain", "", skipping_gain),
+    of_scene("same_hits_without_skipping", "", same_hits_without_skipping),
+    of_scenes("rank_of_time_by_efficiency", "", rank_of_time_by_efficiency),
+    of_scenes("rank_of_build_by_fragments", "", rank_of_build_by_fragments),
+    of_scene("layers_of_two_bounces_over_one", "", layers_of_two_bounces_over_one),
+    of_scene("views_of_two_bounces_over_one", "", views_of_two_bounces_over_one),
+    of_scene("two_bounces_over_one", "", two_bounces_over_one),
+    of_scene("more_buckets_trace_where_deep", "", more_buckets_trace_where_deep),
+    of_scene("more_buckets_cost", "", more_buckets_cost),
+    of_scene("data_nodes_read", "", data_nodes_read),
+];
+
+/// Layers of a covered pixel, on the mean, from which a scene counts as complex: Smithy's 6 does, Pool's 4 does not.
+const COMPLEX_LAYERS: f64 = 5.0;
+
+/// The traces of one bounce and of two.
+pub(in crate::papers::vvp16) fn bounces(run: &TracerRun) -> Option<[Vec<&TraceRecord>; 2]> {
+    let first = trace(run, "diffuse")?;
+    Some([vec![first], vec![first, trace(run, "bounce2")?]])
+}
+
+/// The share of the pixels or steps looked at of which no fragment was tested.
+pub(in crate::papers::vvp16) fn efficiency(traces: &[&TraceRecord]) -> Option<f64> {
+    Some(1.0 - counted(traces, "pixels_opened")? / counted(traces, "pixels_visited")?)
+}
+
+/// Fragments tested in a pixel of which at least one was.
+pub(in crate::papers::vvp16) fn layers(traces: &[&TraceRecord]) -> Option<f64> {
+    Some(counted(traces, "fragments_tested")? / counted(traces, "pixels_opened")?)
+}
+
+/// Views entered a ray.
+pub(in crate::papers::vvp16) fn views(traces: &[&TraceRecord]) -> Option<f64> {
+    Some(counted(traces, "views_entered")? / rays(traces))
+}
+
+/// With and without skipping.
+fn skipping<'a>(scene: &SceneRows<'a>) -> Option<[&'a TracerRun; 2]> {
+    Some([row(scene, &[("skipping", "on")])?, row(scene, &[("skipping", "off")])?])
+}
+
+/// Time of diffuse rays without skipping over that with it.
+fn skipping_gain(scene: &SceneRows<'_>) -> Option<f64> {
+    let [on, off] = skipping(scene)?;
+    trace_ratio(off, on, "diffuse")
+}
+
+/// The share of ray sets that have the same hits with and without skipping.
+fn same_hits_without_skipping(scene: &SceneRows<'_>) -> Option<f64> {
+    let [on, off] = skipping(scene)?;
+    let pairs = on.traces.iter().filter_map(|one| {
+        let other = trace(off, &one.rays).filter(|other| other.rays_sha256 == one.rays_sha256)?;
+        Some(other.hits_sha256 == one.hits_sha256)
+    });
+    let same: Vec<bool> = pairs.collect();
+    (!same.is_empty()).then(|| same.iter().filter(|same| **same).count() as f64 / same.len() as f64)
+}
+
+/// How the time of a diffuse ray is ranked by the efficiency of skipping over the scenes.
+fn rank_of_time_by_efficiency(scenes: &[SceneRows<'_>]) -> Option<f64> {
+    let point = |scene: &SceneRows<'_>| {
+        let traced = trace(row(scene, &[("skipping", "on")])?, "diffuse")?;
+        Some([efficiency(&[traced])?, host_ms(&traced.times)? / traced.count as f64])
+    };
+    rank_correlation(&scenes.iter().filter_map(point).collect::<Vec<_>>())
+}
+
+/// How the build is ranked by the fragments over the scenes.
+fn rank_of_build_by_fragments(scenes: &[SceneRows<'_>]) -> Option<f64> {
+    let point = |scene: &SceneRows<'_>| {
+        let run = row(scene, &[])?;
+        Some([statistic(run, "fragments")?, host_ms(&run.build.times)?])
+    };
+    rank_correlation(&scenes.iter().filter_map(point).collect::<Vec<_>>())
+}
+
+/// What something is over the rays of two bounces, over what it is in the first.
+fn second_over_first(scene: &SceneRows<'_>, of: fn(&[&TraceRecord]) -> Option<f64>) -> Option<f64> {
+    let [one, two] = bounces(row(scene, &[])?)?;
+    Some(of(&two)? / of(&one)?)
+}
+
+fn layers_of_two_bounces_over_one(scene: &SceneRows<'_>) -> Option<f64> {
+    second_over_first(scene, layers)
+}
+
+fn views_of_two_bounces_over_one(scene: &SceneRows<'_>) -> Option<f64> {
+    second_over_first(scene, views)
+}
+
+/// Time of both bounces over that of the first.
+fn two_bounces_over_one(scene: &SceneRows<'_>) -> Option<f64> {
+    let run = row(scene, &[])?;
+    Some(1.0 + time_ratio(&trace(run, "bounce2")?.times, &trace(run, "diffuse")?.times)?)
+}
+
+/// More buckets than the first row has.
+fn more_buckets<'a>(scene: &SceneRows<'a>) -> Option<[&'a TracerRun; 2]> {
+    Some([row(scene, &[("buckets", "8")])?, row(scene, &[("buckets", "12")])?])
+}
+
+/// Time of diffuse rays with the better of 8 and 12 buckets over that with 4; of complex scenes alone.
+fn more_buckets_trace_where_deep(scene: &SceneRows<'_>) -> Option<f64> {
+    let four = row(scene, &[("buckets", "4")])?;
+    let ratios: Option<Vec<f64>> = more_buckets(scene)?.iter().map(|more| trace_ratio(more, four, "diffuse")).collect();
+    (statistic(four, "average_layers")? >= COMPLEX_LAYERS).then(|| least(ratios?))?
+}
+
+/// The least of what 8 and 12 buckets take of bytes and of sorting, over what 4 take.
+fn more_buckets_cost(scene: &SceneRows<'_>) -> Option<f64> {
+    let four = row(scene, &[("buckets", "4")])?;
+    let mut ratios = Vec::new();
+    for more in more_buckets(scene)? {
+        ratios.push(PAPER.bytes(more) / PAPER.bytes(four));
+        ratios.push(phase(more, "reorder")? / phase(four, "reorder")?);
+    }
+    least(ratios)
+}
+
+/// The share of the stored data nodes that any diffuse ray's hit reads.
+fn data_nodes_read(scene: &SceneRows<'_>) -> Option<f64> {
+    let run = row(scene, &[])?;
+    Some(counted(&[trace(run, "diffuse")?], "payloads_touched")? / statistic(run, "fragments")?)
+}
