@@ -9,13 +9,10 @@ use super::run::{Work, say_skipped};
 use super::{CliError, names};
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
+use crate::registry::{self, Registration, TRACERS};
 use crate::report;
 use crate::sweep::{AxisRecord, RESOLUTION, Sweep, SweepError, parameter_axis, resolution_axis};
 use crate::truth::Cache;
-
-/// The tracer of a sweep that names none, and what of it is swept.
-const TRACER: &str = "dirt";
-const OVER: &str = "tile_size,buckets,resolution,coverage,clip";
 
 #[derive(Args)]
 pub(super) struct SweepArguments {
@@ -24,22 +21,38 @@ pub(super) struct SweepArguments {
     scene: String,
     /// The tracer: NAME, NAME:PRESET or NAME@PARAMETER=VALUE. Its values, with those of `--set`, are the ones round which
     /// parameters are swept.
-    #[arg(long, default_value = TRACER)]
+    #[arg(long, default_value = registry::first(has_sweep).map(Registration::name))]
     tracer: String,
     /// Ray sets: names from `list rays` with commas, or all.
     #[arg(long, default_value = "diffuse")]
     rays: String,
-    /// What is swept, with commas, and may be repeated: parameters of the tracer (NAME takes the values of `list tracers`,
-    /// NAME=V,V,... those given) and `resolution` (multiples N or 1/N of the edges of frame and faces; 1/4,1/2,1,2). The
-    /// tracer's own value is always among them. Of dirt tile_size, buckets, resolution, coverage and clip if not given;
-    /// of another tracer all that it has.
-    #[arg(long, value_name = "P[=V,V...],...", allow_hyphen_values = true)]
+    #[arg(long, value_name = "P[=V,V...],...", allow_hyphen_values = true, help = over_help())]
     over: Vec<String>,
     /// Sweeps all combinations of two, in place of one at a time: A,B, as in --over. Charts have A along the axis.
     #[arg(long, value_name = "A,B", conflicts_with = "over", allow_hyphen_values = true)]
     grid: Option<String>,
     #[command(flatten)]
     work: WorkArguments,
+}
+
+fn has_sweep(tracer: &Registration) -> bool {
+    !tracer.sweep.is_empty()
+}
+
+/// The help of `--over`, with what rooms say is swept.
+fn over_help() -> String {
+    let list = |names: &[&str]| match names {
+        [most @ .., last] if !most.is_empty() => format!("{} and {last}", most.join(", ")),
+        _ => names.concat(),
+    };
+    let of = |each: &Registration| format!("{} {}", each.name(), list(each.sweep));
+    let of: Vec<String> = TRACERS.iter().filter(|each| has_sweep(each)).map(of).collect();
+    format!(
+        "What is swept, with commas, and may be repeated: parameters of the tracer (NAME takes the values of `list \
+         tracers`, NAME=V,V,... those given) and `resolution` (multiples N or 1/N of the edges of frame and faces; \
+         1/4,1/2,1,2). The tracer's own value is always among them. Of {} if not given; of another tracer all that it has",
+        of.join(", of ")
+    )
 }
 
 impl SweepArguments {
@@ -85,10 +98,10 @@ pub(super) fn one_tracer(list: &str, settings: &[String], verb: &str) -> Result<
 
 /// What is swept where nothing is said.
 fn default_axes(request: &TracerRequest) -> String {
-    let description = (request.registration.describe)();
-    if description.name == TRACER {
-        return OVER.to_owned();
+    if has_sweep(&request.registration) {
+        return request.registration.sweep.join(",");
     }
+    let description = (request.registration.describe)();
     let swept = description.parameters.iter().filter(|each| each.sweep.len() > 1).map(|each| each.name);
     let sized = description.invalidated_by.contains(&Invalidation::Resolution).then_some(RESOLUTION);
     swept.chain(sized).collect::<Vec<_>>().join(",")
@@ -163,7 +176,6 @@ pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::registry::TRACERS;
 
     fn parse(lists: &[&str]) -> Result<Vec<AxisRecord>, CliError> {
         let request = names::tracers("dirt", &[]).unwrap().remove(0);

@@ -11,6 +11,7 @@ use tracebench_api::{Hit, Status, TracerError};
 
 pub use record::{Explained, Explanation, RemedyRecord, SCHEMA, SceneExplained};
 
+use crate::contenders::Remedy;
 use crate::judge::{Class, Rule};
 use crate::plan::{Plan, TracerRequest};
 use crate::progress::Progress;
@@ -20,71 +21,6 @@ use crate::runner::{self, RunError};
 use crate::session::{Contender, PreparedRays, Session};
 use crate::truth::Cache;
 
-/// A cause of wrong rays, and the parameter that takes it away.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Remedy {
-    /// The cause, as results name it.
-    pub cause: &'static str,
-    /// The tracer's parameter.
-    pub parameter: &'static str,
-    /// The value that takes the cause away.
-    pub value: &'static str,
-    /// Where the cause comes from.
-    pub source: &'static str,
-}
-
-/// The weaknesses of a tracer in the order in which they are taken away; each rung keeps those before.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Ladder {
-    /// The tracer.
-    pub tracer: &'static str,
-    /// Its rungs.
-    pub remedies: &'static [Remedy],
-}
-
-/// Every ladder.
-pub const LADDERS: &[Ladder] = &[Ladder {
-    tracer: "dirt",
-    remedies: &[
-        Remedy {
-            cause: "outside_of_the_views",
-            parameter: "views",
-            value: "six",
-            source: "DIRT, section 5.2, Figure 9: one view skips what lies outside of it",
-        },
-        Remedy {
-            cause: "coverage_by_sample",
-            parameter: "coverage",
-            value: "conservative",
-            source: "DIRT, sections 4.1 and 4.2.4: without conservative coverage what lies between samples is not stored",
-        },
-        Remedy {
-            cause: "early_bucket_stop",
-            parameter: "searched",
-            value: "all",
-            source: "DIRT, section 4.2.1, Algorithm 1, line 18: the search of a tile ends at the first bucket with a hit",
-        },
-        Remedy {
-            cause: "pixel_acceptance",
-            parameter: "accept",
-            value: "distance",
-            source: "DIRT, section 4.2.1, Algorithm 1, line 14: a hit counts only where its tile is the one searched",
-        },
-        Remedy {
-            cause: "projection_noise_at_centre",
-            parameter: "centre_rays",
-            value: "split",
-            source: "f32: near a view's centre the image of a ray is noise",
-        },
-        Remedy {
-            cause: "near_plane",
-            parameter: "near",
-            value: "none",
-            source: "DIRT, section 4.1: views are perspective, so nothing before their near planes is stored",
-        },
-    ],
-}];
-
 /// What is wrong on the last rung because its search was given up, as the ray's status says: steps or a driver's limit of
 /// loops.
 pub const GIVEN_UP: &str = "step_cap";
@@ -92,17 +28,12 @@ pub const GIVEN_UP: &str = "step_cap";
 /// What no rung takes away.
 pub const UNEXPLAINED: &str = "unexplained";
 
-/// The ladder of a tracer.
-pub fn ladder_of(tracer: &str) -> Option<&'static Ladder> {
-    LADDERS.iter().find(|ladder| ladder.tracer == tracer)
-}
-
 /// The cause of a ray's error from whether it was wrong on each rung: the remedy after the last rung on which it was; none
 /// for a ray that is right as the tracer was asked for and stays so. `given_up`: its search was, on the last rung.
-fn cause(ladder: &Ladder, wrong: &[bool], given_up: bool) -> Option<&'static str> {
+fn cause(ladder: &[Remedy], wrong: &[bool], given_up: bool) -> Option<&'static str> {
     let last = wrong.iter().rposition(|wrong| *wrong)?;
     let beyond = if given_up { GIVEN_UP } else { UNEXPLAINED };
-    Some(ladder.remedies.get(last).map_or(beyond, |remedy| remedy.cause))
+    Some(ladder.get(last).map_or(beyond, |remedy| remedy.cause))
 }
 
 /// What was found of a ray set, on the rungs so far.
@@ -123,12 +54,12 @@ struct Found {
 pub fn execute(
     plan: &Plan,
     request: &TracerRequest,
-    ladder: &Ladder,
+    ladder: &[Remedy],
     device: &Device,
     cache: &Cache,
     progress: &Progress,
 ) -> Result<Explanation, RunError> {
-    let fail = |error: TracerError| RunError::Tracer { tracer: ladder.tracer.to_owned(), error };
+    let fail = |error: TracerError| RunError::Tracer { tracer: request.name().to_owned(), error };
     let rungs = rungs(request, ladder).map_err(fail)?;
     let description = (request.registration.describe)();
     let mut contender =
@@ -168,10 +99,10 @@ pub fn execute(
 }
 
 /// The parameters of every rung, the first as asked for.
-fn rungs(request: &TracerRequest, ladder: &Ladder) -> Result<Vec<tracebench_api::Parameters>, TracerError> {
+fn rungs(request: &TracerRequest, ladder: &[Remedy]) -> Result<Vec<tracebench_api::Parameters>, TracerError> {
     let mut request = request.clone();
     let mut rungs = vec![request.parameters.clone()];
-    for remedy in ladder.remedies {
+    for remedy in ladder {
         request
             .set(remedy.parameter, remedy.value)
             .map_err(|error| TracerError::Failed(format!("{}: {error}", remedy.cause)))?;
@@ -211,7 +142,7 @@ fn check_controls(session: &Session) -> Result<(), RunError> {
     Ok(())
 }
 
-fn explained(ladder: &Ladder, rays: &PreparedRays, found: &Found) -> Explained {
+fn explained(ladder: &[Remedy], rays: &PreparedRays, found: &Found) -> Explained {
     let mut causes: BTreeMap<String, BTreeMap<String, u64>> = BTreeMap::new();
     let (mut of_rung, mut on_the_way, mut unexplained) = (vec![0_u64; found.wrong.len()], 0, 0);
     for (ray, class) in found.classes.iter().enumerate() {

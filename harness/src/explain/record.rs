@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use tracebench_api::Query;
 
-use super::{GIVEN_UP, Ladder, UNEXPLAINED};
+use super::{GIVEN_UP, UNEXPLAINED};
+use crate::contenders::Remedy;
 use crate::plan::{Plan, TracerRequest};
 use crate::records;
 use crate::registry::Device;
@@ -97,8 +98,8 @@ impl Explained {
 }
 
 impl Explanation {
-    pub(super) fn begin(plan: &Plan, request: &TracerRequest, ladder: &Ladder, device: &Device) -> Self {
-        let rung = |remedy: &super::Remedy| RemedyRecord {
+    pub(super) fn begin(plan: &Plan, request: &TracerRequest, ladder: &[Remedy], device: &Device) -> Self {
+        let rung = |remedy: &Remedy| RemedyRecord {
             cause: remedy.cause.to_owned(),
             parameter: remedy.parameter.to_owned(),
             value: remedy.value.to_owned(),
@@ -110,7 +111,7 @@ impl Explanation {
             seed: plan.seed,
             preset: plan.preset.name.to_owned(),
             tracer: records::request_record(request),
-            ladder: ladder.remedies.iter().map(rung).collect(),
+            ladder: ladder.iter().map(rung).collect(),
             scenes: Vec::new(),
             skipped: Vec::new(),
         }

@@ -7,7 +7,8 @@ use std::sync::Arc;
 
 use tracebench_api::{Geometry, Gpu, TracerError};
 
-use crate::cases::{Case, Expectation, Probe, Setup, expectation};
+use crate::cases::{CASES, Case, Probe, Setup};
+use crate::contenders::Expectation;
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
 use crate::rays::RaySet;
@@ -101,8 +102,8 @@ fn absent_cell(case: &Case, request: &TracerRequest) -> Cell {
 
 /// What is expected of a request, by case: something of the published preset alone.
 fn expected_of(request: &TracerRequest) -> Vec<(&'static str, Expectation)> {
-    let published = request.preset == tracebench_api::Preset::Published;
-    if published { expectation::column((request.registration.describe)().name).to_vec() } else { Vec::new() }
+    let of_published = CASES.iter().filter(|_| request.preset == tracebench_api::Preset::Published);
+    of_published.filter_map(|case| Some((case.name, request.registration.expected_on(case.name)?))).collect()
 }
 
 fn expectation_on<'a>(expected: &'a [(&'static str, Expectation)], case: &Case) -> Option<&'a Expectation> {

@@ -4,8 +4,9 @@ use serde::Serialize;
 use tracebench_api::{Query, TracerError};
 
 use super::Verdict;
-use crate::cases::expectation::Wrong;
-use crate::cases::{Expectation, Knob};
+use crate::cases::Knob;
+use crate::contenders::Expectation;
+use crate::contenders::expectation::Wrong;
 use crate::results::{AnyJudgement, ByRule, Causes, Classes, Judgement, Occlusion, Provenance, Skipped};
 use crate::session::SessionError;
 

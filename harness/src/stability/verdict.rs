@@ -3,8 +3,9 @@
 use serde::Serialize;
 
 use super::{Cell, ExpectationRecord, Measured};
-use crate::cases::expectation::Surprise;
-use crate::cases::{Case, Expectation, Rule};
+use crate::cases::Case;
+use crate::contenders::expectation::Surprise;
+use crate::contenders::{Expectation, Rule};
 
 /// What came of a tracer on a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
