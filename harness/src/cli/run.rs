@@ -31,9 +31,7 @@ pub(super) fn needs_device(requests: &[TracerRequest]) -> bool {
 pub(super) fn run(arguments: &RunArguments, progress: &Progress) -> Result<(), CliError> {
     let work = Work::prepare(&arguments.work, || arguments.matter(), progress)?;
     let run = work.measure(progress)?;
-    let mut lines = run.headlines();
-    lines.push(work.out.path.join("summary.md").display().to_string());
-    print(&(lines.join("\n") + "\n"))
+    print(&format!("{}{}\n", reports::run_table(&run), work.out.path.join("summary.md").display()))
 }
 
 /// What is to be measured, on which device, and where the results go.

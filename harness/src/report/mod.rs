@@ -22,6 +22,7 @@ mod summary;
 mod surfaces;
 mod sweep;
 mod tables;
+mod terminal;
 #[cfg(test)]
 mod tests;
 mod tune;
@@ -38,6 +39,7 @@ pub use explain::{explanation_page, write_explanation};
 pub use papers::{claims_text, write_claims};
 pub use stability::{STABILITY_TABLE, matrix as stability_matrix, write as write_stability};
 pub use sweep::SWEEP_PAGE;
+pub use terminal::run_table;
 pub use tune::{TUNE_PAGE, tuning_overview, write_tuning, write_tuning_derived};
 pub use updates::{write_updates, write_updates_table};
 

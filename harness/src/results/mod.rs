@@ -285,40 +285,6 @@ pub struct TraceRecord {
     pub surfaces: Option<SurfaceJudgement>,
 }
 
-impl TraceRecord {
-    /// Speed with accuracy, in one line; never the one without the other.
-    pub fn headline(&self) -> String {
-        let percent =
-            |share: Option<f64>| share.map_or_else(|| "-".to_owned(), |share| format!("{:.4} %", share * 100.0));
-        let accuracy = match &self.judgement {
-            Judgement::Closest(ClosestJudgement { agreement, .. }) => format!(
-                "agreement hit_miss {}, tight {}, footprint {}",
-                percent(agreement.hit_miss),
-                percent(agreement.tight),
-                percent(agreement.footprint)
-            ),
-            Judgement::Any(any) => format!("balanced accuracy {}", percent(any.occlusion.balanced_accuracy)),
-        };
-        let clock = match self.times.clock {
-            ClockKind::Host => "host clock",
-            ClockKind::DeviceTimestamps => "device timestamps",
-            ClockKind::SubmitToDone => "submit to done",
-        };
-        format!("{}: {:.3} Mrays/s ({clock}), {accuracy}", self.rays, self.mrays_per_s)
-    }
-}
-
-impl Run {
-    /// Every contender's headlines, a line each.
-    pub fn headlines(&self) -> Vec<String> {
-        let of_run = |run: &TracerRun| {
-            let prefix = format!("{} {}", run.scene.name, run.tracer.label());
-            run.traces.iter().map(|trace| format!("{prefix} {}", trace.headline())).collect::<Vec<_>>()
-        };
-        self.runs.iter().flat_map(of_run).collect()
-    }
-}
-
 /// A count over a ray set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CounterRecord {
