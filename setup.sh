@@ -37,7 +37,7 @@ has_adapter() {
     has_gpu_node && [ -n "$(drivers)" ]
 }
 
-command -v cargo >/dev/null 2>&1 || fail 'cargo is missing: install Rust 1.88 or later (https://rustup.rs), then run this again'
+command -v cargo >/dev/null 2>&1 || fail 'cargo is missing: install Rust 1.89 or later (https://rustup.rs), then run this again'
 
 if [ -n "${VK_DRIVER_FILES:-${VK_ICD_FILENAMES:-}}" ] && [ -z "$(drivers)" ]; then
     fail "VK_DRIVER_FILES or VK_ICD_FILENAMES names no file that exists (${VK_DRIVER_FILES:-$VK_ICD_FILENAMES}), and the Vulkan loader looks nowhere else: unset it, then run this again"

@@ -67,6 +67,27 @@ fn external_file_with_a_space_in_its_name() {
     assert_eq!(import(&path).unwrap().sha256, expected);
 }
 
+/// Proves that a scene is named by its folder where its file's own name says nothing, in any case of letters, and by its file
+/// otherwise, as it is where there is no folder to name it.
+#[test]
+fn scenes_are_named_by_what_says_something() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut doc = Doc::square();
+    doc.json["buffers"][0]["uri"] = json!(format!("data:application/octet-stream;base64,{}", base64(&doc.bin)));
+    for (file, name) in [
+        ("drone/scene.gltf", "drone"),
+        ("A drone.v2/Scene.GLTF", "A drone.v2"),
+        ("drone/rotor.gltf", "rotor"),
+        ("drone/scene2.gltf", "scene2"),
+        ("model/untitled.gltf", "model"),
+    ] {
+        let path = folder.path().join(file);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(&path, doc.json.to_string()).unwrap();
+        assert_eq!(import(&path).unwrap().name, name, "{file}");
+    }
+}
+
 /// Proves that missing, short and remote buffers are told apart and named.
 #[test]
 fn bad_buffer_files() {

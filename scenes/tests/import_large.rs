@@ -81,7 +81,7 @@ fn peak_mib() -> Option<u64> {
 /// Proves that ten million triangles are imported whole, within 10 s and 3 GiB on a machine of 2020, and prints what it
 /// took.
 #[test]
-#[ignore = "writes a file of 180 MB and needs up to 3 GiB"]
+#[ignore = "wider set: writes a file of 180 MB and needs up to 3 GiB"]
 fn ten_million_triangles() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("torus.glb");

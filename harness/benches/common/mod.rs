@@ -72,9 +72,7 @@ fn measure(name: &str, plans: &[Plan], device: &Device) -> Result<(), Failure> {
     for skipped in &run.skipped {
         println!("skipped {}: {}", skipped.tracer.as_deref().unwrap_or("all tracers"), skipped.reason);
     }
-    for line in run.headlines() {
-        println!("{line}");
-    }
+    print!("{}", report::run_table(&run));
     println!("{} files, run.json and summary.md among them: {}", written.len(), folder.display());
     Ok(())
 }

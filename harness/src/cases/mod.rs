@@ -1,26 +1,17 @@
-//! Minimal scenes with one difficulty each and a knob for its strength, and what every tracer is expected to make of
-//! them.
+//! Minimal scenes with one difficulty each and a knob for its strength.
 //!
-//! A case is data: [`CASES`] has all of them; what is expected of a tracer is one file a tracer, listed in
-//! [`expectation::COLUMNS`].
+//! A case is data: [`CASES`] has all of them.
 
-mod bvh_cpu;
-mod dirt;
-mod exact;
-pub mod expectation;
 mod eye;
-mod fragment_abuffer;
 mod frames;
 mod many;
 mod probe;
-mod screen_dda;
 mod sketch;
 mod small;
 mod surfaces;
 
 use tracebench_api::{Geometry, Query, Ray, TracerError, Viewpoint};
 
-pub use expectation::{Expectation, Rule};
 pub use probe::Probe;
 
 /// What makes a case harder.

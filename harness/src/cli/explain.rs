@@ -10,8 +10,9 @@ use super::{CliError, names};
 use crate::measure::Context;
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
+use crate::registry::{self, Registration, TRACERS};
 use crate::report;
-use crate::studies::explain::{self, LADDERS};
+use crate::studies::explain;
 
 #[derive(Args)]
 pub(super) struct ExplainArguments {
@@ -19,13 +20,17 @@ pub(super) struct ExplainArguments {
     #[arg(long, default_value = "all")]
     scene: String,
     /// The tracer, NAME or NAME:PRESET: one whose weaknesses can be taken away.
-    #[arg(long, default_value = "dirt")]
+    #[arg(long, default_value = registry::first(explainable).map(Registration::name))]
     tracer: String,
     /// Ray sets: names from `list rays` with commas, or all.
     #[arg(long, default_value = "all")]
     rays: String,
     #[command(flatten)]
     work: WorkArguments,
+}
+
+fn explainable(tracer: &Registration) -> bool {
+    !tracer.ladder.is_empty()
 }
 
 impl ExplainArguments {
@@ -49,14 +54,15 @@ impl ExplainArguments {
 
 pub(super) fn explain(arguments: &ExplainArguments, progress: &Progress) -> Result<(), CliError> {
     let request = arguments.request()?;
-    let ladder = explain::ladder_of(request.name()).ok_or_else(|| {
-        let known: Vec<_> = LADDERS.iter().map(|ladder| ladder.tracer).collect();
-        CliError::Argument(format!(
+    let ladder = request.registration.ladder;
+    if ladder.is_empty() {
+        let known: Vec<_> = TRACERS.iter().filter(|each| explainable(each)).map(Registration::name).collect();
+        return Err(CliError::Argument(format!(
             "--tracer: {} has no ladder of causes; there is one of: {}",
             request.name(),
             known.join(", ")
-        ))
-    })?;
+        )));
+    }
     if arguments.work.samples.is_some() {
         return Err(CliError::Argument("--samples: explain takes no times".to_owned()));
     }

@@ -24,9 +24,7 @@ pub(super) struct ReportArguments {
 pub(super) fn run(arguments: &RunArguments, progress: &Progress) -> Result<(), CliError> {
     let work = Work::prepare(&arguments.work, || arguments.matter(), progress)?;
     let run = work.measure("run", progress)?;
-    let mut lines = run.headlines();
-    lines.push(work.bench.out.path.join("summary.md").display().to_string());
-    print(&(lines.join("\n") + "\n"))
+    print(&format!("{}{}\n", reports::run_table(&run), work.bench.out.path.join("summary.md").display()))
 }
 
 pub(super) fn report(arguments: &ReportArguments, progress: &Progress) -> Result<(), CliError> {

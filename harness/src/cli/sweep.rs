@@ -10,13 +10,10 @@ use super::work::{Clock, Work, described};
 use super::{CliError, names};
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
+use crate::registry::{self, Registration, TRACERS};
 use crate::report;
 use crate::results::AxisRecord;
 use crate::studies::sweep::{RESOLUTION, Sweep, SweepError, parameter_axis, resolution_axis};
-
-/// The tracer of a sweep that names none, and what of it is swept.
-const TRACER: &str = "dirt";
-const OVER: &str = "tile_size,buckets,resolution,coverage,clip";
 
 #[derive(Args)]
 pub(super) struct SweepArguments {
@@ -25,22 +22,38 @@ pub(super) struct SweepArguments {
     scene: String,
     /// The tracer: NAME, NAME:PRESET or NAME@PARAMETER=VALUE. Its values, with those of `--set`, are the ones round which
     /// parameters are swept.
-    #[arg(long, default_value = TRACER)]
+    #[arg(long, default_value = registry::first(has_sweep).map(Registration::name))]
     tracer: String,
     /// Ray sets: names from `list rays` with commas, or all.
     #[arg(long, default_value = "diffuse")]
     rays: String,
-    /// What is swept, with commas, and may be repeated: parameters of the tracer (NAME takes the values of `list tracers`,
-    /// NAME=V,V,... those given) and `resolution` (multiples N or 1/N of the edges of frame and faces; 1/4,1/2,1,2). The
-    /// tracer's own value is always among them. Of dirt tile_size, buckets, resolution, coverage and clip if not given;
-    /// of another tracer all that it has.
-    #[arg(long, value_name = "P[=V,V...],...", allow_hyphen_values = true)]
+    #[arg(long, value_name = "P[=V,V...],...", allow_hyphen_values = true, help = over_help())]
     over: Vec<String>,
     /// Sweeps all combinations of two, in place of one at a time: A,B, as in --over. Charts have A along the axis.
     #[arg(long, value_name = "A,B", conflicts_with = "over", allow_hyphen_values = true)]
     grid: Option<String>,
     #[command(flatten)]
     work: WorkArguments,
+}
+
+fn has_sweep(tracer: &Registration) -> bool {
+    !tracer.sweep.is_empty()
+}
+
+/// The help of `--over`, with what rooms say is swept.
+fn over_help() -> String {
+    let list = |names: &[&str]| match names {
+        [most @ .., last] if !most.is_empty() => format!("{} and {last}", most.join(", ")),
+        _ => names.concat(),
+    };
+    let of = |each: &Registration| format!("{} {}", each.name(), list(each.sweep));
+    let of: Vec<String> = TRACERS.iter().filter(|each| has_sweep(each)).map(of).collect();
+    format!(
+        "What is swept, with commas, and may be repeated: parameters of the tracer (NAME takes the values of `list \
+         tracers`, NAME=V,V,... those given) and `resolution` (multiples N or 1/N of the edges of frame and faces; \
+         1/4,1/2,1,2). The tracer's own value is always among them. Of {} if not given; of another tracer all that it has",
+        of.join(", of ")
+    )
 }
 
 impl SweepArguments {
@@ -86,10 +99,10 @@ pub(super) fn one_tracer(list: &str, settings: &[String], verb: &str) -> Result<
 
 /// What is swept where nothing is said.
 fn default_axes(request: &TracerRequest) -> String {
-    let description = (request.registration.describe)();
-    if description.name == TRACER {
-        return OVER.to_owned();
+    if has_sweep(&request.registration) {
+        return request.registration.sweep.join(",");
     }
+    let description = (request.registration.describe)();
     let swept = description.parameters.iter().filter(|each| each.sweep.len() > 1).map(|each| each.name);
     let sized = description.invalidated_by.contains(&Invalidation::Resolution).then_some(RESOLUTION);
     swept.chain(sized).collect::<Vec<_>>().join(",")
@@ -158,4 +171,64 @@ pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(
     let text = std::fs::read_to_string(&page)
         .map_err(|error| CliError::Other(format!("cannot read {}: {error}", page.display())))?;
     print(&format!("{text}\n{}\n", page.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(lists: &[&str]) -> Result<Vec<AxisRecord>, CliError> {
+        let request = names::tracers("dirt", &[]).unwrap().remove(0);
+        let lists: Vec<String> = lists.iter().map(|list| (*list).to_owned()).collect();
+        axes(&request, &lists, "--over")
+    }
+
+    /// Names and values share the comma: a value belongs to the name before it, a name without values has those of its
+    /// description, and what is wrong is said with what would be right.
+    #[test]
+    fn lists_of_names_and_values() {
+        let found = parse(&["tile_size,buckets=1,4,8,resolution", "coverage,clip=plane"]).unwrap();
+        let found: Vec<_> = found.iter().map(|axis| (axis.name.as_str(), axis.values.join(" "))).collect();
+        let expected = [
+            ("tile_size", "1 2 4 8"),
+            ("buckets", "1 4 8 24"),
+            ("resolution", "1/4 1/2 1 2"),
+            ("coverage", "conservative standard"),
+            ("clip", "polygon plane"),
+        ];
+        assert_eq!(found, expected.map(|(name, values)| (name, values.to_owned())));
+        for (list, part) in [
+            ("bucket", "'buckets'"),
+            ("buckets,4", "no parameter of dirt '4'"),
+            ("buckets=", "no values"),
+            ("buckets=,4", "no values"),
+            ("buckets=4,,8", "empty"),
+            ("", "empty"),
+            (",", "empty"),
+            ("buckets=0", "1 to 256"),
+            ("buckets=1e9", "1 to 256"),
+            ("buckets=4,clp=plane", "'clip'"),
+            ("buckets,buckets=4", "twice"),
+            ("resolution=0", "1/N"),
+            ("resolution=2/3", "1/N"),
+            ("buckets=1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16", "16 are the most"),
+        ] {
+            let message = parse(&[list]).map(|_| String::new()).unwrap_or_else(|error| error.to_string());
+            assert!(message.contains(part), "{list}: {message}");
+        }
+    }
+
+    /// What is swept where nothing is said can be swept, and no value of any parameter reads like a parameter's name.
+    #[test]
+    fn every_tracer_can_be_swept() {
+        for registration in TRACERS {
+            let request = TracerRequest::of(registration, tracebench_api::Preset::Published);
+            let described = (registration.describe)().parameters;
+            let found = axes(&request, &[default_axes(&request)], "--over").unwrap();
+            assert!(!found.is_empty() && found.iter().all(|axis| axis.values.contains(&axis.own)));
+            for value in described.iter().flat_map(|each| &each.sweep) {
+                assert!(described.iter().all(|each| each.name != value.to_string()), "{value}");
+            }
+        }
+    }
 }

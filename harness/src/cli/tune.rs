@@ -11,13 +11,11 @@ use super::{CliError, names};
 use crate::judge::Rule;
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
+use crate::registry::{self, Registration};
 use crate::report;
 use crate::results::AxisRecord;
 use crate::studies::sweep::RESOLUTION;
 use crate::studies::tune::{Tune, Tuning};
-
-/// The tracer that is tuned where none is named: one with a thickness to choose.
-const TRACER: &str = "fragment-abuffer";
 
 #[derive(Args)]
 pub(super) struct TuneArguments {
@@ -25,19 +23,24 @@ pub(super) struct TuneArguments {
     #[arg(long, default_value = "all")]
     scene: String,
     /// The tracer: NAME, NAME:PRESET or NAME@PARAMETER=VALUE.
-    #[arg(long, default_value = TRACER)]
+    #[arg(long, default_value = tuned().map(Registration::name))]
     tracer: String,
     /// Ray sets: names from `list rays` with commas, or all.
     #[arg(long, default_value = "specular,diffuse")]
     rays: String,
     /// The parameter, with the values of `list tracers` or with others (NAME=V,V,...); the preset's is always among them.
-    #[arg(long, value_name = "P[=V,V...]", default_value = "thickness", allow_hyphen_values = true)]
+    #[arg(long, value_name = "P[=V,V...]", default_value = tuned().and_then(|tracer| tracer.tune), allow_hyphen_values = true)]
     over: String,
     /// The rule by which the best value is chosen; any-hit sets are judged by balanced accuracy.
     #[arg(long, default_value = Rule::Footprint.name(), value_parser = Rule::ALL.map(Rule::name))]
     rule: String,
     #[command(flatten)]
     work: WorkArguments,
+}
+
+/// The tracer that is tuned where none is named.
+fn tuned() -> Option<&'static Registration> {
+    registry::first(|tracer| tracer.tune.is_some())
 }
 
 impl TuneArguments {

@@ -1,8 +1,6 @@
 //! Every figure of a trace that tables and charts show: its name, unit, which way is better, and where it is found.
 
-use tracebench_api::ClockKind;
-
-use crate::results::{AnyJudgement, ClosestJudgement, Judgement, Times, TraceRecord, TracerRun};
+use crate::results::{AnyJudgement, ClosestJudgement, Judgement, TraceRecord, TracerRun};
 
 /// Which way is better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -20,6 +20,7 @@ pub(crate) mod summary;
 mod surfaces;
 mod sweep;
 mod tables;
+mod terminal;
 #[cfg(test)]
 mod tests;
 mod tune;
@@ -37,6 +38,7 @@ pub use error::ReportError;
 pub use explain::{EXPLAIN_PAGE, explanation_page};
 pub use stability::{STABILITY_TABLE, matrix as stability_matrix};
 pub use sweep::SWEEP_PAGE;
+pub use terminal::run_table;
 pub use tune::{TUNE_PAGE, tuning_overview};
 
 use crate::files;

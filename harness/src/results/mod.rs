@@ -107,13 +107,4 @@ impl Run {
     pub fn is_untimed(&self) -> bool {
         self.tuning.is_some() || self.cases.is_some() || self.explanation.is_some()
     }
-
-    /// Every contender's headlines, a line each.
-    pub fn headlines(&self) -> Vec<String> {
-        let of_run = |run: &TracerRun| {
-            let prefix = format!("{} {}", run.scene.name, run.tracer.label());
-            run.traces.iter().map(|trace| format!("{prefix} {}", trace.headline())).collect::<Vec<_>>()
-        };
-        self.runs.iter().flat_map(of_run).collect()
-    }
 }

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use tracebench_api::{ClockKind, EndPoint, MemoryEntry, Query};
+use tracebench_api::{EndPoint, MemoryEntry, Query};
 
-use super::{ClosestJudgement, Judgement, SurfaceJudgement, Times};
+use super::{Judgement, SurfaceJudgement, Times};
 
 /// One ray set traced.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,29 +42,6 @@ pub struct TraceRecord {
     /// The verdict on its surfaces, where it has any.
     #[serde(default)]
     pub surfaces: Option<SurfaceJudgement>,
-}
-
-impl TraceRecord {
-    /// Speed with accuracy, in one line; never the one without the other.
-    pub fn headline(&self) -> String {
-        let percent =
-            |share: Option<f64>| share.map_or_else(|| "-".to_owned(), |share| format!("{:.4} %", share * 100.0));
-        let accuracy = match &self.judgement {
-            Judgement::Closest(ClosestJudgement { agreement, .. }) => format!(
-                "agreement hit_miss {}, tight {}, footprint {}",
-                percent(agreement.hit_miss),
-                percent(agreement.tight),
-                percent(agreement.footprint)
-            ),
-            Judgement::Any(any) => format!("balanced accuracy {}", percent(any.occlusion.balanced_accuracy)),
-        };
-        let clock = match self.times.clock {
-            ClockKind::Host => "host clock",
-            ClockKind::DeviceTimestamps => "device timestamps",
-            ClockKind::SubmitToDone => "submit to done",
-        };
-        format!("{}: {:.3} Mrays/s ({clock}), {accuracy}", self.rays, self.mrays_per_s)
-    }
 }
 
 /// A count over a ray set.

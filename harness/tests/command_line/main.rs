@@ -50,8 +50,6 @@ impl Bench {
     fn command<A: AsRef<OsStr>>(&self, arguments: &[A]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_tracebench"));
         command.args(arguments).current_dir(self.folder.path()).env("TRACEBENCH_CACHE", self.path("cache"));
-        // Mesa's device selection speaks on stderr where there is no desktop.
-        command.env("NODEVICE_SELECT", "1");
         command
     }
 

@@ -137,6 +137,18 @@ fn missing(run: &Value) -> Vec<String> {
     missing
 }
 
+/// Proves that drivers say nothing on stderr on a machine without a display.
+#[test]
+fn drivers_are_quiet_without_a_display() {
+    let bench = Bench::new();
+    let mut command = bench.command(&["adapters"]);
+    for name in ["NODEVICE_SELECT", "XDG_RUNTIME_DIR", "WAYLAND_DISPLAY", "DISPLAY"] {
+        command.env_remove(name);
+    }
+    let outcome = Bench::finish(&mut command);
+    assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
+}
+
 /// Proves a whole smoke run: every file is there and none but those, run.json has every promised field, the controls
 /// score what they must, the host tracer is right; and quiet means that stderr is empty.
 #[test]
@@ -146,6 +158,7 @@ fn a_smoke_run() {
     let outcome = bench.call(&[&SMOKE[..], &["--quiet", "--tracer", "all", "--rays", "all", "--out", &out]].concat());
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
     assert!(outcome.stdout.contains("bvh-cpu") && outcome.stdout.contains("summary.md"), "{outcome:?}");
+    assert!(outcome.stdout.starts_with("room, viewpoint ") && outcome.stdout.contains("footprint"), "{outcome:?}");
     let files = names(&bench.path("out"));
     for file in ["run.json", "summary.md", "traces.csv", "wrong_rays.csv"] {
         assert!(files.contains(file), "{files:?}");

@@ -7,7 +7,8 @@ use std::sync::Arc;
 
 use tracebench_api::Gpu;
 use tracebench_api::{Parameters, Preset};
-use tracebench_harness::cases::{CASES, Case, Expectation, MOST_TIES, Rule, expectation};
+use tracebench_harness::cases::{CASES, Case, MOST_TIES};
+use tracebench_harness::contenders::{Expectation, Rule};
 use tracebench_harness::measure::{Context, Journal};
 use tracebench_harness::plan::TracerRequest;
 use tracebench_harness::progress::Progress;
@@ -113,7 +114,8 @@ fn the_registry_is_sane() {
         assert!(rising || falling, "{}: {values:?}", case.name);
         assert!(!case.summary.contains('\n') && !case.summary.ends_with('.'), "{}", case.name);
     }
-    for (tracer, column) in expectation::COLUMNS {
+    for registration in TRACERS {
+        let (tracer, column) = (registration.name(), registration.expectations);
         for (index, (name, expected)) in column.iter().enumerate() {
             let case = tracebench_harness::cases::find(name).unwrap_or_else(|| panic!("{tracer}: no case {name}"));
             assert!(column[..index].iter().all(|(other, _)| other != name), "{tracer}: {name} twice");
@@ -138,10 +140,9 @@ fn the_registry_is_sane() {
 /// Proves that something is stated for every tracer on every case.
 #[test]
 fn every_case_is_stated() {
-    for tracer in TRACERS.iter().map(|registration| (registration.describe)().name) {
-        let column = expectation::column(tracer);
+    for tracer in TRACERS {
         for case in CASES {
-            assert!(column.iter().any(|(name, _)| *name == case.name), "{tracer}: {} is unstated", case.name);
+            assert!(tracer.expected_on(case.name).is_some(), "{}: {} is unstated", tracer.name(), case.name);
         }
     }
 }

@@ -2,10 +2,11 @@
 
 use super::*;
 use tracebench_harness::cases::find;
+use tracebench_harness::contenders::Family;
 use tracebench_harness::measure::Contender;
 use tracebench_harness::measure::controls::Control;
 use tracebench_harness::measure::session::Session;
-use tracebench_harness::registry::{self, Family};
+use tracebench_harness::registry;
 use tracebench_harness::studies::stability::{Candidate, CaseMatrix, measure, prepare};
 use tracebench_tests::{Fake, Manner};
 
@@ -22,7 +23,7 @@ fn bvh_cpu() -> Registration {
 /// One that always misses.
 fn blind() -> Registration {
     let describe = || Control::AlwaysMiss.description();
-    Registration::given(describe, Family::Image, |_| Ok(Box::new(Fake(Manner::Honest))))
+    Registration::sampled(describe, Family::Image, |_| Ok(Box::new(Fake(Manner::Honest))))
 }
 
 fn measured(case: &Case, candidates: &[Candidate]) -> CaseMatrix {
@@ -97,7 +98,7 @@ fn no_answers_are_a_failure() {
     let case = find("edge-on").unwrap();
     // An oracle that knows no rays.
     let expected = Expectation::Bounded { rule: Rule::HitMiss, most_wrong: 0.99, reason: "none" };
-    let oracle = Registration::given(
+    let oracle = Registration::sampled(
         || Control::Oracle.description(),
         Family::Image,
         |_| Ok(Control::Oracle.tracer(Vec::new(), 1.0)),

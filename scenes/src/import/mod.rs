@@ -43,9 +43,13 @@ pub const MAX_COORDINATE: f64 = 1e15;
 /// below.
 pub const MIN_DIAGONAL: f64 = 1e-15;
 
+/// Names of files, in whatever case, that exporters and archives give and that say nothing of what is in them.
+const SAY_NOTHING: [&str; 8] = ["index", "main", "mesh", "model", "object", "scene", "source", "untitled"];
+
 /// Imports a `.gltf` or `.glb` file; which of the two it is, its first bytes tell, not its name.
 ///
-/// The scene is named after the stem of the file. See [`import_bytes`] for what is kept.
+/// The scene is named after the stem of the file, or after its folder where the stem says nothing, like `scene`. See
+/// [`import_bytes`] for what is kept.
 ///
 /// # Errors
 ///
@@ -57,13 +61,19 @@ pub fn import(path: &Path) -> Result<Scene, SceneError> {
         return Err(fail(std::io::Error::new(std::io::ErrorKind::InvalidInput, "it is no regular file")));
     }
     let bytes = std::fs::read(path).map_err(fail)?;
-    let name = path
-        .file_stem()
-        .map_or_else(|| path.to_string_lossy().into_owned(), |stem| stem.to_string_lossy().into_owned());
+    let name = name_of(path);
     let label = path.display().to_string();
     let mut scene = import_labelled(&bytes, path.parent(), &name, &label)?;
     scene.origin = Origin::File { path: path.to_owned() };
     Ok(scene)
+}
+
+/// What the scene of a file is called.
+fn name_of(path: &Path) -> String {
+    let Some(stem) = path.file_stem() else { return path.to_string_lossy().into_owned() };
+    let says_nothing = SAY_NOTHING.iter().any(|name| stem.eq_ignore_ascii_case(name));
+    let folder = path.parent().and_then(Path::file_name).filter(|_| says_nothing);
+    folder.unwrap_or(stem).to_string_lossy().into_owned()
 }
 
 /// Imports the bytes of a `.gltf` or `.glb` file as the scene `name`; relative buffer files are looked for in
@@ -145,5 +155,19 @@ fn warn_facts(facts: &Facts, warnings: &mut Vec<String>) {
             "channels of the animation that move something else than a node's translation, rotation, scale or weights are ignored ({}); KHR_animation_pointer is one source of them",
             facts.foreign_channels
         ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Without a folder that has a name a scene keeps the file's, whatever that says.
+    #[test]
+    fn only_folders_with_names_give_theirs() {
+        for path in ["scene.gltf", "./scene.gltf", "../scene.gltf", "/scene.gltf"] {
+            assert_eq!(name_of(Path::new(path)), "scene", "{path}");
+        }
+        assert_eq!(name_of(Path::new("drone/scene.gltf")), "drone");
     }
 }

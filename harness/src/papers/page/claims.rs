@@ -4,10 +4,11 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::broken;
+use crate::files;
 use crate::papers::{Claim, JudgedClaim, Paper, Test, Verdict, judge_all};
+use crate::report::ReportError;
 use crate::report::format::{NONE, significant};
 use crate::report::markdown::{Table, inline};
-use crate::report::{ReportError, files};
 use crate::results::Run;
 
 /// The claims that an experiment measures.

@@ -141,7 +141,7 @@ pub(in crate::papers) fn time_with_accuracy(traces: &[&TraceRecord]) -> Option<(
                 (balanced, format!("{} %", percent(balanced)))
             }
         };
-        ms += metrics::host_ms(&trace.times)?;
+        ms += crate::results::host_ms(&trace.times)?;
         if least.as_ref().is_none_or(|(least, _)| accuracy < *least) {
             least = Some((accuracy, text));
         }

@@ -183,7 +183,7 @@ fn files_can_be_made_again() {
     for name in ["tune_gone.svg", "sweep_stays.svg"] {
         std::fs::write(folder.path().join(name), "").unwrap();
     }
-    let paths = write_run(&record(&placed(typical())), folder.path()).unwrap();
+    let paths = write_run(&record(&placed(typical())), folder.path(), fixture::tables).unwrap();
     let names: Vec<_> = paths.iter().map(|path| path.file_name().unwrap().to_str().unwrap()).collect();
     let expected =
         ["run.json", "tune.md", "tune.csv", "tune_room.svg", "tune_room.png", "tune_hall.svg", "tune_hall.png"];
@@ -192,7 +192,7 @@ fn files_can_be_made_again() {
     assert_eq!((stands("tune_gone.svg"), stands("sweep_stays.svg")), (false, true));
     let again = read_run(folder.path()).unwrap();
     assert_eq!(Tuning::of(&again).unwrap(), placed(typical()));
-    for path in write_derived(&again, elsewhere.path()).unwrap() {
+    for path in write_derived(&again, elsewhere.path(), fixture::tables).unwrap() {
         let name = path.file_name().unwrap();
         assert!(std::fs::read(&path).unwrap() == std::fs::read(folder.path().join(name)).unwrap(), "{name:?} differs");
     }

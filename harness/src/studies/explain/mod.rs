@@ -10,88 +10,19 @@ use std::collections::BTreeMap;
 use serde_json::Value;
 use tracebench_api::{Hit, Status, TracerError};
 
+use crate::contenders::Remedy;
 use crate::judge::{Class, Rule};
 use crate::measure::session::{PreparedRays, Session};
 use crate::measure::{self, Context, Effort, Place, Request, RunError, records};
 use crate::plan::{Plan, TracerRequest};
 use crate::results::{Explained, ExplanationRecord, GIVEN_UP, RemedyRecord, Run, SceneExplained, UNEXPLAINED};
 
-/// A cause of wrong rays, and the parameter that takes it away.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Remedy {
-    /// The cause, as results name it.
-    pub cause: &'static str,
-    /// The tracer's parameter.
-    pub parameter: &'static str,
-    /// The value that takes the cause away.
-    pub value: &'static str,
-    /// Where the cause comes from.
-    pub source: &'static str,
-}
-
-/// The weaknesses of a tracer in the order in which they are taken away; each rung keeps those before.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Ladder {
-    /// The tracer.
-    pub tracer: &'static str,
-    /// Its rungs.
-    pub remedies: &'static [Remedy],
-}
-
-/// Every ladder.
-pub const LADDERS: &[Ladder] = &[Ladder {
-    tracer: "dirt",
-    remedies: &[
-        Remedy {
-            cause: "outside_of_the_views",
-            parameter: "views",
-            value: "six",
-            source: "DIRT, section 5.2, Figure 9: one view skips what lies outside of it",
-        },
-        Remedy {
-            cause: "coverage_by_sample",
-            parameter: "coverage",
-            value: "conservative",
-            source: "DIRT, sections 4.1 and 4.2.4: without conservative coverage what lies between samples is not stored",
-        },
-        Remedy {
-            cause: "early_bucket_stop",
-            parameter: "searched",
-            value: "all",
-            source: "DIRT, section 4.2.1, Algorithm 1, line 18: the search of a tile ends at the first bucket with a hit",
-        },
-        Remedy {
-            cause: "pixel_acceptance",
-            parameter: "accept",
-            value: "distance",
-            source: "DIRT, section 4.2.1, Algorithm 1, line 14: a hit counts only where its tile is the one searched",
-        },
-        Remedy {
-            cause: "projection_noise_at_centre",
-            parameter: "centre_rays",
-            value: "split",
-            source: "f32: near a view's centre the image of a ray is noise",
-        },
-        Remedy {
-            cause: "near_plane",
-            parameter: "near",
-            value: "none",
-            source: "DIRT, section 4.1: views are perspective, so nothing before their near planes is stored",
-        },
-    ],
-}];
-
-/// The ladder of a tracer.
-pub fn ladder_of(tracer: &str) -> Option<&'static Ladder> {
-    LADDERS.iter().find(|ladder| ladder.tracer == tracer)
-}
-
 /// The cause of a ray's error from whether it was wrong on each rung: the remedy after the last rung on which it was; none
 /// for a ray that is right as the tracer was asked for and stays so. `given_up`: its search was, on the last rung.
-fn cause(ladder: &Ladder, wrong: &[bool], given_up: bool) -> Option<&'static str> {
+fn cause(ladder: &[Remedy], wrong: &[bool], given_up: bool) -> Option<&'static str> {
     let last = wrong.iter().rposition(|wrong| *wrong)?;
     let beyond = if given_up { GIVEN_UP } else { UNEXPLAINED };
-    Some(ladder.remedies.get(last).map_or(beyond, |remedy| remedy.cause))
+    Some(ladder.get(last).map_or(beyond, |remedy| remedy.cause))
 }
 
 /// What was found of a ray set, by rung.
@@ -108,8 +39,13 @@ struct Found {
 ///
 /// # Errors
 /// [`RunError`] as its variants say.
-pub fn execute(plan: &Plan, request: &TracerRequest, ladder: &Ladder, context: &Context<'_>) -> Result<Run, RunError> {
-    let fail = |error: TracerError| RunError::Tracer { tracer: ladder.tracer.to_owned(), error };
+pub fn execute(
+    plan: &Plan,
+    request: &TracerRequest,
+    ladder: &[Remedy],
+    context: &Context<'_>,
+) -> Result<Run, RunError> {
+    let fail = |error: TracerError| RunError::Tracer { tracer: request.name().to_owned(), error };
     let rungs = rungs(request, ladder).map_err(fail)?;
     // A rung that changes nothing, as one of six views does where there are six, is what the one before was.
     let mut places: Vec<usize> = Vec::new();
@@ -133,7 +69,7 @@ pub fn execute(plan: &Plan, request: &TracerRequest, ladder: &Ladder, context: &
             None => Err(RunError::Nothing("a scene was prepared twice".to_owned())),
         };
         let hook = |session: &Session, rays: &PreparedRays, hits: &[Option<Vec<Hit>>]| {
-            let found = look(session, ladder.tracer, rays, &places, hits)?;
+            let found = look(session, request.name(), rays, &places, hits)?;
             Ok(serde_json::to_value(explained(ladder, rays, &found)).unwrap_or_default())
         };
         let effort = Effort { validated: false, counted: false, ..Effort::untimed() };
@@ -153,16 +89,16 @@ pub fn execute(plan: &Plan, request: &TracerRequest, ladder: &Ladder, context: &
         value: remedy.value.to_owned(),
         source: remedy.source.to_owned(),
     };
-    let ladder = ladder.remedies.iter().map(rung).collect();
+    let ladder = ladder.iter().map(rung).collect();
     run.explanation = Some(ExplanationRecord { tracer: records::request_record(request), ladder, scenes });
     Ok(run)
 }
 
 /// The tracer on every rung, first as asked for.
-fn rungs(request: &TracerRequest, ladder: &Ladder) -> Result<Vec<TracerRequest>, TracerError> {
+fn rungs(request: &TracerRequest, ladder: &[Remedy]) -> Result<Vec<TracerRequest>, TracerError> {
     let mut request = request.clone();
     let mut rungs = vec![request.clone()];
-    for remedy in ladder.remedies {
+    for remedy in ladder {
         request
             .set(remedy.parameter, remedy.value)
             .map_err(|error| TracerError::Failed(format!("{}: {error}", remedy.cause)))?;
@@ -194,7 +130,7 @@ fn look(
     Ok(found)
 }
 
-fn explained(ladder: &Ladder, rays: &PreparedRays, found: &Found) -> Explained {
+fn explained(ladder: &[Remedy], rays: &PreparedRays, found: &Found) -> Explained {
     let mut causes: BTreeMap<String, BTreeMap<String, u64>> = BTreeMap::new();
     let (mut of_rung, mut on_the_way, mut unexplained) = (vec![0_u64; found.wrong.len()], 0, 0);
     for (ray, class) in found.classes.iter().enumerate() {

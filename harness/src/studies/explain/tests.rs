@@ -15,26 +15,25 @@ use tracebench_api::{AdapterChoice, EndPoint, Gpu, Preset};
 /// published, and none takes back what one before has set.
 #[test]
 fn remedies_are_parameters() {
-    for ladder in LADDERS {
-        let request = TracerRequest::of(registry::find(ladder.tracer).unwrap(), Preset::Published);
+    for registration in registry::TRACERS.iter().filter(|each| !each.ladder.is_empty()) {
+        let (ladder, request) = (registration.ladder, TracerRequest::of(registration, Preset::Published));
         let rungs = rungs(&request, ladder).unwrap();
-        assert_eq!(rungs.len(), ladder.remedies.len() + 1);
-        let names = ladder.remedies.iter().map(|remedy| remedy.parameter);
-        assert_eq!(names.collect::<std::collections::BTreeSet<_>>().len(), ladder.remedies.len());
-        assert!(rungs[0].parameters != rungs[ladder.remedies.len()].parameters);
+        assert_eq!(rungs.len(), ladder.len() + 1);
+        let names = ladder.iter().map(|remedy| remedy.parameter);
+        assert_eq!(names.collect::<std::collections::BTreeSet<_>>().len(), ladder.len());
+        assert!(rungs[0].parameters != rungs[ladder.len()].parameters);
         // All are there at a time: what hangs together over rungs is looked at in one race.
         assert!(rungs.len() <= measure::WINDOW);
     }
-    assert!(ladder_of("no-such").is_none());
 }
 
 /// A ray's cause is what the rung takes away from which on it is right, whatever it was before; on the last rung its status
 /// tells.
 #[test]
 fn the_last_wrong_rung_tells_the_cause() {
-    let ladder = ladder_of("dirt").unwrap();
+    let ladder = registry::find("dirt").unwrap().ladder;
     let of = |rungs: &[usize], given_up| {
-        let wrong: Vec<bool> = (0..=ladder.remedies.len()).map(|rung| rungs.contains(&rung)).collect();
+        let wrong: Vec<bool> = (0..=ladder.len()).map(|rung| rungs.contains(&rung)).collect();
         cause(ladder, &wrong, given_up)
     };
     assert_eq!(of(&[], false), None);
@@ -66,7 +65,7 @@ fn the_ladder_of_dirt_explains_every_wrong_ray() {
     };
     let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
     let context = Context::new(&device, &cache, &quiet, &journal);
-    let explain = |ladder: &Ladder| {
+    let explain = |ladder: &[Remedy]| {
         let run = execute(&plan, &request, ladder, &context).unwrap();
         // The rows of the rungs tell the same numbers of wrong rays as the section.
         let found = run.explanation.unwrap();
@@ -80,7 +79,7 @@ fn the_ladder_of_dirt_explains_every_wrong_ray() {
         }
         found
     };
-    let found = explain(ladder_of("dirt").unwrap());
+    let found = explain(request.registration.ladder);
     assert_eq!(found.unexplained(), 0);
     let sets = &found.scenes[0].sets;
     assert_eq!(sets.len(), 3);
@@ -92,11 +91,10 @@ fn the_ladder_of_dirt_explains_every_wrong_ray() {
     }
     // Rays that the last rung gives up are told from those that it gets wrong.
     let capped = Remedy { cause: "nothing", parameter: "max_steps", value: "1", source: "" };
-    let remedies: &'static [Remedy] = Box::leak(Box::new([capped]));
-    let capped = explain(&Ladder { tracer: "dirt", remedies });
+    let capped = explain(&[capped]);
     assert!(capped.unexplained() == 0 && capped.scenes[0].sets[0].wrong_by_rung[1] > 1000);
-    const IDLE: Remedy = Remedy { cause: "nothing", parameter: "max_steps", value: "4096", source: "" };
-    let idle = explain(&Ladder { tracer: "dirt", remedies: &[IDLE] });
+    let idle = Remedy { cause: "nothing", parameter: "max_steps", value: "4096", source: "" };
+    let idle = explain(&[idle]);
     assert_eq!(idle.unexplained(), found.scenes[0].sets.iter().map(|set| set.wrong_by_rung[0]).sum::<u64>());
     assert_eq!(idle.scenes[0].sets[0].of_cause(UNEXPLAINED), sets[0].wrong_by_rung[0]);
 }

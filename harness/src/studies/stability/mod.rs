@@ -7,7 +7,8 @@ use std::sync::Arc;
 
 use tracebench_api::{Geometry, Gpu, Preset};
 
-use crate::cases::{Case, Expectation, Probe, Setup, expectation};
+use crate::cases::{CASES, Case, Probe, Setup};
+use crate::contenders::Expectation;
 use crate::hash;
 use crate::measure::session::Session;
 use crate::measure::{self, Context, Effort, Place, Placed, Request, RunError, records};
@@ -32,8 +33,9 @@ impl Candidate {
     /// A requested tracer. Expectations hold for the published preset; parameters that were changed are set against them all the
     /// same.
     pub fn of(request: &TracerRequest) -> Self {
-        let published = request.preset == Preset::Published;
-        let expected = if published { expectation::column(request.name()).to_vec() } else { Vec::new() };
+        let of_published = CASES.iter().filter(|_| request.preset == Preset::Published);
+        let expected_on = |case: &Case| Some((case.name, request.registration.expected_on(case.name)?));
+        let expected = of_published.filter_map(expected_on).collect();
         Self { request: request.clone(), expected }
     }
 }

@@ -89,7 +89,7 @@ fn description() -> Description {
 }
 
 fn plan(own: &str) -> Plan {
-    let registration = Registration { describe: description, family: Family::Bvh, create: |_| Ok(Box::new(Roomless)) };
+    let registration = Registration::analytic(description, Family::Bvh, |_| Ok(Box::new(Roomless)));
     let mut request = TracerRequest::of(&registration, Preset::Published);
     request.set("build", own).unwrap();
     let smoke = RunPreset::named("smoke").unwrap();

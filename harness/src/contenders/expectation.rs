@@ -1,6 +1,5 @@
 //! What is expected of a tracer on a case, and whether it came.
 
-use super::{bvh_cpu, dirt, exact, fragment_abuffer, screen_dda};
 pub use crate::judge::Rule;
 use crate::results::{ExpectationRecord, Surprise, Wrong};
 
@@ -45,22 +44,6 @@ pub enum Expectation {
 
 /// What is expected of one tracer, by case.
 pub type Column = &'static [(&'static str, Expectation)];
-
-/// Every tracer of which something is expected.
-pub const COLUMNS: &[(&str, Column)] = &[
-    ("bvh-cpu", bvh_cpu::EXPECTATIONS),
-    ("bvh-gpu", exact::EXPECTATIONS),
-    ("lbvh-gpu", exact::EXPECTATIONS),
-    ("ray-query", exact::EXPECTATIONS),
-    ("dirt", dirt::EXPECTATIONS),
-    ("fragment-abuffer", fragment_abuffer::EXPECTATIONS),
-    ("screen-dda", screen_dda::EXPECTATIONS),
-];
-
-/// What is expected of a tracer; nothing if it has no column.
-pub fn column(tracer: &str) -> Column {
-    COLUMNS.iter().find(|(name, _)| *name == tracer).map_or(&[], |(_, column)| column)
-}
 
 impl Expectation {
     /// The rule that it is about.

@@ -1,6 +1,14 @@
-//! What is expected of `screen-dda`: one depth a pixel, sampled at pixel centres, from one view.
+//! The room of `screen-dda`: one depth a pixel, sampled at pixel centres, from one view.
 
-use super::expectation::{Column, Expectation, Rule};
+use super::{Column, Expectation, Family, Registration, Rule};
+
+pub(crate) const ROOM: Registration = Registration {
+    expectations: EXPECTATIONS,
+    tune: Some("thickness"),
+    ..Registration::sampled(tracebench_screen_dda::description, Family::Image, |gpu| {
+        Ok(Box::new(tracebench_screen_dda::ScreenDda::new(gpu?)?))
+    })
+};
 
 /// Rays through the frame's own pixel centres find the depth that is stored there.
 const AT_SAMPLES: Expectation = Expectation::Bounded {
@@ -33,7 +41,7 @@ const LAYERS_SOURCE: &str = "DIRT, section 2, on single depth layers; VVP16, sec
 const SAMPLES_SOURCE: &str =
     "VVP16, section 4.2, limitations: what is stored is bounded by resolution and pixel samples";
 
-pub(super) const EXPECTATIONS: Column = &[
+const EXPECTATIONS: Column = &[
     (
         "edge-on",
         fails(

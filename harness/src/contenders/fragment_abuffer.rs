@@ -1,6 +1,14 @@
-//! What is expected of `fragment-abuffer`: fragments at pixels' centres, every layer, seven views, no thickness.
+//! The room of `fragment-abuffer`: fragments at pixels' centres, every layer, seven views, no thickness.
 
-use super::expectation::{Column, Expectation, Rule};
+use super::{Column, Expectation, Family, Registration, Rule};
+
+pub(crate) const ROOM: Registration = Registration {
+    expectations: EXPECTATIONS,
+    tune: Some("thickness"),
+    ..Registration::sampled(tracebench_fragment_abuffer::description, Family::Image, |gpu| {
+        Ok(Box::new(tracebench_fragment_abuffer::FragmentAbuffer::new(gpu?)?))
+    })
+};
 
 /// Rays through the frame's own pixel centres find the very depth that is stored there.
 const AT_SAMPLES: Expectation = few(
@@ -48,7 +56,7 @@ const LAYERS: Expectation = fails(
     SAMPLES_SOURCE,
 );
 
-pub(super) const EXPECTATIONS: Column = &[
+const EXPECTATIONS: Column = &[
     ("edge-on", fails(Rule::HitMiss, 45.0, 0.02, 0.6, SLIPPED, SLIPPED_SOURCE)),
     ("wires", fails(Rule::HitMiss, 1.0, 0.12, 0.4, BETWEEN, SAMPLES_SOURCE)),
     ("leaves", fails(Rule::HitMiss, 1.0, 0.12, 0.3, BETWEEN, SAMPLES_SOURCE)),

@@ -1,0 +1,7 @@
+//! The room of `bvh-gpu`: an analytic method with a watertight triangle test that sees every triangle and no view.
+
+use super::{Family, Registration};
+
+pub(crate) const ROOM: Registration = Registration::analytic(tracebench_bvh::gpu_description, Family::Bvh, |gpu| {
+    Ok(Box::new(tracebench_bvh::BvhGpu::new(gpu?)?))
+});

@@ -1,0 +1,96 @@
+//! The room of `dirt`: analytic hits on every triangle that touches a tile of six views, found bucket by bucket.
+
+use super::{Column, Expectation, Family, Registration, Remedy, Rule};
+
+pub(crate) const ROOM: Registration = Registration {
+    expectations: EXPECTATIONS,
+    ladder: LADDER,
+    sweep: &["tile_size", "buckets", "resolution", "coverage", "clip"],
+    ..Registration::analytic(tracebench_dirt::description, Family::Image, |gpu| {
+        Ok(Box::new(tracebench_dirt::Dirt::new(gpu?)?))
+    })
+};
+
+/// Some rays stop at a hit that lies behind another one.
+const fn stops_early(most_wrong: f64) -> Expectation {
+    Expectation::Bounded { rule: Rule::Tight, most_wrong, reason: EARLY_STOP }
+}
+
+const EARLY_STOP: &str = "the search of a tile ends at the first bucket with a hit, though a triangle that reaches into \
+                          several buckets may have been hit behind another one that a later bucket holds";
+
+const EXPECTATIONS: Column = &[
+    ("leaves", stops_early(0.03)),
+    (
+        "voxel-stack",
+        Expectation::KnownFailure {
+            rule: Rule::Tight,
+            from: 4.0,
+            below: 0.005,
+            least_wrong: 0.04,
+            reason: EARLY_STOP,
+            source: "DIRT, section 4.2.1, Algorithm 1, line 18",
+        },
+    ),
+    ("huge-triangle", stops_early(0.02)),
+    (
+        "face-cell-borders",
+        Expectation::KnownFailure {
+            rule: Rule::HitMiss,
+            from: 0.0,
+            below: 0.0,
+            least_wrong: 0.02,
+            reason: "a hit counts only where its own tile is the one that is searched: on a border rounding may place it in the \
+                     neighbour when either is searched, and it is lost (pin-holes)",
+            source: "DIRT, section 4.2.1, Algorithm 1, line 14",
+        },
+    ),
+    (
+        "equal-triangles",
+        Expectation::Bounded {
+            rule: Rule::HitMiss,
+            most_wrong: 0.02,
+            reason: "thousands of triangles in every list that a ray passes: Mesa's software driver ends the loops of eight \
+                     lanes together after 65,535 rounds in all, and rays that it cuts off are given up with status step_cap",
+        },
+    ),
+];
+
+const LADDER: &[Remedy] = &[
+    Remedy {
+        cause: "outside_of_the_views",
+        parameter: "views",
+        value: "six",
+        source: "DIRT, section 5.2, Figure 9: one view skips what lies outside of it",
+    },
+    Remedy {
+        cause: "coverage_by_sample",
+        parameter: "coverage",
+        value: "conservative",
+        source: "DIRT, sections 4.1 and 4.2.4: without conservative coverage what lies between samples is not stored",
+    },
+    Remedy {
+        cause: "early_bucket_stop",
+        parameter: "searched",
+        value: "all",
+        source: "DIRT, section 4.2.1, Algorithm 1, line 18: the search of a tile ends at the first bucket with a hit",
+    },
+    Remedy {
+        cause: "pixel_acceptance",
+        parameter: "accept",
+        value: "distance",
+        source: "DIRT, section 4.2.1, Algorithm 1, line 14: a hit counts only where its tile is the one searched",
+    },
+    Remedy {
+        cause: "projection_noise_at_centre",
+        parameter: "centre_rays",
+        value: "split",
+        source: "f32: near a view's centre the image of a ray is noise",
+    },
+    Remedy {
+        cause: "near_plane",
+        parameter: "near",
+        value: "none",
+        source: "DIRT, section 4.1: views are perspective, so nothing before their near planes is stored",
+    },
+];

@@ -1,0 +1,7 @@
+//! The room of `lbvh-gpu`, which has the searches of `bvh-gpu` over hierarchies built on the device.
+
+use super::{Family, Registration};
+
+pub(crate) const ROOM: Registration = Registration::analytic(tracebench_bvh::lbvh_description, Family::Bvh, |gpu| {
+    Ok(Box::new(tracebench_bvh::LbvhGpu::new(gpu?)?))
+});

@@ -1,0 +1,103 @@
+//! What the harness alone knows of the tracers, a room each: which tables it stands in, how it is made, what is expected of it on
+//! the stability cases, which remedies tell why its rays are wrong, and what of it is worth sweeping or tuning.
+
+pub(crate) mod bvh_cpu;
+pub(crate) mod bvh_gpu;
+pub(crate) mod dirt;
+pub mod expectation;
+pub(crate) mod fragment_abuffer;
+pub(crate) mod lbvh_gpu;
+pub(crate) mod ray_query;
+pub(crate) mod screen_dda;
+
+use std::sync::Arc;
+
+use tracebench_api::{Description, Gpu, Residency, Tracer, TracerError};
+
+pub use expectation::{Column, Expectation, Rule};
+
+/// The device, or why there is none: what a tracer that needs one is skipped for.
+pub type Device = Result<Arc<Gpu>, TracerError>;
+
+/// How a tracer is created.
+pub type Create = fn(Device) -> Result<Box<dyn Tracer>, TracerError>;
+
+/// What kind of structure a tracer searches. Tracers of one family are peers: they stand in one table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// A hierarchy of bounding volumes.
+    Bvh,
+    /// What views show of the scene.
+    Image,
+}
+
+/// A cause of wrong rays, and the parameter that takes it away.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Remedy {
+    /// The cause, as results name it.
+    pub cause: &'static str,
+    /// The tracer's parameter.
+    pub parameter: &'static str,
+    /// The value that takes the cause away.
+    pub value: &'static str,
+    /// Where the cause comes from.
+    pub source: &'static str,
+}
+
+/// A tracer's room.
+#[derive(Clone, Copy)]
+pub struct Registration {
+    /// What it is and takes.
+    pub describe: fn() -> Description,
+    /// Its peers.
+    pub family: Family,
+    /// Creates it; the device is there for tracers that live on one.
+    pub(crate) create: Create,
+    /// What is expected on cases that `expectations` does not name: [`Expectation::Exact`] of an analytic method, nothing of
+    /// one that samples.
+    pub otherwise: Option<Expectation>,
+    /// What is expected of its published preset, by stability case.
+    pub expectations: Column,
+    /// Its weaknesses in the order in which `explain` takes them away; each rung keeps those before. None: it cannot be
+    /// explained.
+    pub ladder: &'static [Remedy],
+    /// What `sweep` goes over where nothing is said; none: all that can be swept.
+    pub sweep: &'static [&'static str],
+    /// The parameter that `tune` is about where nothing is said.
+    pub tune: Option<&'static str>,
+}
+
+impl Registration {
+    /// The room of a method that samples, with nothing more said of it.
+    pub const fn sampled(describe: fn() -> Description, family: Family, create: Create) -> Self {
+        Self { describe, family, create, otherwise: None, expectations: &[], ladder: &[], sweep: &[], tune: None }
+    }
+
+    /// The room of a method with analytic hits, which is expected to have no wrong ray where nothing else is said.
+    pub const fn analytic(describe: fn() -> Description, family: Family, create: Create) -> Self {
+        Self { otherwise: Some(Expectation::Exact), ..Self::sampled(describe, family, create) }
+    }
+
+    /// What is expected of its published preset on a case.
+    pub fn expected_on(&self, case: &str) -> Option<Expectation> {
+        self.expectations.iter().find(|(name, _)| *name == case).map(|(_, expected)| *expected).or(self.otherwise)
+    }
+
+    /// Creates the tracer with its pipelines.
+    ///
+    /// # Errors
+    /// Why there is no device, if it needs one; [`TracerError::Unavailable`] if this machine cannot run it.
+    pub fn create(&self, device: &Device) -> Result<Box<dyn Tracer>, TracerError> {
+        (self.create)(device.clone())
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &'static str {
+        (self.describe)().name
+    }
+
+    /// Whether it needs a device.
+    pub fn needs_device(&self) -> bool {
+        (self.describe)().residency == Residency::Device
+    }
+}

@@ -1,0 +1,165 @@
+//! The end of a run in a terminal: by ray set a row a tracer, speed with the accuracy of the same rays beside it.
+
+use std::fmt::Write as _;
+
+use tracebench_api::{ClockKind, Query};
+
+use super::format::{NONE, percent, significant, thousands};
+use super::group::{Group, RaySet, Role, groups};
+use super::metrics;
+use crate::results::{Judgement, Run, TraceRecord};
+
+/// Columns that names may take; longer ones go on in the next line. With the other columns a line has 100 at most.
+const LONGEST_NAME: usize = 30;
+const SPEED: usize = 11;
+const SHARE: usize = 12;
+/// What stands beside a clock because the device's own could not be true.
+const REFUSED: &str = " *";
+
+/// Every contender's traces, no speed without its accuracy.
+pub fn run_table(run: &Run) -> String {
+    let groups = groups(run);
+    let titles = groups.iter().flat_map(|group| group.ray_sets.iter().map(title));
+    let names = run.runs.iter().map(|one| one.tracer.label()).chain(titles);
+    let width = names.map(|name| name.chars().count()).max().unwrap_or(0).min(LONGEST_NAME);
+    let mut text = String::new();
+    for group in &groups {
+        let _ = writeln!(text, "{}, viewpoint {}", group.scene.name, group.viewpoint.name);
+        for set in &group.ray_sets {
+            ray_set(&mut text, group, set, width);
+        }
+    }
+    if text.lines().any(|line| line.ends_with(REFUSED)) {
+        let _ = writeln!(text, "{REFUSED}: the device's timestamps were not believed");
+    }
+    text
+}
+
+fn title(set: &RaySet<'_>) -> String {
+    format!("{}, {} rays", set.title, thousands(set.count))
+}
+
+fn ray_set(text: &mut String, group: &Group<'_>, set: &RaySet<'_>, width: usize) {
+    let heads: &[&str] = match set.query {
+        Query::Closest => &["hit_miss", "tight", "footprint"],
+        Query::Any => &["balanced accuracy"],
+    };
+    line(text, width, &title(set), "Mrays/s", heads, "clock");
+    for (role, one, trace) in group.traces(set) {
+        if role == Role::Contender {
+            let shares = shares(trace);
+            let speed = metrics::speed(trace).filter(|_| shares.iter().all(Option::is_some));
+            let speed = speed.map_or_else(|| NONE.to_owned(), |speed| significant(speed, 4));
+            let trials = metrics::trials(trace);
+            let share = |share: &Option<f64>| {
+                share.map_or_else(|| NONE.to_owned(), |share| format!("{} %", percent(share, trials)))
+            };
+            let cells: Vec<String> = shares.iter().map(share).collect();
+            line(text, width, &one.tracer.label(), &speed, &cells, &clock(trace));
+        }
+    }
+}
+
+/// The accuracies that stand beside a speed; none of a set whose rays are all ties.
+fn shares(trace: &TraceRecord) -> Vec<Option<f64>> {
+    match &trace.judgement {
+        Judgement::Closest(closest) => {
+            let agreement = &closest.agreement;
+            vec![agreement.hit_miss, agreement.tight, agreement.footprint]
+        }
+        Judgement::Any(any) => vec![any.occlusion.balanced_accuracy],
+    }
+}
+
+fn clock(trace: &TraceRecord) -> String {
+    let name = match trace.times.clock {
+        ClockKind::Host => "host clock",
+        ClockKind::DeviceTimestamps => "device timestamps",
+        ClockKind::SubmitToDone => "submit to done",
+    };
+    format!("{name}{}", if trace.times.timestamps_refused { REFUSED } else { "" })
+}
+
+/// A line of a table; a name that is too long for its column begins in lines of its own.
+fn line(text: &mut String, width: usize, name: &str, speed: &str, shares: &[impl AsRef<str>], clock: &str) {
+    let name: Vec<char> = name.chars().collect();
+    let mut parts = name.chunks(width.max(1)).map(|part| part.iter().collect::<String>()).peekable();
+    while let Some(part) = parts.next() {
+        if parts.peek().is_some() {
+            let _ = writeln!(text, "  {part}");
+            continue;
+        }
+        // One accuracy takes the place of three.
+        let each = 3 * SHARE / shares.len().max(1);
+        let shares: String = shares.iter().map(|share| format!("{:>each$}", share.as_ref())).collect();
+        let _ = writeln!(text, "  {part:<width$}{speed:>SPEED$}{shares}  {clock}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::fixture::{self, Quality};
+
+    const FAIR: Quality = Quality { missed: 0.25, blur: 1e-9, speed: 3.1, clock: ClockKind::SubmitToDone };
+
+    /// Proves that every trace of every contender has its line below its scene and ray set, with speed, every accuracy and clock
+    /// in aligned columns; that no line is wider than a terminal, whatever tracers are called; and that controls stay out.
+    #[test]
+    fn every_trace_has_a_line() {
+        for run in [fixture::typical(), fixture::crowded()] {
+            let text = run_table(&run);
+            assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+            assert!(!text.contains("oracle") && !text.contains(REFUSED), "{text}");
+            let heads: Vec<&str> =
+                text.lines().filter(|line| line.ends_with("clock") && line.contains("Mrays/s")).collect();
+            assert_eq!(heads.len(), fixture::SETS.len());
+            let (speed, clock) = (heads[0].find("Mrays/s").unwrap() + "Mrays/s".len(), heads[0].find("clock").unwrap());
+            let rows = text.lines().filter(|line| line.starts_with("  ") && line.contains(" %"));
+            let rows: Vec<Vec<char>> = rows.map(|line| line.chars().collect()).collect();
+            assert_eq!(rows.len(), run.runs.iter().map(|one| one.traces.len()).sum::<usize>());
+            for row in rows {
+                assert!(row[speed - 1].is_ascii_digit() && row[speed] == ' ', "{row:?}");
+                assert!(row[clock - 1] == ' ' && row[clock].is_ascii_lowercase(), "{row:?}");
+            }
+        }
+        let typical = run_table(&fixture::typical());
+        assert!(typical.contains("balanced accuracy") && typical.contains("footprint"), "{typical}");
+        for name in ["bvh-cpu", "screen-dda"] {
+            assert_eq!(typical.lines().filter(|line| line.trim_start().starts_with(name)).count(), 3, "{typical}");
+        }
+    }
+
+    /// Proves that several scenes stand below headings of their own, in the order of the run.
+    #[test]
+    fn scenes_are_headings() {
+        let mut run = fixture::typical();
+        let mut other = run.clone();
+        other.runs.iter_mut().chain(&mut other.controls).for_each(|one| "drone".clone_into(&mut one.scene.name));
+        run.runs.append(&mut other.runs);
+        run.controls.append(&mut other.controls);
+        let text = run_table(&run);
+        let heads: Vec<&str> = text.lines().filter(|line| !line.starts_with(' ')).collect();
+        assert!(heads.len() == 2 && heads[1].starts_with("drone, viewpoint"), "{heads:?}");
+        assert_eq!(text.matches("bvh-cpu").count(), 6);
+    }
+
+    /// Proves that a speed without an accuracy is not shown, and that timestamps which were not believed are told.
+    #[test]
+    fn no_speed_without_its_accuracy() {
+        let mut run = fixture::run(&[("bvh-cpu", FAIR)], &fixture::SETS);
+        let speeds: Vec<String> = run.runs[0].traces.iter().map(|trace| significant(trace.mrays_per_s, 4)).collect();
+        let shown = |text: &str| speeds.iter().filter(|speed| text.contains(&format!(" {speed} "))).count();
+        assert_eq!(shown(&run_table(&run)), 3);
+        for trace in &mut run.runs[0].traces {
+            trace.times.timestamps_refused = true;
+            match &mut trace.judgement {
+                Judgement::Closest(closest) => closest.agreement.tight = None,
+                Judgement::Any(any) => any.occlusion.balanced_accuracy = None,
+            }
+        }
+        let text = run_table(&run);
+        assert!(shown(&text) == 0 && text.contains(NONE), "{text}");
+        assert!(text.contains("submit to done *") && text.ends_with("not believed\n"), "{text}");
+    }
+}
