@@ -3,8 +3,9 @@
 use tracebench_api::wgpu::{Buffer, BufferUsages};
 use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, Query, TraceJob, TracerError};
 use tracebench_kit::{bind_group, dispatch_linear_groups};
+use tracebench_shaders::dirt::Trace;
 
-use crate::build::{TraceKind, view_uniforms};
+use crate::build::view_uniforms;
 use crate::fetch::lost;
 use crate::layout::TraceSettings;
 use crate::structure::DirtStructure;
@@ -46,15 +47,14 @@ impl DirtStructure {
         let uniform = |name, contents: &[u8]| gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing");
         let search = self.search(job);
         let grid = self.buffers.grid(&self.layout);
-        let kind = match (job.parameters.choice("centre_rays"), self.buffers.is_split()) {
-            ("split", _) => TraceKind::Centres,
-            (_, true) => TraceKind::Split,
-            _ => TraceKind::Whole,
-        };
-        let pipeline = self.pipelines.trace(kind, counting.is_some());
-        let (bounds, heads) = match kind {
-            TraceKind::Whole => (self.buffers.bounds.as_entire_binding(), self.buffers.heads.as_entire_binding()),
-            TraceKind::Split | TraceKind::Centres => (self.buffers.bounds_of(0), self.buffers.heads_of(0)),
+        let (centres, counters) = (job.parameters.choice("centre_rays") == "split", counting.is_some());
+        // What lies near views' centres is searched for by a variant over split buffers alone.
+        let split = centres || self.buffers.is_split();
+        let variant = if split { Trace::Split { centres, counters } } else { Trace::Plain { counters } };
+        let pipeline = &self.pipelines.trace[&variant];
+        let (bounds, heads) = match split {
+            false => (self.buffers.bounds.as_entire_binding(), self.buffers.heads.as_entire_binding()),
+            true => (self.buffers.bounds_of(0), self.buffers.heads_of(0)),
         };
         let [grid, search_settings, views] = [
             uniform("grid", bytemuck::bytes_of(&grid))?,
@@ -70,7 +70,7 @@ impl DirtStructure {
             .chain(answered.into_iter().chain(counted.into_iter().flatten()).map(Buffer::as_entire_binding))
             .collect();
         let mut bindings = vec![bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources)];
-        if kind != TraceKind::Whole {
+        if split {
             bindings.push(bind_group(gpu, &pipeline.get_bind_group_layout(1), &self.buffers.further_parts()));
         }
         let bindings: Vec<_> = bindings.iter().collect();

@@ -1,19 +1,12 @@
 //! Tracing on the device.
 
 use bytemuck::{Pod, Zeroable};
-use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline};
+use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages};
 use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, TraceJob, TracerError};
-use tracebench_kit::{TouchedBits, bind_group, bind_group_at, compute_pipeline, dispatch_linear_groups};
-use tracebench_shaders::{
-    FRAGMENT_TRACE, FRAGMENT_TRACE_CONTIGUOUS, FRAGMENT_TRACE_CONTIGUOUS_COUNTED, FRAGMENT_TRACE_CONTIGUOUS_SPLIT,
-    FRAGMENT_TRACE_CONTIGUOUS_SPLIT_COUNTED, FRAGMENT_TRACE_CONTIGUOUS_SPLIT_SURFACES,
-    FRAGMENT_TRACE_CONTIGUOUS_SPLIT_SURFACES_COUNTED, FRAGMENT_TRACE_CONTIGUOUS_SURFACES,
-    FRAGMENT_TRACE_CONTIGUOUS_SURFACES_COUNTED, FRAGMENT_TRACE_COUNTED, FRAGMENT_TRACE_SPLIT,
-    FRAGMENT_TRACE_SPLIT_COUNTED, FRAGMENT_TRACE_SPLIT_SURFACES, FRAGMENT_TRACE_SPLIT_SURFACES_COUNTED,
-    FRAGMENT_TRACE_SURFACES, FRAGMENT_TRACE_SURFACES_COUNTED, Shader,
-};
+use tracebench_kit::{TouchedBits, bind_group, bind_group_at, dispatch_linear_groups};
+use tracebench_shaders::fragment_abuffer::Trace;
 
-use crate::build::{Pipelines, WORKGROUP_SIZE};
+use crate::build::WORKGROUP_SIZE;
 use crate::layout::MOST_VIEWS;
 use crate::structure::FragmentStructure;
 
@@ -58,62 +51,11 @@ pub struct MarchSettings {
     pub padding_c: u32,
 }
 
-/// Variants of the trace.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct TraceKind {
-    /// Over the s-buffer, not lists.
-    pub contiguous: bool,
-    /// Views have buffers of their own.
-    pub split: bool,
-    /// To surfaces.
-    pub surfaces: bool,
-    /// Counting.
-    pub counted: bool,
-}
-
-impl TraceKind {
-    fn shader(self) -> Shader {
-        let all = [
-            FRAGMENT_TRACE,
-            FRAGMENT_TRACE_COUNTED,
-            FRAGMENT_TRACE_SURFACES,
-            FRAGMENT_TRACE_SURFACES_COUNTED,
-            FRAGMENT_TRACE_SPLIT,
-            FRAGMENT_TRACE_SPLIT_COUNTED,
-            FRAGMENT_TRACE_SPLIT_SURFACES,
-            FRAGMENT_TRACE_SPLIT_SURFACES_COUNTED,
-            FRAGMENT_TRACE_CONTIGUOUS,
-            FRAGMENT_TRACE_CONTIGUOUS_COUNTED,
-            FRAGMENT_TRACE_CONTIGUOUS_SURFACES,
-            FRAGMENT_TRACE_CONTIGUOUS_SURFACES_COUNTED,
-            FRAGMENT_TRACE_CONTIGUOUS_SPLIT,
-            FRAGMENT_TRACE_CONTIGUOUS_SPLIT_COUNTED,
-            FRAGMENT_TRACE_CONTIGUOUS_SPLIT_SURFACES,
-            FRAGMENT_TRACE_CONTIGUOUS_SPLIT_SURFACES_COUNTED,
-        ];
-        let bits = [self.counted, self.surfaces, self.split, self.contiguous];
-        all[bits.into_iter().enumerate().map(|(bit, is)| usize::from(is) << bit).sum::<usize>()]
-    }
-}
-
 /// The buffers of a trace that counts.
 pub(crate) struct Counting {
     counts: Buffer,
     touched: TouchedBits,
     payloads_touched: TouchedBits,
-}
-
-impl Pipelines {
-    fn trace(&self, kind: TraceKind) -> Result<ComputePipeline, TracerError> {
-        let traces = self.traces.lock();
-        let mut traces = traces.map_err(|_| TracerError::Failed("a pipeline was left half made".to_owned()))?;
-        if let Some(pipeline) = traces.get(&kind) {
-            return Ok(pipeline.clone());
-        }
-        let pipeline = compute_pipeline(&self.gpu, kind.shader(), "trace")?;
-        traces.insert(kind, pipeline.clone());
-        Ok(pipeline)
-    }
 }
 
 impl FragmentStructure {
@@ -152,13 +94,13 @@ impl FragmentStructure {
     ) -> Result<(), TracerError> {
         let pipelines = &*self.pipelines;
         let (parts, count) = (&self.parts, job.rays.host.len());
-        let kind = TraceKind {
+        let variant = Trace {
             contiguous: self.layout.kind.is_contiguous(),
             split: parts.is_by_view(),
             surfaces: job.end == EndPoint::Surface,
-            counted: counting.is_some(),
+            counters: counting.is_some(),
         };
-        let pipeline = pipelines.trace(kind)?;
+        let pipeline = pipelines.traces.of(&pipelines.gpu, variant)?;
         let search = self.search(job);
         let first = parts.of_view(0);
         let [storage, settings, views] = [
@@ -178,17 +120,17 @@ impl FragmentStructure {
             (6, &first.ids),
             (7, pyramid),
         ];
-        if kind.surfaces {
+        if variant.surfaces {
             bound.extend([(8, first.data()), (9, hits.surfaces_on_device(count)?)]);
         }
         if let Some(counting) = counting {
             bound.extend([(10, &counting.counts), (11, counting.touched.buffer())]);
-            bound.extend(kind.surfaces.then(|| (12, counting.payloads_touched.buffer())));
+            bound.extend(variant.surfaces.then(|| (12, counting.payloads_touched.buffer())));
         }
         let numbered: Vec<_> = bound.into_iter().map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
         let mut bindings = vec![bind_group_at(&pipelines.gpu, &pipeline.get_bind_group_layout(0), &numbered)];
-        if kind.split {
-            let further = self.further_views(kind.surfaces);
+        if variant.split {
+            let further = self.further_views(variant.surfaces);
             bindings.push(bind_group(&pipelines.gpu, &pipeline.get_bind_group_layout(1), &further));
         }
         let bindings: Vec<_> = bindings.iter().collect();

@@ -47,7 +47,8 @@ impl EmptyTarget {
     ///
     /// # Errors
     /// [`TracerError::Failed`] if the device refuses it.
-    pub fn pipeline(gpu: &Gpu, shader: Shader) -> Result<RenderPipeline, TracerError> {
+    pub fn pipeline(gpu: &Gpu, shader: impl Into<Shader>) -> Result<RenderPipeline, TracerError> {
+        let shader = shader.into();
         let nothing = ColorTargetState { format: FORMAT, blend: None, write_mask: ColorWrites::empty() };
         let targets = RasterTargets { colours: &[Some(nothing)], ..Default::default() };
         raster_pipeline(gpu, shader.name, &shader_module(gpu, shader)?, &targets)

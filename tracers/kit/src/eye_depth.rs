@@ -2,7 +2,7 @@
 
 use tracebench_api::wgpu::{self, TextureFormat, TextureUsages};
 use tracebench_api::{DeviceGeometry, Gpu, Ledger, TracerError, View};
-use tracebench_shaders::EYE_DEPTH_RASTER;
+use tracebench_shaders::shared::EYE_DEPTH_RASTER;
 
 use crate::{RasterTargets, ViewUniform, bind_group, raster_pipeline, shader_module};
 

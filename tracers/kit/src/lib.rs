@@ -18,8 +18,8 @@ mod view_uniform;
 
 pub use clip::{TileBounds, clipped_depths, clipped_polygon, eye_space, touched_tiles};
 pub use compute::{
-    bind_group, bind_group_at, compute_pipeline, dispatch_linear, dispatch_linear_groups, shader_module,
-    shader_module_testing_early,
+    PipelinesOnDemand, bind_group, bind_group_at, compute_pipeline, dispatch_linear, dispatch_linear_groups,
+    every_variant, shader_module, shader_module_testing_early,
 };
 pub use empty_target::EmptyTarget;
 pub use eye_depth::{EyeDepthRaster, EyeDepthTarget, NO_SURFACE};

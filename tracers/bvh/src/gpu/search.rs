@@ -1,15 +1,15 @@
 //! Searching on the device.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline};
 use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
-use tracebench_kit::{Gather, SurfaceGeometry, TouchedBits, bind_group, compute_pipeline, dispatch_linear};
-use tracebench_shaders::{
-    BVH_BINARY, BVH_BINARY_COUNTED, BVH_BINARY_DEEP, BVH_BINARY_DEEP_COUNTED, BVH_WIDE, BVH_WIDE_COUNTED,
-    BVH_WIDE_DEEP, BVH_WIDE_DEEP_COUNTED, Shader,
+use tracebench_kit::{
+    Gather, SurfaceGeometry, TouchedBits, bind_group, compute_pipeline, dispatch_linear, every_variant,
 };
+use tracebench_shaders::bvh::{Binary, Cwbvh};
 
 use super::layout::NodeKind;
 use super::resident::Resident;
@@ -128,26 +128,6 @@ impl Counting {
     }
 }
 
-/// The variants over one kind of node.
-struct Kernels {
-    trace: ComputePipeline,
-    trace_counted: ComputePipeline,
-    deep: ComputePipeline,
-    deep_counted: ComputePipeline,
-}
-
-impl Kernels {
-    fn new(gpu: &Gpu, [trace, trace_counted, deep, deep_counted]: [Shader; 4]) -> Result<Self, TracerError> {
-        let pipeline = |shader| compute_pipeline(gpu, shader, "trace");
-        Ok(Self {
-            trace: pipeline(trace)?,
-            trace_counted: pipeline(trace_counted)?,
-            deep: pipeline(deep)?,
-            deep_counted: pipeline(deep_counted)?,
-        })
-    }
-}
-
 /// What is searched.
 #[derive(Clone, Copy)]
 pub(crate) struct Searched<'a> {
@@ -163,17 +143,19 @@ pub(crate) struct Searched<'a> {
 pub(crate) struct Searches {
     pub(crate) gpu: Arc<Gpu>,
     gather: Gather,
-    wide: Kernels,
-    binary: Kernels,
+    wide: BTreeMap<Cwbvh, ComputePipeline>,
+    binary: BTreeMap<Binary, ComputePipeline>,
 }
 
 impl Searches {
     /// Compiles them.
     pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        let wide = [BVH_WIDE, BVH_WIDE_COUNTED, BVH_WIDE_DEEP, BVH_WIDE_DEEP_COUNTED];
-        let binary = [BVH_BINARY, BVH_BINARY_COUNTED, BVH_BINARY_DEEP, BVH_BINARY_DEEP_COUNTED];
-        let (wide, binary) = (Kernels::new(&gpu, wide)?, Kernels::new(&gpu, binary)?);
-        Ok(Self { gather: Gather::new(&gpu)?, wide, binary, gpu })
+        Ok(Self {
+            gather: Gather::new(&gpu)?,
+            wide: every_variant(|variant: Cwbvh| compute_pipeline(&gpu, variant, "trace"))?,
+            binary: every_variant(|variant: Binary| compute_pipeline(&gpu, variant, "trace"))?,
+            gpu,
+        })
     }
 
     /// Records a trace; with something to count into by a counting variant. Surfaces are gathered after it.
@@ -187,15 +169,10 @@ impl Searches {
     ) -> Result<(), TracerError> {
         let Searched { resident, geometry, scale } = searched;
         let gpu = &*self.gpu;
-        let kernels = match resident.kind {
-            NodeKind::Wide => &self.wide,
-            NodeKind::Binary => &self.binary,
-        };
-        let pipeline = match (resident.stacks(), counting) {
-            (None, None) => &kernels.trace,
-            (None, Some(_)) => &kernels.trace_counted,
-            (Some(_), None) => &kernels.deep,
-            (Some(_), Some(_)) => &kernels.deep_counted,
+        let (deep, counters) = (resident.stacks().is_some(), counting.is_some());
+        let pipeline = match resident.kind {
+            NodeKind::Wide => &self.wide[&Cwbvh { deep, counters }],
+            NodeKind::Binary => &self.binary[&Binary { deep, counters }],
         };
         let mut dispatches = Vec::new();
         for settings in SearchSettings::of_dispatches(job, resident, scale) {

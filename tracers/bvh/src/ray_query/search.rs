@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{Buffer, BufferUsages, ComputePipeline};
 use tracebench_api::{Gpu, HitBuffer, PhaseClock, Query, RayBuffer, TracerError};
 use tracebench_kit::{Gather, bind_group, compute_pipeline, dispatch_linear};
-use tracebench_shaders::RAY_QUERY;
+use tracebench_shaders::bvh::RAY_QUERY;
 
 use super::acceleration::Acceleration;
 
