@@ -3,11 +3,14 @@
 
 #import tracebench::types::{Ray, Hit, miss, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, NO_PRIMITIVE}
 #import tracebench::dispatch::linear_invocation
-#import tracebench::view::{View, to_eye_space, direction_to_eye_space, pixel_position}
+#import tracebench::view::{View, pixel_position}
 #import tracebench::triangle::{RayFrame, ray_frame, cross_triangle}
 #import tracebench::depth_bounds::{depths_of, bucket_of}
-#import tracebench::image_walk::{Span, span_in_view, leaving, image_direction}
-#import tracebench::dirt_grid::{TileGrid, Node, level_tiles, bounds_index, head_index}
+#import tracebench::image_walk::{EyeRay, NEVER, Span, eye_ray_of, span_in_view, image_direction}
+#import tracebench::cell_walk::{pixel_at, leaves_cell, next_pixel, is_in_image}
+#import tracebench::view_walk::{SEAM_SLACK, crossed_first, nothing_crossed}
+#import tracebench::pyramid::{CodedCell, level_size, place_of, first_below, next_after}
+#import tracebench::dirt_grid::{TileGrid, Node, bounds_index, head_index}
 
 struct TraceSettings {
     ray_count: u32,
@@ -67,12 +70,6 @@ struct Best {
     primitive: u32,
     u: f32,
     v: f32,
-}
-
-// The ray in a view's eye space.
-struct EyeRay {
-    origin: vec3<f32>,
-    direction: vec3<f32>,
 }
 
 // The state of this lane's ray.
@@ -267,11 +264,10 @@ fn is_final(end: f32) -> bool {
 fn walk(number: u32, view: View, eye_ray: EyeRay, span: Span) {
     let origin = eye_ray.origin;
     let direction = eye_ray.direction;
-    let tangents = vec2<f32>(view.tan_half_width, view.tan_half_height);
     let last_tile = vec2<i32>(grid.tiles) - 1;
-    let heading = image_direction(origin, direction);
+    let heading = image_direction(eye_ray);
     var t = span.begin;
-    var tile = clamp(vec2<i32>(floor(pixel_position(view, origin + direction * t))), vec2<i32>(0), last_tile);
+    var tile = pixel_at(view, eye_ray, t, last_tile);
     var level = grid.levels - 1u;
     open += 1u;
     loop {
@@ -284,20 +280,9 @@ fn walk(number: u32, view: View, eye_ray: EyeRay, span: Span) {
 #ifdef COUNTERS
         work.x += 1u;
 #endif
-        let cell = tile >> vec2<u32>(level);
-        // Lines of the image at which the ray leaves the cell.
-        let edge = (cell + max(heading, vec2<i32>(0))) << vec2<u32>(level);
-        let line = (vec2<f32>(edge) * 2.0 / view.size - 1.0) * tangents * vec2<f32>(1.0, -1.0);
-        var leaves = vec2<f32>(1e38);
-        if (heading.x != 0) {
-            leaves.x = leaving(line.x, f32(heading.x), origin.x, direction.x, origin.z, direction.z, t);
-        }
-        if (heading.y != 0) {
-            // Rows count downwards, eye space upwards.
-            leaves.y = leaving(line.y, -f32(heading.y), origin.y, direction.y, origin.z, direction.z, t);
-        }
+        let leaves = leaves_cell(view, eye_ray, heading, tile, level, t);
         let end = min(min(leaves.x, leaves.y), span.end);
-        let depths = load_depths(number, level, vec2<u32>(cell));
+        let depths = load_depths(number, level, vec2<u32>(tile >> vec2<u32>(level)));
         let z_begin = origin.z + direction.z * t;
         let z_end = origin.z + direction.z * end;
         let z_slack = (abs(origin.z) + abs(direction.z) * end) * 4.76837158e-7;
@@ -314,31 +299,16 @@ fn walk(number: u32, view: View, eye_ray: EyeRay, span: Span) {
             open -= 1u;
             break;
         }
-        // To the next cell across the nearer line; along the other axis to where the ray is, never back.
-        let along_x = leaves.x <= leaves.y;
-        let at = vec2<i32>(floor(pixel_position(view, origin + direction * end)));
-        let low = max(cell << vec2<u32>(level), select(vec2<i32>(-1), tile, (heading > vec2<i32>(0))));
-        let high = min(((cell + 1) << vec2<u32>(level)) - 1, select(last_tile, tile, (heading < vec2<i32>(0))));
-        var next = clamp(at, low, min(high, last_tile));
-        if (along_x) {
-            next.x = select((cell.x << level) - 1, (cell.x + 1) << level, (heading.x > 0));
-        } else {
-            next.y = select((cell.y << level) - 1, (cell.y + 1) << level, (heading.y > 0));
-        }
-        if (any(next < vec2<i32>(0)) || any(next > last_tile)) {
+        tile = next_pixel(view, eye_ray, heading, tile, level, leaves, end, last_tile);
+        if (!is_in_image(tile, last_tile)) {
             open -= 1u;
             break;
         }
-        tile = next;
         t = end;
         if (!overlaps) {
             level = min(level + 1u, grid.levels - 1u);
         }
     }
-}
-
-fn eye_ray_of(view: View) -> EyeRay {
-    return EyeRay(to_eye_space(view, ray.origin), direction_to_eye_space(view, ray.direction));
 }
 
 #ifdef CENTRES
@@ -349,7 +319,7 @@ fn near_centre(view: View, eye_ray: EyeRay) -> Span {
     let nearest = eye_ray.origin + eye_ray.direction * middle;
     let rest = radius * radius - dot(nearest, nearest);
     if (rest < 0.0) {
-        return Span(1e38, 1e38);
+        return Span(NEVER, NEVER);
     }
     return Span(middle - sqrt(rest), middle + sqrt(rest));
 }
@@ -361,43 +331,28 @@ fn centre_radius(view: View) -> f32 {
     return max(size.x, max(size.y, size.z)) * max(view.size.x, view.size.y) * 2.44140625e-4;
 }
 
-// Every second bit of a Morton code.
-fn every_second_bit(code: u32) -> u32 {
-    var bits = code & 0x55555555u;
-    bits = (bits | (bits >> 1u)) & 0x33333333u;
-    bits = (bits | (bits >> 2u)) & 0x0f0f0f0fu;
-    bits = (bits | (bits >> 4u)) & 0x00ff00ffu;
-    return (bits | (bits >> 8u)) & 0x0000ffffu;
-}
-
 // Tests every triangle that is stored up to a depth, wherever in the image: down the pyramid in Morton order.
 fn search_to_depth(number: u32, view: View, eye_ray: EyeRay, depth: f32) {
     let top = grid.levels - 1u;
-    var level = top;
-    var code = 0u;
+    var cell = CodedCell(top, 0u);
     open += 1u;
     loop {
-        let cell = vec2<u32>(every_second_bit(code), every_second_bit(code >> 1u));
+        let place = place_of(cell);
         var descend = false;
-        if (all(cell < level_tiles(grid, level))) {
-            let depths = load_depths(number, level, cell);
+        if (all(place < level_size(grid.tiles, cell.level))) {
+            let depths = load_depths(number, cell.level, place);
             let reached = depths.x <= depth;
-            descend = reached && level > 0u;
-            if (reached && level == 0u) {
-                search_tile(number, view, eye_ray, vec2<i32>(cell), depths, vec2<f32>(depths.x, depth));
+            descend = reached && cell.level > 0u;
+            if (reached && cell.level == 0u) {
+                search_tile(number, view, eye_ray, vec2<i32>(place), depths, vec2<f32>(depths.x, depth));
             }
         }
         if (descend) {
-            level -= 1u;
-            code <<= 2u;
+            cell = first_below(cell);
             continue;
         }
-        code += 1u;
-        // Up from the last of four.
-        let up = min(countTrailingZeros(code) >> 1u, top - level);
-        level += up;
-        code >>= 2u * up;
-        if (level == top) {
+        cell = next_after(cell, top);
+        if (cell.level == top) {
             open -= 1u;
             break;
         }
@@ -422,7 +377,7 @@ fn trace(
 #ifdef CENTRES
     for (var each = 0u; each < search.view_count; each++) {
         let view = views[each];
-        let eye_ray = eye_ray_of(view);
+        let eye_ray = eye_ray_of(view, ray);
         let near = near_centre(view, eye_ray);
         if (near.end >= ray.t_min && near.begin <= ray.t_max) {
             search_to_depth(each, view, eye_ray, centre_radius(view));
@@ -430,22 +385,21 @@ fn trace(
     }
 #endif
     // By distance, a ray along the seam between two views must not be lost by both to rounding.
-    let slack = select(1.0, 1.000002, (search.by_distance == 1u));
+    let slack = select(1.0, SEAM_SLACK, (search.by_distance == 1u));
     // A view is never entered twice (a line meets a view in one piece), so there are at most as many rounds as views.
     open += 1u;
     loop {
         // The view that the ray meets next.
-        var chosen = search.view_count;
-        var span = Span(1e38, -1e38);
+        var crossed = nothing_crossed(search.view_count);
         for (var candidate = 0u; candidate < search.view_count; candidate++) {
-            let view = views[candidate];
-            let eye_ray = eye_ray_of(view);
-            let part = span_in_view(view, eye_ray.origin, eye_ray.direction, Span(ray.t_min, best.t), slack);
-            if ((visited & (1u << candidate)) == 0u && part.begin <= part.end && part.begin < span.begin) {
-                chosen = candidate;
-                span = part;
+            if ((visited & (1u << candidate)) == 0u) {
+                let view = views[candidate];
+                let part = span_in_view(view, eye_ray_of(view, ray), Span(ray.t_min, best.t), slack);
+                crossed = crossed_first(crossed, candidate, part);
             }
         }
+        let chosen = crossed.view;
+        let span = crossed.span;
         if (chosen == search.view_count) {
             open -= 1u;
             break;
@@ -455,7 +409,7 @@ fn trace(
         work.w += 1u;
 #endif
         let view = views[chosen];
-        let eye_ray = eye_ray_of(view);
+        let eye_ray = eye_ray_of(view, ray);
 #ifdef CENTRES
         let near = near_centre(view, eye_ray);
         for (var part = 0u; part < 2u; part++) {

@@ -3,10 +3,13 @@
 
 #import tracebench::types::{Ray, Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, SURFACE_NO_HIT, SURFACE_WRITTEN}
 #import tracebench::dispatch::linear_invocation
-#import tracebench::view::{View, to_eye_space, direction_to_eye_space, pixel_position}
-#import tracebench::image_walk::{Span, span_in_view, leaving, image_direction}
+#import tracebench::view::View
+#import tracebench::image_walk::{EyeRay, Span, eye_ray_of, span_in_view, image_direction}
+#import tracebench::image_line::{ImageLine, image_line, place_after, depth_on, t_on}
+#import tracebench::cell_walk::{pixel_at, leaves_cell, next_pixel, is_in_image, span_in_pixel}
+#import tracebench::view_walk::{SEAM_SLACK, FAR_SIDE, Crossed, crossed_first, nothing_crossed, side_left}
 #import tracebench::depth_bounds::{depths_of, bucket_share}
-#import tracebench::fragment_layout::{Storage, TracedView, level_size, pyramid_index, BOUNDS_SLACK}
+#import tracebench::fragment_layout::{Storage, TracedView, pyramid_index, BOUNDS_SLACK}
 
 struct MarchSettings {
     ray_count: u32,
@@ -87,18 +90,6 @@ const WORKGROUP_SIZE: u32 = 64u;
 const COUNTS: u32 = 5u;
 const BY_STEPS: u32 = 0u;
 const BY_HI_Z: u32 = 2u;
-
-// So far beyond a side that a ray along the seam between two views is not lost by both to rounding.
-const SEAM_SLACK: f32 = 1.000002;
-
-// No ray gets there.
-const NEVER: f32 = 1e38;
-
-// The ray in a view's eye space.
-struct EyeRay {
-    origin: vec3<f32>,
-    direction: vec3<f32>,
-}
 
 // The state of this lane's ray.
 var<private> ray: Ray;
@@ -428,37 +419,9 @@ fn look(pixel: vec2<u32>, part: Span, depth_begin: f32, depth_end: f32) {
     }
 }
 
-// A part of the ray as a line of the image, along which pixels, 1 / depth and t / depth are linear.
-struct ImageLine {
-    begin: vec2<f32>,
-    end: vec2<f32>,
-    inverse_depths: vec2<f32>,
-    ts_over_depth: vec2<f32>,
-    // Pixels along the major axis.
-    major: f32,
-    // Where on it to begin, from 0 to 1.
-    first: f32,
-}
-
-fn image_line(view: View, span: Span, starts: bool) -> ImageLine {
-    let begin = eye_ray.origin + eye_ray.direction * span.begin;
-    let end = eye_ray.origin + eye_ray.direction * span.end;
-    // Rounding may leave the clipped ends a little before the near plane.
-    let depths = max(vec2<f32>(begin.z, end.z), vec2<f32>(view.near));
-    let first_pixel = pixel_position(view, vec3<f32>(begin.xy, depths.x));
-    let last_pixel = pixel_position(view, vec3<f32>(end.xy, depths.y));
-    let along = abs(last_pixel - first_pixel);
-    let major = max(along.x, along.y);
-    let first = select(0.0, min(search.start_bias / max(major, 1e-6), 1.0), starts);
-    return ImageLine(first_pixel, last_pixel, 1.0 / depths, vec2<f32>(span.begin, span.end) / depths, major, first);
-}
-
-fn depth_on(line: ImageLine, s: f32) -> f32 {
-    return 1.0 / mix(line.inverse_depths.x, line.inverse_depths.y, s);
-}
-
-fn t_on(line: ImageLine, s: f32, depth: f32) -> f32 {
-    return mix(line.ts_over_depth.x, line.ts_over_depth.y, s) * depth;
+// Where on its line of the image the search for a ray begins: away from where the ray itself does.
+fn first_place(line: ImageLine, starts: bool) -> f32 {
+    return select(0.0, place_after(line, search.start_bias), starts);
 }
 
 // A number in [0, 1) that is fixed for the ray, wherever it stands in its set.
@@ -480,50 +443,26 @@ fn jitter_of() -> f32 {
     return f32(hash >> 8u) * 5.9604644775390625e-8;
 }
 
-// The part of a span that the ray spends within a pixel.
-fn within_pixel(view: View, pixel: vec2<i32>, span: Span) -> Span {
-    let tangents = vec2<f32>(view.tan_half_width, view.tan_half_height);
-    let one = (vec2<f32>(pixel) * 2.0 / view.size - 1.0) * tangents * vec2<f32>(1.0, -1.0);
-    let other = (vec2<f32>(pixel + 1) * 2.0 / view.size - 1.0) * tangents * vec2<f32>(1.0, -1.0);
-    let origin = eye_ray.origin;
-    let direction = eye_ray.direction;
-    let heading = image_direction(origin, direction);
-    var part = span;
-    for (var axis = 0u; axis < 2u; axis++) {
-        // Rows count downwards, eye space upwards.
-        let sense = f32(select(heading[axis], -heading[axis], (axis == 1u)));
-        if (sense != 0.0) {
-            let low = min(one[axis], other[axis]);
-            let high = max(one[axis], other[axis]);
-            let enters = select(high, low, (sense > 0.0));
-            let leaves = select(low, high, (sense > 0.0));
-            let entry = leaving(enters, sense, origin[axis], direction[axis], origin.z, direction.z, span.begin);
-            let exit = leaving(leaves, sense, origin[axis], direction[axis], origin.z, direction.z, span.begin);
-            part = Span(max(part.begin, select(span.begin, entry, (entry < NEVER))), min(part.end, exit));
-        }
-    }
-    return part;
-}
-
 // A number of steps of equal length on the image, fewer than asked for where no more pixels are crossed, each with the depths
 // that the ray has along it and a look at one pixel.
 fn march_steps(view: View, span: Span, starts: bool) {
-    let line = image_line(view, span, starts);
+    let line = image_line(view, eye_ray, span);
+    let first = first_place(line, starts);
     let last_pixel = vec2<i32>(view.size) - 1;
-    let rest = 1.0 - line.first;
+    let rest = 1.0 - first;
     let count = clamp(u32(ceil(min(line.major * rest, 1e6))), 1u, search.steps);
     if (rest <= 0.0) {
         return;
     }
     let jitter = jitter_of();
-    var low = line.first;
+    var low = first;
     var low_depth = depth_on(line, low);
     var low_t = t_on(line, low, low_depth);
     var step = 0u;
     open += 1u;
     loop {
         step += 1u;
-        let high = select(line.first + rest * (f32(step) / f32(count)), 1.0, (step == count));
+        let high = select(first + rest * (f32(step) / f32(count)), 1.0, (step == count));
         let high_depth = depth_on(line, high);
         let high_t = t_on(line, high, high_depth);
         let at = mix(line.begin, line.end, mix(low, high, jitter));
@@ -531,7 +470,7 @@ fn march_steps(view: View, span: Span, starts: bool) {
         var part = Span(low_t, max(low_t, high_t));
         var depths = vec2<f32>(low_depth, high_depth);
         if (search.span_by_pixel == 1u) {
-            part = within_pixel(view, pixel, part);
+            part = span_in_pixel(view, eye_ray, pixel, part);
             depths = eye_ray.origin.z + eye_ray.direction.z * vec2<f32>(part.begin, part.end);
         }
         if (part.begin <= part.end) {
@@ -553,19 +492,19 @@ fn walk_pixels(view: View, whole: Span, starts: bool) {
     let direction = eye_ray.direction;
     var span = whole;
     if (starts) {
-        let line = image_line(view, whole, starts);
-        if (line.first >= 1.0) {
+        let line = image_line(view, eye_ray, whole);
+        let first = first_place(line, starts);
+        if (first >= 1.0) {
             return;
         }
-        span.begin = clamp(t_on(line, line.first, depth_on(line, line.first)), whole.begin, whole.end);
+        span.begin = clamp(t_on(line, first, depth_on(line, first)), whole.begin, whole.end);
     }
-    let tangents = vec2<f32>(view.tan_half_width, view.tan_half_height);
     let last_pixel = vec2<i32>(view.size) - 1;
-    let heading = image_direction(origin, direction);
+    let heading = image_direction(eye_ray);
     let hi_z = search.march == BY_HI_Z;
     let top = select(0u, views[number].levels - 1u, hi_z);
     var t = span.begin;
-    var pixel = clamp(vec2<i32>(floor(pixel_position(view, origin + direction * t))), vec2<i32>(0), last_pixel);
+    var pixel = pixel_at(view, eye_ray, t, last_pixel);
     var level = top;
     open += 1u;
     loop {
@@ -575,24 +514,13 @@ fn walk_pixels(view: View, whole: Span, starts: bool) {
             break;
         }
         steps += 1u;
-        let cell = pixel >> vec2<u32>(level);
-        // Lines of the image at which the ray leaves the cell.
-        let edge = (cell + max(heading, vec2<i32>(0))) << vec2<u32>(level);
-        let line = (vec2<f32>(edge) * 2.0 / view.size - 1.0) * tangents * vec2<f32>(1.0, -1.0);
-        var leaves = vec2<f32>(NEVER);
-        if (heading.x != 0) {
-            leaves.x = leaving(line.x, f32(heading.x), origin.x, direction.x, origin.z, direction.z, t);
-        }
-        if (heading.y != 0) {
-            // Rows count downwards, eye space upwards.
-            leaves.y = leaving(line.y, -f32(heading.y), origin.y, direction.y, origin.z, direction.z, t);
-        }
+        let leaves = leaves_cell(view, eye_ray, heading, pixel, level, t);
         let end = min(min(leaves.x, leaves.y), span.end);
         let depth_begin = origin.z + direction.z * t;
         let depth_end = origin.z + direction.z * end;
         var empty = false;
         if (hi_z) {
-            empty = misses_cell(view, level, vec2<u32>(cell), depth_begin, depth_end);
+            empty = misses_cell(view, level, vec2<u32>(pixel >> vec2<u32>(level)), depth_begin, depth_end);
             if (!empty && level > 0u) {
                 level -= 1u;
                 continue;
@@ -605,22 +533,11 @@ fn walk_pixels(view: View, whole: Span, starts: bool) {
             open -= 1u;
             break;
         }
-        // To the next cell across the nearer line; along the other axis to where the ray is, never back.
-        let along_x = leaves.x <= leaves.y;
-        let at = vec2<i32>(floor(pixel_position(view, origin + direction * end)));
-        let low = max(cell << vec2<u32>(level), select(vec2<i32>(-1), pixel, (heading > vec2<i32>(0))));
-        let high = min(((cell + 1) << vec2<u32>(level)) - 1, select(last_pixel, pixel, (heading < vec2<i32>(0))));
-        var next = clamp(at, low, min(high, last_pixel));
-        if (along_x) {
-            next.x = select((cell.x << level) - 1, (cell.x + 1) << level, (heading.x > 0));
-        } else {
-            next.y = select((cell.y << level) - 1, (cell.y + 1) << level, (heading.y > 0));
-        }
-        if (any(next < vec2<i32>(0)) || any(next > last_pixel)) {
+        pixel = next_pixel(view, eye_ray, heading, pixel, level, leaves, end, last_pixel);
+        if (!is_in_image(pixel, last_pixel)) {
             open -= 1u;
             break;
         }
-        pixel = next;
         t = end;
         if (empty) {
             level = min(level + 1u, top);
@@ -645,42 +562,10 @@ fn misses_cell(view: View, level: u32, cell: vec2<u32>, depth_begin: f32, depth_
 
 fn span_in(candidate: u32, whole: Span) -> Span {
     let view = views[candidate].view;
-    let origin = to_eye_space(view, ray.origin);
-    let direction = direction_to_eye_space(view, ray.direction);
 #ifdef COUNTERS
     work[4] += 1u;
 #endif
-    return span_in_view(view, origin, direction, whole, SEAM_SLACK);
-}
-
-// The face that lies beyond the side by which the ray leaves the current one (edge connectivity); the number of views where it
-// leaves by near or far, which `by_far` tells.
-fn face_beyond(view: View, end: f32, by_far: ptr<function, bool>) -> u32 {
-    let origin = eye_ray.origin;
-    let direction = eye_ray.direction;
-    let tangents = vec2<f32>(view.tan_half_width, view.tan_half_height) * SEAM_SLACK;
-    // How fast the ray approaches right, left, upper and lower side, far and near, and how far it is from them.
-    let away = vec4<f32>(
-        tangents.x * origin.z - origin.x, tangents.x * origin.z + origin.x,
-        tangents.y * origin.z - origin.y, tangents.y * origin.z + origin.y,
-    );
-    let approach = vec4<f32>(
-        direction.x - tangents.x * direction.z, -direction.x - tangents.x * direction.z,
-        direction.y - tangents.y * direction.z, -direction.y - tangents.y * direction.z,
-    );
-    var least = NEVER;
-    var beyond = search.view_count;
-    for (var side = 0u; side < 4u; side++) {
-        let at = select(NEVER, away[side] / approach[side], (approach[side] > 0.0));
-        if (at < least) {
-            least = at;
-            beyond = views[number].beyond[side];
-        }
-    }
-    let to_far = select(NEVER, (view.far - origin.z) / direction.z, (direction.z > 0.0));
-    let to_near = select(NEVER, (view.near - origin.z) / direction.z, (direction.z < 0.0));
-    *by_far = to_far < min(least, to_near);
-    return select(beyond, search.view_count, (min(to_far, to_near) < least));
+    return span_in_view(view, eye_ray_of(view, ray), whole, SEAM_SLACK);
 }
 
 // Where a ray is on its way through the views: in faces up to where it meets the camera's view, in this, in faces again.
@@ -717,28 +602,23 @@ fn trace(
         if (stage == BEFORE_CAMERA && (now >= limit || !has_faces)) {
             stage = IN_CAMERA;
         }
-        var chosen = search.view_count;
-        var span = camera;
+        var crossed = nothing_crossed(search.view_count);
         if (stage == IN_CAMERA) {
-            chosen = 0u;
+            crossed = Crossed(0u, camera);
         } else if (has_faces) {
             if (hint < search.view_count && (visited & (1u << hint)) == 0u) {
-                span = span_in(hint, Span(now, limit));
-                chosen = select(search.view_count, hint, (span.begin <= span.end));
+                crossed = crossed_first(crossed, hint, span_in(hint, Span(now, limit)));
             }
-            if (chosen == search.view_count) {
-                span = Span(NEVER, -NEVER);
+            if (crossed.view == search.view_count) {
                 for (var candidate = 0u; candidate < search.view_count; candidate++) {
                     if (views[candidate].is_face == 1u && (visited & (1u << candidate)) == 0u) {
-                        let part = span_in(candidate, Span(now, limit));
-                        if (part.begin <= part.end && part.begin < span.begin) {
-                            chosen = candidate;
-                            span = part;
-                        }
+                        crossed = crossed_first(crossed, candidate, span_in(candidate, Span(now, limit)));
                     }
                 }
             }
         }
+        let chosen = crossed.view;
+        let span = crossed.span;
         hint = search.view_count;
         var done = false;
         if (chosen == search.view_count) {
@@ -748,7 +628,7 @@ fn trace(
             visited |= 1u << chosen;
             number = chosen;
             let view = views[chosen].view;
-            eye_ray = EyeRay(to_eye_space(view, ray.origin), direction_to_eye_space(view, ray.direction));
+            eye_ray = eye_ray_of(view, ray);
             let starts = entered == 0u && span.begin <= ray.t_min;
             entered += 1u;
             if (search.march == BY_STEPS) {
@@ -761,9 +641,12 @@ fn trace(
                 stage = AFTER_CAMERA;
                 visited = 0u;
             } else if (now < limit) {
-                var by_far = false;
-                hint = face_beyond(view, span.end, &by_far);
-                done = by_far && stage == AFTER_CAMERA;
+                // Edge connectivity: the face beyond the side by which the ray leaves this one.
+                let side = side_left(view, eye_ray);
+                if (side < 4u) {
+                    hint = views[number].beyond[side];
+                }
+                done = side == FAR_SIDE && stage == AFTER_CAMERA;
             }
             done = done || found || capped || now >= ray.t_max;
         }

@@ -125,6 +125,8 @@ fn entry_points_exist() {
             ("fragment-abuffer/reorder.wgsl", _) => compute(&["reorder"], 64),
             ("test/triangle_functions.wgsl", _) => compute(&["cross_pairs"], 64),
             ("test/view_functions.wgsl", _) => compute(&["project"], 64),
+            ("test/walk_functions.wgsl", _) => compute(&["enter", "walk", "follow", "choose"], 64),
+            ("test/pyramid_functions.wgsl", _) => compute(&["descend", "gather_below", "sort_depths"], 64),
             ("bvh/binary.wgsl" | "bvh/cwbvh.wgsl", _) => compute(&["trace"], 64),
             (file, _) if file.ends_with("/trace.wgsl") => compute(&["trace"], 64),
             _ => raster.clone(),
