@@ -8,7 +8,9 @@ use tracebench_api::wgpu::{
     BindGroup, BindingResource, Buffer, BufferBinding, BufferUsages, ComputePipeline, RenderPipeline,
 };
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
-use tracebench_kit::{EmptyTarget, Gather, ViewUniform, bind_group, compute_pipeline, dispatch_linear, every_variant};
+use tracebench_kit::{
+    EmptyTarget, Gather, bind_group, compute_pipeline, dispatch_linear, every_variant, uniform_buffer,
+};
 use tracebench_shaders::dirt::{Fill, MIPMAP, Trace};
 
 use crate::fetch::Fetch;
@@ -225,15 +227,13 @@ impl Pipelines {
         filling: Filling,
     ) -> Result<Prepared, TracerError> {
         let gpu = &*self.gpu;
-        let uniform = |name, contents: &[u8]| gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing");
-        let grid = buffers.grid(layout);
-        let grid = uniform("grid", bytemuck::bytes_of(&grid))?;
+        let grid = uniform_buffer(gpu, "grid", &buffers.grid(layout))?;
         let Fills { depth, primitives } = self.fills(buffers, filling);
         let mut prepared = Prepared { depth: Vec::new(), mipmaps: Vec::new(), primitives: Vec::new() };
         for (index, view) in layout.uniforms().into_iter().enumerate() {
             let by_plane = u32::from(filling.by_plane);
             let drawn = FillPass { view, by_plane, padding_a: 0, padding_b: 0, padding_c: 0 };
-            let drawn = uniform("drawn view", bytemuck::bytes_of(&drawn))?;
+            let drawn = uniform_buffer(gpu, "drawn view", &drawn)?;
             let bind = |pipeline: &RenderPipeline, more: Vec<BindingResource<'_>>| {
                 let shared = [&grid, &drawn, &geometry.positions, &geometry.indices];
                 let resources: Vec<_> = shared.map(Buffer::as_entire_binding).into_iter().chain(more).collect();
@@ -254,7 +254,7 @@ impl Pipelines {
         for level in 1..layout.levels() {
             let [across, down] = layout.level_tiles(level);
             let made = MipmapLevel { level: level as u32, views: bound[0].1, padding: [0; 2] };
-            let made = uniform("level", bytemuck::bytes_of(&made))?;
+            let made = uniform_buffer(gpu, "level", &made)?;
             for (bounds, views) in &bound {
                 let resources = [grid.as_entire_binding(), made.as_entire_binding(), bounds.clone()];
                 let bindings = bind_group(gpu, &self.mipmap.get_bind_group_layout(0), &resources);
@@ -304,14 +304,4 @@ impl Pipelines {
             }
         })
     }
-}
-
-/// The views in the layout of the trace's uniform, unused ones zero.
-pub(crate) fn view_uniforms(layout: &Layout) -> [ViewUniform; MOST_VIEWS] {
-    let mut all = bytemuck::Zeroable::zeroed();
-    let filled: &mut [ViewUniform; MOST_VIEWS] = &mut all;
-    for (slot, view) in filled.iter_mut().zip(layout.uniforms()) {
-        *slot = view;
-    }
-    all
 }

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, BufferUsages, ComputePipeline, RenderPipeline};
+use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, ComputePipeline, RenderPipeline};
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
 use tracebench_kit::{
     EmptyTarget, PipelinesOnDemand, PrefixSum, ViewUniform, bind_group, bind_group_at, compute_pipeline,
-    dispatch_linear, every_variant,
+    dispatch_linear, every_variant, storage_buffer, uniform_buffer,
 };
 use tracebench_shaders::fragment_abuffer::{Boxes, Fill, MIPMAP, Reorder, Trace};
 
@@ -67,11 +67,6 @@ struct Prepared<'a> {
 }
 
 impl Pipelines {
-    /// A uniform that shaders of a build or trace read.
-    pub(crate) fn uniform(&self, name: &str, contents: &[u8]) -> Result<Buffer, TracerError> {
-        self.gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing")
-    }
-
     fn prepare<'a>(
         &'a self,
         layout: &Layout,
@@ -90,7 +85,7 @@ impl Pipelines {
         let store = &self.fill[&Fill::Store { decoupled: layout.decoupled }];
         for part in &parts.parts {
             let storage = layout.storage(part.pixel_count, part.capacity);
-            let storage = self.uniform("storage", bytemuck::bytes_of(&storage))?;
+            let storage = uniform_buffer(gpu, "storage", &storage)?;
             for (view, first_pixel) in part.views.clone().zip(&part.first_pixels) {
                 let shape = &layout.views[view];
                 let drawn = DrawnView {
@@ -99,7 +94,7 @@ impl Pipelines {
                     width: shape.size[0],
                     padding: [0; 2],
                 };
-                let drawn = self.uniform("drawn view", bytemuck::bytes_of(&drawn))?;
+                let drawn = uniform_buffer(gpu, "drawn view", &drawn)?;
                 let draw = |pipeline: &'a RenderPipeline, more: &[(u32, &Buffer)], vertices: u32| {
                     let mut resources = vec![(0, storage.as_entire_binding()), (1, drawn.as_entire_binding())];
                     resources.extend(more.iter().map(|(binding, buffer)| (*binding, buffer.as_entire_binding())));
@@ -141,14 +136,13 @@ impl Pipelines {
         let gpu = &*self.gpu;
         let tally = &self.fill[&Fill::Tally];
         let device = geometry.on_device()?;
-        let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        let taken = gpu.buffer("fragments of a view", 4, usage, "nothing")?;
+        let taken = storage_buffer(gpu, "fragments of a view", 4, "nothing")?;
         let mut counts = Vec::with_capacity(layout.views.len());
         for (view, shape) in layout.views.iter().enumerate() {
             let target = EmptyTarget::new(gpu, "attachment of a count", shape.size)?;
             let drawn =
                 DrawnView { view: ViewUniform::from(shape), first_pixel: 0, width: shape.size[0], padding: [0; 2] };
-            let drawn = self.uniform("drawn view", bytemuck::bytes_of(&drawn))?;
+            let drawn = uniform_buffer(gpu, "drawn view", &drawn)?;
             let bound = [(1, &drawn), (2, &device.positions), (3, &device.indices), (5, &taken)];
             let bound = bound.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
             let bindings = bind_group_at(gpu, &tally.get_bind_group_layout(0), &bound);
@@ -184,14 +178,15 @@ impl Pipelines {
         prepared: &mut Prepared<'_>,
     ) -> Result<(), TracerError> {
         let Some(pyramid) = &parts.pyramid else { return Ok(()) };
+        let gpu = &*self.gpu;
         let traced = layout.traced(&parts.placed());
         for view in part.views.clone() {
-            let made = self.uniform("made view", bytemuck::bytes_of(&traced[view]))?;
+            let made = uniform_buffer(gpu, "made view", &traced[view])?;
             for level in 1..layout.levels_of(view) {
-                let number = self.uniform("level", bytemuck::bytes_of(&[level as u32, 0, 0, 0]))?;
+                let number = uniform_buffer(gpu, "level", &[level as u32, 0, 0, 0])?;
                 let resources = [storage, &made, &number, &part.pixels, pyramid].map(Buffer::as_entire_binding);
-                let bindings = bind_group(&self.gpu, &self.mipmap.get_bind_group_layout(0), &resources);
-                let [across, down] = layout.level_size(view, level);
+                let bindings = bind_group(gpu, &self.mipmap.get_bind_group_layout(0), &resources);
+                let [across, down] = layout.pyramid_of(view).level_size(level);
                 prepared.mipmaps.push((bindings, across * down));
             }
         }

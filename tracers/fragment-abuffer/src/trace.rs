@@ -1,9 +1,9 @@
 //! Tracing on the device.
 
 use bytemuck::{Pod, Zeroable};
-use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages};
+use tracebench_api::wgpu::{BindingResource, Buffer};
 use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, TraceJob, TracerError};
-use tracebench_kit::{TouchedBits, bind_group, bind_group_at, dispatch_linear_groups};
+use tracebench_kit::{RayCounts, TouchedBits, bind_group, bind_group_at, dispatch_linear_groups, uniform_buffer};
 use tracebench_shaders::fragment_abuffer::Trace;
 
 use crate::build::WORKGROUP_SIZE;
@@ -53,7 +53,7 @@ pub struct MarchSettings {
 
 /// The buffers of a trace that counts.
 pub(crate) struct Counting {
-    counts: Buffer,
+    counts: RayCounts<5>,
     touched: TouchedBits,
     payloads_touched: TouchedBits,
 }
@@ -93,6 +93,7 @@ impl FragmentStructure {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let pipelines = &*self.pipelines;
+        let gpu = &*pipelines.gpu;
         let (parts, count) = (&self.parts, job.rays.host.len());
         let variant = Trace {
             contiguous: self.layout.kind.is_contiguous(),
@@ -100,14 +101,13 @@ impl FragmentStructure {
             surfaces: job.end == EndPoint::Surface,
             counters: counting.is_some(),
         };
-        let pipeline = pipelines.traces.of(&pipelines.gpu, variant)?;
+        let pipeline = pipelines.traces.of(gpu, variant)?;
         let search = self.search(job);
         let first = parts.of_view(0);
         let [storage, settings, views] = [
-            pipelines
-                .uniform("storage", bytemuck::bytes_of(&self.layout.storage(first.pixel_count, first.capacity)))?,
-            pipelines.uniform("search", bytemuck::bytes_of(&search))?,
-            pipelines.uniform("views", bytemuck::bytes_of(&self.layout.traced(&parts.placed())))?,
+            uniform_buffer(gpu, "storage", &self.layout.storage(first.pixel_count, first.capacity))?,
+            uniform_buffer(gpu, "search", &search)?,
+            uniform_buffer(gpu, "views", &self.layout.traced(&parts.placed()))?,
         ];
         let pyramid = parts.pyramid.as_ref().unwrap_or(&first.pixels);
         let mut bound = vec![
@@ -124,14 +124,14 @@ impl FragmentStructure {
             bound.extend([(8, first.data()), (9, hits.surfaces_on_device(count)?)]);
         }
         if let Some(counting) = counting {
-            bound.extend([(10, &counting.counts), (11, counting.touched.buffer())]);
+            bound.extend([(10, counting.counts.buffer()), (11, counting.touched.buffer())]);
             bound.extend(variant.surfaces.then(|| (12, counting.payloads_touched.buffer())));
         }
         let numbered: Vec<_> = bound.into_iter().map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
-        let mut bindings = vec![bind_group_at(&pipelines.gpu, &pipeline.get_bind_group_layout(0), &numbered)];
+        let mut bindings = vec![bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &numbered)];
         if variant.split {
             let further = self.further_views(variant.surfaces);
-            bindings.push(bind_group(&pipelines.gpu, &pipeline.get_bind_group_layout(1), &further));
+            bindings.push(bind_group(gpu, &pipeline.get_bind_group_layout(1), &further));
         }
         let bindings: Vec<_> = bindings.iter().collect();
         clock.device_phase("trace", |encoder| {
@@ -150,24 +150,17 @@ impl FragmentStructure {
 
     pub(crate) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = &*self.pipelines.gpu;
-        let rays = job.rays.host.len();
-        let bytes = (rays.max(1) * COUNTERS.len() * 4) as u64;
-        gpu.check_storage_binding("counts", bytes, "--size")?;
         let nodes = self.parts.capacity();
         let touched = |name| TouchedBits::new(gpu, name, nodes, "--face or --frame");
         let counting = Counting {
-            counts: gpu.buffer("counts", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?,
+            counts: RayCounts::new(gpu, "counts", job.rays.host.len())?,
             touched: touched("fragments touched")?,
             payloads_touched: touched("payloads touched")?,
         };
         let mut clock = PhaseClock::new(Some(gpu));
         self.record(job, hits, Some(&counting), &mut clock)?;
         clock.finish()?;
-        let counts: Vec<[u32; COUNTERS.len()]> = bytemuck::pod_collect_to_vec(&gpu.read(&counting.counts, bytes)?);
-        let of = |(index, name): (usize, &&'static str)| {
-            Counter::of(name, counts[..rays].iter().map(|count| u64::from(count[index])))
-        };
-        let mut counters: Vec<Counter> = COUNTERS.iter().enumerate().map(of).collect();
+        let mut counters = counting.counts.counters(gpu, COUNTERS)?;
         counters.push(Counter::of_set("fragments_touched", counting.touched.count(gpu)?));
         if job.end == EndPoint::Surface {
             counters.push(Counter::of_set("payloads_touched", counting.payloads_touched.count(gpu)?));

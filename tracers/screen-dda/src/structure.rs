@@ -11,8 +11,8 @@ use tracebench_api::{
     TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_kit::{
-    EyeDepthRaster, EyeDepthTarget, Gather, NO_SURFACE, PrimitiveRaster, PrimitiveTexture, SurfaceGeometry,
-    TouchedBits, ViewUniform, bind_group_at, compute_pipeline, dispatch_linear, every_variant,
+    EyeDepthRaster, EyeDepthTarget, Gather, NO_SURFACE, PrimitiveRaster, PrimitiveTexture, RayCounts, SurfaceGeometry,
+    TouchedBits, ViewUniform, bind_group_at, compute_pipeline, dispatch_linear, every_variant, uniform_buffer,
 };
 use tracebench_shaders::screen_dda::Trace;
 
@@ -178,10 +178,9 @@ impl ScreenDdaStructure {
         let gpu = &self.pipelines.gpu;
         let variant = Trace { surfaces: surfaces.is_some(), counters: counting.is_some() };
         let pipeline = &self.pipelines.trace[&variant];
-        let uniform = |name, contents: &[u8]| gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing");
-        let view = uniform("view", bytemuck::bytes_of(&ViewUniform::from(&self.view)))?;
+        let view = uniform_buffer(gpu, "view", &ViewUniform::from(&self.view))?;
         let settings = self.settings(job);
-        let settings_buffer = uniform("settings", bytemuck::bytes_of(&settings))?;
+        let settings_buffer = uniform_buffer(gpu, "settings", &settings)?;
         let mut resources = vec![
             (0, view.as_entire_binding()),
             (1, settings_buffer.as_entire_binding()),
@@ -251,18 +250,15 @@ impl Structure for ScreenDdaStructure {
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = &self.pipelines.gpu;
-        let bytes = job.rays.host.len().max(1) as u64 * 4;
-        gpu.check_storage_binding("depth sample counts", bytes, "--size")?;
-        let counts =
-            gpu.buffer("depth sample counts", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?;
+        let counts = RayCounts::new(gpu, "depth sample counts", job.rays.host.len())?;
         let [width, height] = self.view.size.map(u64::from);
         let touched = TouchedBits::new(gpu, "pixels touched", width * height, "--frame")?;
         let mut clock = PhaseClock::new(Some(gpu));
-        self.record(&job, hits, Some([&counts, touched.buffer()]), &mut clock)?;
+        self.record(&job, hits, Some([counts.buffer(), touched.buffer()]), &mut clock)?;
         clock.finish()?;
-        let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&counts, bytes)?);
-        let counts = counts.into_iter().take(job.rays.host.len()).map(u64::from);
-        Ok(vec![Counter::of("depth_samples", counts), Counter::of_set("pixels_touched", touched.count(gpu)?)])
+        let mut counters = counts.counters(gpu, ["depth_samples"])?;
+        counters.push(Counter::of_set("pixels_touched", touched.count(gpu)?));
+        Ok(counters)
     }
 
     fn memory(&self) -> MemoryReport {
