@@ -5,12 +5,12 @@
 #import tracebench::dispatch::linear_invocation
 #import tracebench::view::{View, pixel_position}
 #import tracebench::triangle::{RayFrame, ray_frame, cross_triangle}
-#import tracebench::depth_bounds::{depths_of, bucket_of}
+#import tracebench::depth_bounds::bucket_of
 #import tracebench::image_walk::{EyeRay, NEVER, Span, eye_ray_of, span_in_view, image_direction}
 #import tracebench::cell_walk::{pixel_at, leaves_cell, next_pixel, is_in_image}
 #import tracebench::view_walk::{SEAM_SLACK, crossed_first, nothing_crossed}
 #import tracebench::pyramid::{CodedCell, level_size, place_of, first_below, next_after}
-#import tracebench::dirt_grid::{TileGrid, Node, bounds_index, head_index}
+#import tracebench::dirt_lists::{grid, load_node, load_depths, load_head}
 
 struct TraceSettings {
     ray_count: u32,
@@ -25,14 +25,10 @@ struct TraceSettings {
     padding: vec2<u32>,
 }
 
-@group(0) @binding(0) var<uniform> grid: TileGrid;
 @group(0) @binding(1) var<uniform> search: TraceSettings;
 @group(0) @binding(2) var<uniform> views: array<View, 6>;
 @group(0) @binding(3) var<storage, read> positions: array<f32>;
 @group(0) @binding(4) var<storage, read> indices: array<u32>;
-@group(0) @binding(5) var<storage, read> bounds: array<vec2<u32>>;
-@group(0) @binding(6) var<storage, read> heads: array<u32>;
-@group(0) @binding(7) var<storage, read> nodes: array<Node>;
 @group(0) @binding(8) var<storage, read> rays: array<Ray>;
 @group(0) @binding(9) var<storage, read_write> hits: array<Hit>;
 #ifdef COUNTERS
@@ -40,27 +36,6 @@ struct TraceSettings {
 @group(0) @binding(10) var<storage, read_write> counts: array<vec4<u32>>;
 // A bit a node: tested by any ray.
 @group(0) @binding(11) var<storage, read_write> touched: array<atomic<u32>>;
-#endif
-#ifdef SPLIT
-// Where one binding does not hold all: the other views' parts of depth bounds and heads (the first have the first view's),
-// and further nodes.
-@group(1) @binding(0) var<storage, read> bounds_1: array<vec2<u32>>;
-@group(1) @binding(1) var<storage, read> bounds_2: array<vec2<u32>>;
-@group(1) @binding(2) var<storage, read> bounds_3: array<vec2<u32>>;
-@group(1) @binding(3) var<storage, read> bounds_4: array<vec2<u32>>;
-@group(1) @binding(4) var<storage, read> bounds_5: array<vec2<u32>>;
-@group(1) @binding(5) var<storage, read> heads_1: array<u32>;
-@group(1) @binding(6) var<storage, read> heads_2: array<u32>;
-@group(1) @binding(7) var<storage, read> heads_3: array<u32>;
-@group(1) @binding(8) var<storage, read> heads_4: array<u32>;
-@group(1) @binding(9) var<storage, read> heads_5: array<u32>;
-@group(1) @binding(10) var<storage, read> nodes_1: array<Node>;
-@group(1) @binding(11) var<storage, read> nodes_2: array<Node>;
-@group(1) @binding(12) var<storage, read> nodes_3: array<Node>;
-@group(1) @binding(13) var<storage, read> nodes_4: array<Node>;
-@group(1) @binding(14) var<storage, read> nodes_5: array<Node>;
-@group(1) @binding(15) var<storage, read> nodes_6: array<Node>;
-@group(1) @binding(16) var<storage, read> nodes_7: array<Node>;
 #endif
 
 const WORKGROUP_SIZE: u32 = 64u;
@@ -85,103 +60,6 @@ var<private> open: u32;
 #ifdef COUNTERS
 var<private> work: vec4<u32>;
 #endif
-
-fn load_node(index: u32) -> Node {
-#ifdef SPLIT
-    let within = index % grid.nodes_per_part;
-    switch (index / grid.nodes_per_part) {
-        case 0u: {
-            return nodes[within];
-        }
-        case 1u: {
-            return nodes_1[within];
-        }
-        case 2u: {
-            return nodes_2[within];
-        }
-        case 3u: {
-            return nodes_3[within];
-        }
-        case 4u: {
-            return nodes_4[within];
-        }
-        case 5u: {
-            return nodes_5[within];
-        }
-        case 6u: {
-            return nodes_6[within];
-        }
-        default: {
-            return nodes_7[within];
-        }
-    }
-#else
-    return nodes[index];
-#endif
-}
-
-// The depth bounds of a cell.
-fn load_depths(view: u32, level: u32, cell: vec2<u32>) -> vec2<f32> {
-#ifdef SPLIT
-    return depths_of(load_codes(view, bounds_index(grid, 0u, level, cell)));
-#else
-    return depths_of(bounds[bounds_index(grid, view, level, cell)]);
-#endif
-}
-
-#ifdef SPLIT
-fn load_codes(view: u32, within: u32) -> vec2<u32> {
-    switch (view) {
-        case 0u: {
-            return bounds[within];
-        }
-        case 1u: {
-            return bounds_1[within];
-        }
-        case 2u: {
-            return bounds_2[within];
-        }
-        case 3u: {
-            return bounds_3[within];
-        }
-        case 4u: {
-            return bounds_4[within];
-        }
-        default: {
-            return bounds_5[within];
-        }
-    }
-}
-#endif
-
-// The first link of a list.
-fn load_head(view: u32, tile: vec2<u32>, bucket: u32) -> u32 {
-#ifdef SPLIT
-    let within = head_index(grid, 0u, tile, bucket);
-    switch (view) {
-        case 0u: {
-            return heads[within];
-        }
-        case 1u: {
-            return heads_1[within];
-        }
-        case 2u: {
-            return heads_2[within];
-        }
-        case 3u: {
-            return heads_3[within];
-        }
-        case 4u: {
-            return heads_4[within];
-        }
-        default: {
-            return heads_5[within];
-        }
-    }
-#else
-    return heads[head_index(grid, view, tile, bucket)];
-#endif
-}
 
 // Tests the triangle of one node and gives the next link; whether it is the nearest hit so far is noted in `improved`.
 fn test_node(link: u32, view: View, eye_ray: EyeRay, tile: vec2<i32>, improved: ptr<function, bool>) -> u32 {

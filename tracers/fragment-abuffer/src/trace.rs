@@ -13,7 +13,7 @@ use crate::structure::FragmentStructure;
 /// As `COUNTS` in shaders/fragment-abuffer/trace.wgsl.
 const COUNTERS: [&str; 5] = ["pixels_visited", "pixels_opened", "fragments_tested", "views_entered", "views_tested"];
 
-/// `MarchSettings` of shaders/fragment-abuffer/trace.wgsl.
+/// `MarchSettings` of shaders/fragment-abuffer/store.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct MarchSettings {
