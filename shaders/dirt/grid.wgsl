@@ -2,7 +2,7 @@
 
 // The layout of DIRT's structure: depth bounds with their pyramid, heads of lists, nodes.
 
-#import tracebench::view::View
+#import tracebench::pyramid::index_in_level
 
 // Views are numbered; each has `tiles` tiles, levels of a pyramid over them, and `buckets` lists a tile.
 struct TileGrid {
@@ -26,14 +26,9 @@ struct Node {
     primitive: u32,
 }
 
-// Tiles of a level, in each direction half of those below, rounded up.
-fn level_tiles(grid: TileGrid, level: u32) -> vec2<u32> {
-    return (grid.tiles + ((1u << level) - 1u)) >> vec2<u32>(level);
-}
-
 fn bounds_index(grid: TileGrid, view: u32, level: u32, tile: vec2<u32>) -> u32 {
     let offset = grid.level_offsets[level >> 2u][level & 3u];
-    return view * grid.bounds_stride + offset + tile.y * level_tiles(grid, level).x + tile.x;
+    return view * grid.bounds_stride + offset + index_in_level(grid.tiles, level, tile);
 }
 
 fn head_index(grid: TileGrid, view: u32, tile: vec2<u32>, bucket: u32) -> u32 {

@@ -1,7 +1,8 @@
 // Mipmaps of the depth bounds (section 4.1.1): a tile of a level bounds the four below it.
 
 #import tracebench::dispatch::linear_invocation
-#import tracebench::dirt_grid::{TileGrid, level_tiles, bounds_index}
+#import tracebench::pyramid::{level_size, cell_below}
+#import tracebench::dirt_grid::{TileGrid, bounds_index}
 
 struct MipmapLevel {
     // The level to make, from 1.
@@ -22,7 +23,7 @@ fn mipmap(
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let tiles = level_tiles(grid, made.level);
+    let tiles = level_size(grid.tiles, made.level);
     let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
     let view = index / (tiles.x * tiles.y);
     if (view >= made.views) {
@@ -30,10 +31,9 @@ fn mipmap(
     }
     let within = index % (tiles.x * tiles.y);
     let tile = vec2<u32>(within % tiles.x, within / tiles.x);
-    let last = level_tiles(grid, made.level - 1u) - 1u;
     var codes = vec2<u32>(0u);
     for (var child = 0u; child < 4u; child++) {
-        let below = min(2u * tile + vec2<u32>(child & 1u, child >> 1u), last);
+        let below = cell_below(grid.tiles, made.level, tile, child);
         codes = max(codes, bounds[bounds_index(grid, view, made.level - 1u, below)]);
     }
     bounds[bounds_index(grid, view, made.level, tile)] = codes;

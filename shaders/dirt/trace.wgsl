@@ -3,11 +3,14 @@
 
 #import tracebench::types::{Ray, Hit, miss, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, NO_PRIMITIVE}
 #import tracebench::dispatch::linear_invocation
-#import tracebench::view::{View, to_eye_space, direction_to_eye_space, pixel_position}
+#import tracebench::view::{View, pixel_position}
 #import tracebench::triangle::{RayFrame, ray_frame, cross_triangle}
-#import tracebench::depth_bounds::{depths_of, bucket_of}
-#import tracebench::image_walk::{Span, span_in_view, leaving, image_direction}
-#import tracebench::dirt_grid::{TileGrid, Node, level_tiles, bounds_index, head_index}
+#import tracebench::depth_bounds::bucket_of
+#import tracebench::image_walk::{EyeRay, NEVER, Span, eye_ray_of, span_in_view, image_direction}
+#import tracebench::cell_walk::{pixel_at, leaves_cell, next_pixel, is_in_image}
+#import tracebench::view_walk::{SEAM_SLACK, crossed_first, nothing_crossed}
+#import tracebench::pyramid::{CodedCell, level_size, place_of, first_below, next_after}
+#import tracebench::dirt_lists::{grid, load_node, load_depths, load_head}
 
 struct TraceSettings {
     ray_count: u32,
@@ -22,14 +25,10 @@ struct TraceSettings {
     padding: vec2<u32>,
 }
 
-@group(0) @binding(0) var<uniform> grid: TileGrid;
 @group(0) @binding(1) var<uniform> search: TraceSettings;
 @group(0) @binding(2) var<uniform> views: array<View, 6>;
 @group(0) @binding(3) var<storage, read> positions: array<f32>;
 @group(0) @binding(4) var<storage, read> indices: array<u32>;
-@group(0) @binding(5) var<storage, read> bounds: array<vec2<u32>>;
-@group(0) @binding(6) var<storage, read> heads: array<u32>;
-@group(0) @binding(7) var<storage, read> nodes: array<Node>;
 @group(0) @binding(8) var<storage, read> rays: array<Ray>;
 @group(0) @binding(9) var<storage, read_write> hits: array<Hit>;
 #ifdef COUNTERS
@@ -37,27 +36,6 @@ struct TraceSettings {
 @group(0) @binding(10) var<storage, read_write> counts: array<vec4<u32>>;
 // A bit a node: tested by any ray.
 @group(0) @binding(11) var<storage, read_write> touched: array<atomic<u32>>;
-#endif
-#ifdef SPLIT
-// Where one binding does not hold all: the other views' parts of depth bounds and heads (the first have the first view's),
-// and further nodes.
-@group(1) @binding(0) var<storage, read> bounds_1: array<vec2<u32>>;
-@group(1) @binding(1) var<storage, read> bounds_2: array<vec2<u32>>;
-@group(1) @binding(2) var<storage, read> bounds_3: array<vec2<u32>>;
-@group(1) @binding(3) var<storage, read> bounds_4: array<vec2<u32>>;
-@group(1) @binding(4) var<storage, read> bounds_5: array<vec2<u32>>;
-@group(1) @binding(5) var<storage, read> heads_1: array<u32>;
-@group(1) @binding(6) var<storage, read> heads_2: array<u32>;
-@group(1) @binding(7) var<storage, read> heads_3: array<u32>;
-@group(1) @binding(8) var<storage, read> heads_4: array<u32>;
-@group(1) @binding(9) var<storage, read> heads_5: array<u32>;
-@group(1) @binding(10) var<storage, read> nodes_1: array<Node>;
-@group(1) @binding(11) var<storage, read> nodes_2: array<Node>;
-@group(1) @binding(12) var<storage, read> nodes_3: array<Node>;
-@group(1) @binding(13) var<storage, read> nodes_4: array<Node>;
-@group(1) @binding(14) var<storage, read> nodes_5: array<Node>;
-@group(1) @binding(15) var<storage, read> nodes_6: array<Node>;
-@group(1) @binding(16) var<storage, read> nodes_7: array<Node>;
 #endif
 
 const WORKGROUP_SIZE: u32 = 64u;
@@ -67,12 +45,6 @@ struct Best {
     primitive: u32,
     u: f32,
     v: f32,
-}
-
-// The ray in a view's eye space.
-struct EyeRay {
-    origin: vec3<f32>,
-    direction: vec3<f32>,
 }
 
 // The state of this lane's ray.
@@ -88,103 +60,6 @@ var<private> open: u32;
 #ifdef COUNTERS
 var<private> work: vec4<u32>;
 #endif
-
-fn load_node(index: u32) -> Node {
-#ifdef SPLIT
-    let within = index % grid.nodes_per_part;
-    switch (index / grid.nodes_per_part) {
-        case 0u: {
-            return nodes[within];
-        }
-        case 1u: {
-            return nodes_1[within];
-        }
-        case 2u: {
-            return nodes_2[within];
-        }
-        case 3u: {
-            return nodes_3[within];
-        }
-        case 4u: {
-            return nodes_4[within];
-        }
-        case 5u: {
-            return nodes_5[within];
-        }
-        case 6u: {
-            return nodes_6[within];
-        }
-        default: {
-            return nodes_7[within];
-        }
-    }
-#else
-    return nodes[index];
-#endif
-}
-
-// The depth bounds of a cell.
-fn load_depths(view: u32, level: u32, cell: vec2<u32>) -> vec2<f32> {
-#ifdef SPLIT
-    return depths_of(load_codes(view, bounds_index(grid, 0u, level, cell)));
-#else
-    return depths_of(bounds[bounds_index(grid, view, level, cell)]);
-#endif
-}
-
-#ifdef SPLIT
-fn load_codes(view: u32, within: u32) -> vec2<u32> {
-    switch (view) {
-        case 0u: {
-            return bounds[within];
-        }
-        case 1u: {
-            return bounds_1[within];
-        }
-        case 2u: {
-            return bounds_2[within];
-        }
-        case 3u: {
-            return bounds_3[within];
-        }
-        case 4u: {
-            return bounds_4[within];
-        }
-        default: {
-            return bounds_5[within];
-        }
-    }
-}
-#endif
-
-// The first link of a list.
-fn load_head(view: u32, tile: vec2<u32>, bucket: u32) -> u32 {
-#ifdef SPLIT
-    let within = head_index(grid, 0u, tile, bucket);
-    switch (view) {
-        case 0u: {
-            return heads[within];
-        }
-        case 1u: {
-            return heads_1[within];
-        }
-        case 2u: {
-            return heads_2[within];
-        }
-        case 3u: {
-            return heads_3[within];
-        }
-        case 4u: {
-            return heads_4[within];
-        }
-        default: {
-            return heads_5[within];
-        }
-    }
-#else
-    return heads[head_index(grid, view, tile, bucket)];
-#endif
-}
 
 // Tests the triangle of one node and gives the next link; whether it is the nearest hit so far is noted in `improved`.
 fn test_node(link: u32, view: View, eye_ray: EyeRay, tile: vec2<i32>, improved: ptr<function, bool>) -> u32 {
@@ -267,11 +142,10 @@ fn is_final(end: f32) -> bool {
 fn walk(number: u32, view: View, eye_ray: EyeRay, span: Span) {
     let origin = eye_ray.origin;
     let direction = eye_ray.direction;
-    let tangents = vec2<f32>(view.tan_half_width, view.tan_half_height);
     let last_tile = vec2<i32>(grid.tiles) - 1;
-    let heading = image_direction(origin, direction);
+    let heading = image_direction(eye_ray);
     var t = span.begin;
-    var tile = clamp(vec2<i32>(floor(pixel_position(view, origin + direction * t))), vec2<i32>(0), last_tile);
+    var tile = pixel_at(view, eye_ray, t, last_tile);
     var level = grid.levels - 1u;
     open += 1u;
     loop {
@@ -284,20 +158,9 @@ fn walk(number: u32, view: View, eye_ray: EyeRay, span: Span) {
 #ifdef COUNTERS
         work.x += 1u;
 #endif
-        let cell = tile >> vec2<u32>(level);
-        // Lines of the image at which the ray leaves the cell.
-        let edge = (cell + max(heading, vec2<i32>(0))) << vec2<u32>(level);
-        let line = (vec2<f32>(edge) * 2.0 / view.size - 1.0) * tangents * vec2<f32>(1.0, -1.0);
-        var leaves = vec2<f32>(1e38);
-        if (heading.x != 0) {
-            leaves.x = leaving(line.x, f32(heading.x), origin.x, direction.x, origin.z, direction.z, t);
-        }
-        if (heading.y != 0) {
-            // Rows count downwards, eye space upwards.
-            leaves.y = leaving(line.y, -f32(heading.y), origin.y, direction.y, origin.z, direction.z, t);
-        }
+        let leaves = leaves_cell(view, eye_ray, heading, tile, level, t);
         let end = min(min(leaves.x, leaves.y), span.end);
-        let depths = load_depths(number, level, vec2<u32>(cell));
+        let depths = load_depths(number, level, vec2<u32>(tile >> vec2<u32>(level)));
         let z_begin = origin.z + direction.z * t;
         let z_end = origin.z + direction.z * end;
         let z_slack = (abs(origin.z) + abs(direction.z) * end) * 4.76837158e-7;
@@ -314,31 +177,16 @@ fn walk(number: u32, view: View, eye_ray: EyeRay, span: Span) {
             open -= 1u;
             break;
         }
-        // To the next cell across the nearer line; along the other axis to where the ray is, never back.
-        let along_x = leaves.x <= leaves.y;
-        let at = vec2<i32>(floor(pixel_position(view, origin + direction * end)));
-        let low = max(cell << vec2<u32>(level), select(vec2<i32>(-1), tile, (heading > vec2<i32>(0))));
-        let high = min(((cell + 1) << vec2<u32>(level)) - 1, select(last_tile, tile, (heading < vec2<i32>(0))));
-        var next = clamp(at, low, min(high, last_tile));
-        if (along_x) {
-            next.x = select((cell.x << level) - 1, (cell.x + 1) << level, (heading.x > 0));
-        } else {
-            next.y = select((cell.y << level) - 1, (cell.y + 1) << level, (heading.y > 0));
-        }
-        if (any(next < vec2<i32>(0)) || any(next > last_tile)) {
+        tile = next_pixel(view, eye_ray, heading, tile, level, leaves, end, last_tile);
+        if (!is_in_image(tile, last_tile)) {
             open -= 1u;
             break;
         }
-        tile = next;
         t = end;
         if (!overlaps) {
             level = min(level + 1u, grid.levels - 1u);
         }
     }
-}
-
-fn eye_ray_of(view: View) -> EyeRay {
-    return EyeRay(to_eye_space(view, ray.origin), direction_to_eye_space(view, ray.direction));
 }
 
 #ifdef CENTRES
@@ -349,7 +197,7 @@ fn near_centre(view: View, eye_ray: EyeRay) -> Span {
     let nearest = eye_ray.origin + eye_ray.direction * middle;
     let rest = radius * radius - dot(nearest, nearest);
     if (rest < 0.0) {
-        return Span(1e38, 1e38);
+        return Span(NEVER, NEVER);
     }
     return Span(middle - sqrt(rest), middle + sqrt(rest));
 }
@@ -361,43 +209,28 @@ fn centre_radius(view: View) -> f32 {
     return max(size.x, max(size.y, size.z)) * max(view.size.x, view.size.y) * 2.44140625e-4;
 }
 
-// Every second bit of a Morton code.
-fn every_second_bit(code: u32) -> u32 {
-    var bits = code & 0x55555555u;
-    bits = (bits | (bits >> 1u)) & 0x33333333u;
-    bits = (bits | (bits >> 2u)) & 0x0f0f0f0fu;
-    bits = (bits | (bits >> 4u)) & 0x00ff00ffu;
-    return (bits | (bits >> 8u)) & 0x0000ffffu;
-}
-
 // Tests every triangle that is stored up to a depth, wherever in the image: down the pyramid in Morton order.
 fn search_to_depth(number: u32, view: View, eye_ray: EyeRay, depth: f32) {
     let top = grid.levels - 1u;
-    var level = top;
-    var code = 0u;
+    var cell = CodedCell(top, 0u);
     open += 1u;
     loop {
-        let cell = vec2<u32>(every_second_bit(code), every_second_bit(code >> 1u));
+        let place = place_of(cell);
         var descend = false;
-        if (all(cell < level_tiles(grid, level))) {
-            let depths = load_depths(number, level, cell);
+        if (all(place < level_size(grid.tiles, cell.level))) {
+            let depths = load_depths(number, cell.level, place);
             let reached = depths.x <= depth;
-            descend = reached && level > 0u;
-            if (reached && level == 0u) {
-                search_tile(number, view, eye_ray, vec2<i32>(cell), depths, vec2<f32>(depths.x, depth));
+            descend = reached && cell.level > 0u;
+            if (reached && cell.level == 0u) {
+                search_tile(number, view, eye_ray, vec2<i32>(place), depths, vec2<f32>(depths.x, depth));
             }
         }
         if (descend) {
-            level -= 1u;
-            code <<= 2u;
+            cell = first_below(cell);
             continue;
         }
-        code += 1u;
-        // Up from the last of four.
-        let up = min(countTrailingZeros(code) >> 1u, top - level);
-        level += up;
-        code >>= 2u * up;
-        if (level == top) {
+        cell = next_after(cell, top);
+        if (cell.level == top) {
             open -= 1u;
             break;
         }
@@ -422,7 +255,7 @@ fn trace(
 #ifdef CENTRES
     for (var each = 0u; each < search.view_count; each++) {
         let view = views[each];
-        let eye_ray = eye_ray_of(view);
+        let eye_ray = eye_ray_of(view, ray);
         let near = near_centre(view, eye_ray);
         if (near.end >= ray.t_min && near.begin <= ray.t_max) {
             search_to_depth(each, view, eye_ray, centre_radius(view));
@@ -430,22 +263,21 @@ fn trace(
     }
 #endif
     // By distance, a ray along the seam between two views must not be lost by both to rounding.
-    let slack = select(1.0, 1.000002, (search.by_distance == 1u));
+    let slack = select(1.0, SEAM_SLACK, (search.by_distance == 1u));
     // A view is never entered twice (a line meets a view in one piece), so there are at most as many rounds as views.
     open += 1u;
     loop {
         // The view that the ray meets next.
-        var chosen = search.view_count;
-        var span = Span(1e38, -1e38);
+        var crossed = nothing_crossed(search.view_count);
         for (var candidate = 0u; candidate < search.view_count; candidate++) {
-            let view = views[candidate];
-            let eye_ray = eye_ray_of(view);
-            let part = span_in_view(view, eye_ray.origin, eye_ray.direction, Span(ray.t_min, best.t), slack);
-            if ((visited & (1u << candidate)) == 0u && part.begin <= part.end && part.begin < span.begin) {
-                chosen = candidate;
-                span = part;
+            if ((visited & (1u << candidate)) == 0u) {
+                let view = views[candidate];
+                let part = span_in_view(view, eye_ray_of(view, ray), Span(ray.t_min, best.t), slack);
+                crossed = crossed_first(crossed, candidate, part);
             }
         }
+        let chosen = crossed.view;
+        let span = crossed.span;
         if (chosen == search.view_count) {
             open -= 1u;
             break;
@@ -455,7 +287,7 @@ fn trace(
         work.w += 1u;
 #endif
         let view = views[chosen];
-        let eye_ray = eye_ray_of(view);
+        let eye_ray = eye_ray_of(view, ray);
 #ifdef CENTRES
         let near = near_centre(view, eye_ray);
         for (var part = 0u; part < 2u; part++) {

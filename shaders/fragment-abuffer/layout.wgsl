@@ -3,6 +3,7 @@
 // The layout of the fragment A-buffer: words of pixels, nodes of fragments, what shading needs of them.
 
 #import tracebench::view::View
+#import tracebench::pyramid::index_in_level
 
 // Every pixel has words: pointers into the nodes and, for some storages, depth bounds (section 3.3). Of the s-buffer word 0 is
 // where its piece of the nodes begins and word 1 how many it has; of lists words 0 to B - 1 are heads and, where they are
@@ -65,14 +66,9 @@ fn word_index(shape: Storage, pixel: u32, word: u32) -> u32 {
     return pixel * shape.pixel_stride + word * shape.word_stride;
 }
 
-// Pixels of a level, in each direction half of those below, rounded up.
-fn level_size(size: vec2<u32>, level: u32) -> vec2<u32> {
-    return (size + ((1u << level) - 1u)) >> vec2<u32>(level);
-}
-
 fn pyramid_index(traced: TracedView, level: u32, cell: vec2<u32>) -> u32 {
     let offset = traced.level_offsets[level >> 2u][level & 3u];
-    return offset + cell.y * level_size(vec2<u32>(traced.view.size), level).x + cell.x;
+    return offset + index_in_level(vec2<u32>(traced.view.size), level, cell);
 }
 
 // Depths of one fragment may differ by rounding between two passes, and from the bounds: what is skipped by bounds keeps this

@@ -2,7 +2,8 @@
 // below it. The pixels' own bounds are the first level.
 
 #import tracebench::dispatch::linear_invocation
-#import tracebench::fragment_layout::{Storage, TracedView, word_index, level_size, pyramid_index}
+#import tracebench::pyramid::{level_size, cell_below}
+#import tracebench::fragment_layout::{Storage, TracedView, word_index, pyramid_index}
 
 @group(0) @binding(0) var<uniform> shape: Storage;
 @group(0) @binding(1) var<uniform> made: TracedView;
@@ -26,10 +27,9 @@ fn mipmap(
         return;
     }
     let cell = vec2<u32>(index % cells.x, index / cells.x);
-    let last = level_size(size, level.x - 1u) - 1u;
     var codes = vec2<u32>(0u);
     for (var child = 0u; child < 4u; child++) {
-        let below = min(2u * cell + vec2<u32>(child & 1u, child >> 1u), last);
+        let below = cell_below(size, level.x, cell, child);
         if (level.x == 1u) {
             let pixel = made.first_pixel + below.y * size.x + below.x;
             let word = word_index(shape, pixel, shape.bounds_word);

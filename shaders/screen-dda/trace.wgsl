@@ -2,8 +2,8 @@
 // 2014, listing 1 and section 3. Along a ray's projection the position in pixels, 1/z and t/z are linear.
 
 #import tracebench::types::{Ray, Hit, miss, NO_PRIMITIVE, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, STATUS_THICKNESS_REJECTED}
-#import tracebench::view::{View, to_eye_space, direction_to_eye_space, pixel_position}
-#import tracebench::image_walk::{Span, span_in_view}
+#import tracebench::view::{View, pixel_position}
+#import tracebench::image_walk::{Span, eye_ray_of, span_in_view}
 #import tracebench::dispatch::linear_invocation
 
 struct Settings {
@@ -49,9 +49,10 @@ fn no_hit(status: u32, samples: u32) -> Answer {
 }
 
 fn march(ray: Ray) -> Answer {
-    let origin = to_eye_space(view, ray.origin);
-    let direction = direction_to_eye_space(view, ray.direction);
-    let part = span_in_view(view, origin, direction, Span(ray.t_min, ray.t_max), 1.0);
+    let eye_ray = eye_ray_of(view, ray);
+    let origin = eye_ray.origin;
+    let direction = eye_ray.direction;
+    let part = span_in_view(view, eye_ray, Span(ray.t_min, ray.t_max), 1.0);
     let span = vec2<f32>(part.begin, part.end);
     if (!(span.x < span.y)) {
         return no_hit(STATUS_LEFT_VIEWS, 0u);

@@ -1,13 +1,38 @@
 //! The WGSL of tracebench. Files are composed from modules (`#import tracebench::view`), validated when this crate is
-//! built, and offered here as plain WGSL, a constant a variant.
+//! built, and offered here as plain WGSL.
+//!
+//! A folder has a module of its name, in which a shader is looked up by its flags. Which there are, `variants.txt` of the
+//! folder says; another one does not compile:
+//!
+//! ```
+//! use tracebench_shaders::{Shader, dirt};
+//! let shader = Shader::from(dirt::Trace::Split { centres: true, counters: false });
+//! assert_eq!(shader.name, "dirt/trace SPLIT CENTRES");
+//! ```
+//! ```compile_fail
+//! // Rays near views' centres are asked of split buffers alone.
+//! let shader = tracebench_shaders::dirt::Trace::Plain { centres: true, counters: false };
+//! ```
+
+#[cfg(test)]
+#[path = "../build/list.rs"]
+mod list;
 
 /// One validated shader variant.
 #[derive(Clone, Copy, Debug)]
 pub struct Shader {
-    /// The variant's name.
+    /// The variant's name: folder, file and what is switched on.
     pub name: &'static str,
+    /// The file it is made of, below the folder of all shaders.
+    pub file: &'static str,
     /// Its WGSL, with imports resolved.
     pub source: &'static str,
+}
+
+/// The variants of one file.
+pub trait Variant: Copy + Ord + Into<Shader> + 'static {
+    /// Every one.
+    const ALL: &'static [Self];
 }
 
 include!(concat!(env!("OUT_DIR"), "/table.rs"));

@@ -14,7 +14,8 @@ use tracebench_api::wgpu::BufferUsages;
 use tracebench_api::{NO_PRIMITIVE, Status, SurfaceStatus, View, Viewpoint};
 use tracebench_bvh::{BINARY_STACK, ROW_BITS, WIDE_STACK};
 use tracebench_kit::{ViewUniform, bind_group, compute_pipeline, dispatch_linear};
-use tracebench_shaders::{ALL, Shader, TEST_VIEW_FUNCTIONS};
+use tracebench_shaders::test::VIEW_FUNCTIONS;
+use tracebench_shaders::{ALL, Shader};
 use tracebench_tests::{Numbers, gpu, viewpoint};
 
 fn parse(source: &str) -> Module {
@@ -84,7 +85,7 @@ fn every_shader_validates() {
         let module = parse(shader.source);
         let validate =
             |capabilities| Validator::new(ValidationFlags::all(), capabilities).validate(&module).map_err(Box::new);
-        let with_ray_queries = shader.name == "RAY_QUERY";
+        let with_ray_queries = shader.file == "bvh/ray_query.wgsl";
         assert!(!with_ray_queries || validate(Capabilities::empty()).is_err(), "{}", shader.name);
         let capabilities = if with_ray_queries { Capabilities::RAY_QUERY } else { Capabilities::empty() };
         if let Err(error) = validate(capabilities) {
@@ -97,90 +98,45 @@ fn every_shader_validates() {
     assert!(Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&wrong).is_err());
 }
 
-/// Proves that the entry points that host code asks for exist, with their stages and workgroup sizes.
+/// Proves that the entry points that host code asks for exist in every variant, with their stages and workgroup sizes, and
+/// that there are no others.
 #[test]
 fn entry_points_exist() {
-    let entry_points = |shader: &Shader| -> Vec<(String, ShaderStage, u32)> {
-        let module = parse(shader.source);
-        let points = module.entry_points.iter();
-        points.map(|point| (point.name.clone(), point.stage, point.workgroup_size[0])).collect()
-    };
-    let cluster = [("search", 64), ("tally", 64), ("add_up", 256), ("merge", 64), ("finish", 256)]
-        .map(|(name, size)| (name, ShaderStage::Compute, size))
-        .to_vec();
+    let compute = |names: &[&'static str], size| names.iter().map(|name| (*name, ShaderStage::Compute, size)).collect();
     let raster = vec![("vertex", ShaderStage::Vertex, 0), ("fragment", ShaderStage::Fragment, 0)];
-    let mut expected: BTreeMap<&str, Vec<(&str, ShaderStage, u32)>> = BTreeMap::from([
-        ("EYE_DEPTH_RASTER", raster.clone()),
-        ("PRIMITIVE_RASTER", raster.clone()),
-        ("GATHER", vec![("gather", ShaderStage::Compute, 64)]),
-        ("GATHER_BY_RAY", vec![("gather", ShaderStage::Compute, 64)]),
-        ("SCREEN_DDA_TRACE_SURFACES", vec![("trace", ShaderStage::Compute, 64)]),
-        ("SCREEN_DDA_TRACE_SURFACES_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
-        ("SCREEN_DDA_TRACE", vec![("trace", ShaderStage::Compute, 64)]),
-        ("SCREEN_DDA_TRACE_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
-        ("BVH_WIDE", vec![("trace", ShaderStage::Compute, 64)]),
-        ("BVH_WIDE_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
-        ("BVH_WIDE_DEEP", vec![("trace", ShaderStage::Compute, 64)]),
-        ("BVH_WIDE_DEEP_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
-        ("BVH_BINARY", vec![("trace", ShaderStage::Compute, 64)]),
-        ("BVH_BINARY_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
-        ("BVH_BINARY_DEEP", vec![("trace", ShaderStage::Compute, 64)]),
-        ("BVH_BINARY_DEEP_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
-        (
-            "RAY_QUERY",
-            ["trace", "trace_counted", "find_own_triangle"].map(|name| (name, ShaderStage::Compute, 64)).to_vec(),
-        ),
-        ("PREFIX_SUM", vec![("reduce", ShaderStage::Compute, 256), ("scan", ShaderStage::Compute, 256)]),
-        ("RADIX_SORT", vec![("count", ShaderStage::Compute, 32), ("scatter", ShaderStage::Compute, 32)]),
-        ("BVH_BUILD_LEAVES", ["encode", "place", "fill"].map(|name| (name, ShaderStage::Compute, 64)).to_vec()),
-        ("BVH_BUILD_CLUSTER", cluster.clone()),
-        ("BVH_BUILD_CLUSTER_WIDE", cluster),
-        ("BVH_BUILD_CONVERT", vec![("convert", ShaderStage::Compute, 64)]),
-        ("BVH_REFIT_BINARY", vec![("fit", ShaderStage::Compute, 64), ("fit_last", ShaderStage::Compute, 256)]),
-        ("BVH_REFIT_WIDE", vec![("fit", ShaderStage::Compute, 64)]),
-        ("DIRT_FILL_DEPTH", raster.clone()),
-        ("DIRT_FILL_DEPTH_CONSERVATIVE", raster.clone()),
-        ("DIRT_FILL_PRIMITIVES", raster.clone()),
-        ("DIRT_FILL_PRIMITIVES_CONSERVATIVE", raster.clone()),
-        ("DIRT_FILL_PRIMITIVES_SPLIT", raster.clone()),
-        ("DIRT_FILL_PRIMITIVES_CONSERVATIVE_SPLIT", raster.clone()),
-        ("DIRT_STORE", vec![("store", ShaderStage::Compute, 64)]),
-        ("DIRT_MASK", raster.clone()),
-        ("DIRT_FETCH", raster.clone()),
-        ("DIRT_FETCH_CONSERVATIVE", raster.clone()),
-        ("DIRT_VISIBILITY", vec![("resolve", ShaderStage::Compute, 64)]),
-        ("DIRT_MIPMAP", vec![("mipmap", ShaderStage::Compute, 64)]),
-        ("DIRT_TRACE", vec![("trace", ShaderStage::Compute, 64)]),
-        ("DIRT_TRACE_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
-        ("DIRT_TRACE_SPLIT", vec![("trace", ShaderStage::Compute, 64)]),
-        ("DIRT_TRACE_SPLIT_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
-        ("DIRT_TRACE_CENTRES", vec![("trace", ShaderStage::Compute, 64)]),
-        ("DIRT_TRACE_CENTRES_COUNTED", vec![("trace", ShaderStage::Compute, 64)]),
-        ("FRAGMENT_BOUNDS", raster.clone()),
-        ("FRAGMENT_COUNT", raster.clone()),
-        ("FRAGMENT_TALLY", raster.clone()),
-        ("FRAGMENT_STORE", raster.clone()),
-        ("FRAGMENT_STORE_DECOUPLED", raster.clone()),
-        ("FRAGMENT_BOXES", raster.clone()),
-        ("FRAGMENT_BOXES_BOUND", vec![("bound", ShaderStage::Compute, 64)]),
-        ("FRAGMENT_REORDER", vec![("reorder", ShaderStage::Compute, 64)]),
-        ("FRAGMENT_REORDER_DECOUPLED", vec![("reorder", ShaderStage::Compute, 64)]),
-        ("FRAGMENT_REORDER_CONTIGUOUS", vec![("reorder", ShaderStage::Compute, 64)]),
-        ("FRAGMENT_REORDER_CONTIGUOUS_DECOUPLED", vec![("reorder", ShaderStage::Compute, 64)]),
-        ("FRAGMENT_MIPMAP", vec![("mipmap", ShaderStage::Compute, 64)]),
-        ("TEST_TRIANGLE_FUNCTIONS", vec![("cross_pairs", ShaderStage::Compute, 64)]),
-        ("TEST_VIEW_FUNCTIONS", vec![("project", ShaderStage::Compute, 64)]),
-    ]);
-    // One trace in its sixteen variants.
-    let traces = ALL.iter().filter(|shader| shader.name.starts_with("FRAGMENT_TRACE"));
-    expected.extend(traces.map(|shader| (shader.name, vec![("trace", ShaderStage::Compute, 64)])));
+    let expected = |shader: &Shader| -> Vec<(&'static str, ShaderStage, u32)> {
+        match (shader.file, shader.name) {
+            (_, "fragment-abuffer/boxes BOUND") => compute(&["bound"], 64),
+            (_, "bvh/refit") => vec![("fit", ShaderStage::Compute, 64), ("fit_last", ShaderStage::Compute, 256)],
+            ("bvh/refit.wgsl", _) => compute(&["fit"], 64),
+            ("bvh/cluster.wgsl", _) => {
+                let passes = [("search", 64), ("tally", 64), ("add_up", 256), ("merge", 64), ("finish", 256)];
+                passes.map(|(name, size)| (name, ShaderStage::Compute, size)).to_vec()
+            }
+            ("bvh/leaves.wgsl", _) => compute(&["encode", "place", "fill"], 64),
+            ("bvh/convert.wgsl", _) => compute(&["convert"], 64),
+            ("bvh/ray_query.wgsl", _) => compute(&["trace", "trace_counted", "find_own_triangle"], 64),
+            ("shared/prefix_sum.wgsl", _) => compute(&["reduce", "scan"], 256),
+            ("shared/radix_sort.wgsl", _) => compute(&["count", "scatter"], 32),
+            ("shared/gather.wgsl", _) => compute(&["gather"], 64),
+            ("dirt/store.wgsl", _) => compute(&["store"], 64),
+            ("dirt/visibility.wgsl", _) => compute(&["resolve"], 64),
+            ("dirt/mipmap.wgsl" | "fragment-abuffer/mipmap.wgsl", _) => compute(&["mipmap"], 64),
+            ("fragment-abuffer/reorder.wgsl", _) => compute(&["reorder"], 64),
+            ("test/triangle_functions.wgsl", _) => compute(&["cross_pairs"], 64),
+            ("test/view_functions.wgsl", _) => compute(&["project"], 64),
+            ("test/walk_functions.wgsl", _) => compute(&["enter", "walk", "follow", "choose"], 64),
+            ("test/pyramid_functions.wgsl", _) => compute(&["descend", "gather_below", "sort_depths"], 64),
+            ("bvh/binary.wgsl" | "bvh/cwbvh.wgsl", _) => compute(&["trace"], 64),
+            (file, _) if file.ends_with("/trace.wgsl") => compute(&["trace"], 64),
+            _ => raster.clone(),
+        }
+    };
     for shader in ALL {
-        let found = entry_points(shader);
-        let Some(expected) = expected.get(shader.name) else { continue };
-        let found: Vec<_> = found.iter().map(|(name, stage, size)| (name.as_str(), *stage, *size)).collect();
-        assert_eq!(&found, expected, "{}", shader.name);
+        let module = parse(shader.source);
+        let found = module.entry_points.iter().map(|point| (point.name.as_str(), point.stage, point.workgroup_size[0]));
+        assert_eq!(found.collect::<Vec<_>>(), expected(shader), "{}", shader.name);
     }
-    assert!(expected.keys().all(|name| ALL.iter().any(|shader| shader.name == *name)));
 }
 
 fn constants(module: &Module) -> BTreeMap<String, u32> {
@@ -215,7 +171,7 @@ fn constants_are_those_of_rust() {
                 assert_eq!(value, ROW_BITS, "{}", shader.name);
                 row_bits += 1;
             } else if name == "PRIVATE_STACK" {
-                let wide = shader.name.starts_with("BVH_WIDE");
+                let wide = shader.file == "bvh/cwbvh.wgsl";
                 assert_eq!(value as usize, if wide { WIDE_STACK } else { BINARY_STACK }, "{}", shader.name);
             } else if name == "MOST_LEVELS" {
                 // Builds on the device rely on the stacks: a compressed level has room for three binary ones.
@@ -242,7 +198,7 @@ struct Projection {
 
 fn project_on_device(view: &View, points: &[Vec3]) -> Vec<Projection> {
     let gpu = gpu();
-    let pipeline = compute_pipeline(&gpu, TEST_VIEW_FUNCTIONS, "project").unwrap();
+    let pipeline = compute_pipeline(&gpu, VIEW_FUNCTIONS, "project").unwrap();
     let padded: Vec<[f32; 4]> = points.iter().map(|point| [point.x, point.y, point.z, 0.0]).collect();
     let buffer = |name: &str, contents: &[u8], usage| gpu.buffer_with(name, contents, usage, "nothing").unwrap();
     let uniform = buffer("view", bytemuck::bytes_of(&ViewUniform::from(view)), BufferUsages::UNIFORM);

@@ -4,7 +4,7 @@ use tracebench_api::Ray;
 use tracebench_api::glam::{DVec2, DVec3, Vec3};
 use tracebench_api::wgpu::BufferUsages;
 use tracebench_kit::{bind_group, compute_pipeline, dispatch_linear};
-use tracebench_shaders::TEST_TRIANGLE_FUNCTIONS;
+use tracebench_shaders::test::TRIANGLE_FUNCTIONS;
 use tracebench_tests::{Numbers, gpu, ray};
 
 type Corners = [Vec3; 3];
@@ -12,7 +12,7 @@ type Corners = [Vec3; 3];
 /// t (negative for a miss), u and v of every pair.
 fn cross_on_device(pairs: &[(Ray, Corners)]) -> Vec<[f32; 4]> {
     let gpu = gpu();
-    let pipeline = compute_pipeline(&gpu, TEST_TRIANGLE_FUNCTIONS, "cross_pairs").unwrap();
+    let pipeline = compute_pipeline(&gpu, TRIANGLE_FUNCTIONS, "cross_pairs").unwrap();
     let rays: Vec<Ray> = pairs.iter().map(|(ray, _)| *ray).collect();
     let corners: Vec<[[f32; 4]; 3]> =
         pairs.iter().map(|(_, corners)| corners.map(|corner| corner.extend(0.0).into())).collect();

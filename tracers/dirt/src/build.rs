@@ -1,5 +1,6 @@
 //! The build's stages on the device: fill depth, mipmap depth, fill primitives.
 
+use std::collections::BTreeMap;
 use std::num::NonZeroU64;
 use std::sync::Arc;
 
@@ -7,12 +8,10 @@ use tracebench_api::wgpu::{
     BindGroup, BindingResource, Buffer, BufferBinding, BufferUsages, ComputePipeline, RenderPipeline,
 };
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
-use tracebench_kit::{EmptyTarget, Gather, ViewUniform, bind_group, compute_pipeline, dispatch_linear};
-use tracebench_shaders::{
-    DIRT_FILL_DEPTH, DIRT_FILL_DEPTH_CONSERVATIVE, DIRT_FILL_PRIMITIVES, DIRT_FILL_PRIMITIVES_CONSERVATIVE,
-    DIRT_FILL_PRIMITIVES_CONSERVATIVE_SPLIT, DIRT_FILL_PRIMITIVES_SPLIT, DIRT_MIPMAP, DIRT_TRACE, DIRT_TRACE_CENTRES,
-    DIRT_TRACE_CENTRES_COUNTED, DIRT_TRACE_COUNTED, DIRT_TRACE_SPLIT, DIRT_TRACE_SPLIT_COUNTED,
+use tracebench_kit::{
+    EmptyTarget, Gather, bind_group, compute_pipeline, dispatch_linear, every_variant, uniform_buffer,
 };
+use tracebench_shaders::dirt::{Fill, MIPMAP, Trace};
 
 use crate::fetch::Fetch;
 use crate::layout::{FillPass, Layout, MOST_VIEWS, MipmapLevel, TileGrid};
@@ -30,59 +29,28 @@ pub(crate) struct Filling {
     pub by_plane: bool,
 }
 
-/// Variants of the trace.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum TraceKind {
-    /// Over buffers that one binding holds each.
-    Whole,
-    /// Over nodes in [`NODE_PARTS`] buffers, depth bounds and heads bound by view.
-    Split,
-    /// The same, and what lies near views' centres is searched for without the image.
-    Centres,
-}
-
 /// Every pipeline.
 pub(crate) struct Pipelines {
     pub gpu: Arc<Gpu>,
-    depth: [RenderPipeline; 2],
-    primitives: [RenderPipeline; 2],
-    primitives_split: [RenderPipeline; 2],
+    fill: BTreeMap<Fill, RenderPipeline>,
     mipmap: ComputePipeline,
     pub gather: Gather,
     pub fetch: Fetch,
     pub visibility: Visibility,
-    trace: [ComputePipeline; 2],
-    trace_split: [ComputePipeline; 2],
-    trace_centres: [ComputePipeline; 2],
+    pub trace: BTreeMap<Trace, ComputePipeline>,
 }
 
 impl Pipelines {
     pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        let raster = |shader| EmptyTarget::pipeline(&gpu, shader);
-        let trace = |shader| compute_pipeline(&gpu, shader, "trace");
         Ok(Self {
-            depth: [raster(DIRT_FILL_DEPTH)?, raster(DIRT_FILL_DEPTH_CONSERVATIVE)?],
-            primitives: [raster(DIRT_FILL_PRIMITIVES)?, raster(DIRT_FILL_PRIMITIVES_CONSERVATIVE)?],
-            primitives_split: [raster(DIRT_FILL_PRIMITIVES_SPLIT)?, raster(DIRT_FILL_PRIMITIVES_CONSERVATIVE_SPLIT)?],
-            mipmap: compute_pipeline(&gpu, DIRT_MIPMAP, "mipmap")?,
+            fill: every_variant(|variant: Fill| EmptyTarget::pipeline(&gpu, variant))?,
+            mipmap: compute_pipeline(&gpu, MIPMAP, "mipmap")?,
             gather: Gather::new(&gpu)?,
             fetch: Fetch::new(&gpu)?,
             visibility: Visibility::new(&gpu)?,
-            trace: [trace(DIRT_TRACE)?, trace(DIRT_TRACE_COUNTED)?],
-            trace_split: [trace(DIRT_TRACE_SPLIT)?, trace(DIRT_TRACE_SPLIT_COUNTED)?],
-            trace_centres: [trace(DIRT_TRACE_CENTRES)?, trace(DIRT_TRACE_CENTRES_COUNTED)?],
+            trace: every_variant(|variant: Trace| compute_pipeline(&gpu, variant, "trace"))?,
             gpu,
         })
-    }
-
-    /// The trace of a kind, counting or not.
-    pub(crate) fn trace(&self, kind: TraceKind, counting: bool) -> &ComputePipeline {
-        let variants = match kind {
-            TraceKind::Whole => &self.trace,
-            TraceKind::Split => &self.trace_split,
-            TraceKind::Centres => &self.trace_centres,
-        };
-        &variants[usize::from(counting)]
     }
 }
 
@@ -237,6 +205,12 @@ impl Buffers {
     }
 }
 
+/// The pipelines of the two passes over all triangles.
+struct Fills<'a> {
+    depth: &'a RenderPipeline,
+    primitives: &'a RenderPipeline,
+}
+
 /// What a fill binds: made before the phases, which only record.
 struct Prepared {
     depth: Vec<BindGroup>,
@@ -253,25 +227,23 @@ impl Pipelines {
         filling: Filling,
     ) -> Result<Prepared, TracerError> {
         let gpu = &*self.gpu;
-        let uniform = |name, contents: &[u8]| gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing");
-        let grid = buffers.grid(layout);
-        let grid = uniform("grid", bytemuck::bytes_of(&grid))?;
-        let variant = usize::from(filling.conservative);
+        let grid = uniform_buffer(gpu, "grid", &buffers.grid(layout))?;
+        let Fills { depth, primitives } = self.fills(buffers, filling);
         let mut prepared = Prepared { depth: Vec::new(), mipmaps: Vec::new(), primitives: Vec::new() };
         for (index, view) in layout.uniforms().into_iter().enumerate() {
             let by_plane = u32::from(filling.by_plane);
             let drawn = FillPass { view, by_plane, padding_a: 0, padding_b: 0, padding_c: 0 };
-            let drawn = uniform("drawn view", bytemuck::bytes_of(&drawn))?;
+            let drawn = uniform_buffer(gpu, "drawn view", &drawn)?;
             let bind = |pipeline: &RenderPipeline, more: Vec<BindingResource<'_>>| {
                 let shared = [&grid, &drawn, &geometry.positions, &geometry.indices];
                 let resources: Vec<_> = shared.map(Buffer::as_entire_binding).into_iter().chain(more).collect();
                 bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources)
             };
-            prepared.depth.push(bind(&self.depth[variant], vec![buffers.bounds_of(index)]));
+            prepared.depth.push(bind(depth, vec![buffers.bounds_of(index)]));
             let lists = [&buffers.nodes[0], &buffers.taken].into_iter().chain(&buffers.nodes[1..]);
             let lists = lists.map(Buffer::as_entire_binding);
             let lists = [buffers.bounds_of(index), buffers.heads_of(index)].into_iter().chain(lists).collect();
-            prepared.primitives.push(bind(self.primitives(variant, buffers), lists));
+            prepared.primitives.push(bind(primitives, lists));
         }
         let views = layout.views.len();
         // By view where one binding does not hold all, else all at once.
@@ -282,7 +254,7 @@ impl Pipelines {
         for level in 1..layout.levels() {
             let [across, down] = layout.level_tiles(level);
             let made = MipmapLevel { level: level as u32, views: bound[0].1, padding: [0; 2] };
-            let made = uniform("level", bytemuck::bytes_of(&made))?;
+            let made = uniform_buffer(gpu, "level", &made)?;
             for (bounds, views) in &bound {
                 let resources = [grid.as_entire_binding(), made.as_entire_binding(), bounds.clone()];
                 let bindings = bind_group(gpu, &self.mipmap.get_bind_group_layout(0), &resources);
@@ -292,8 +264,12 @@ impl Pipelines {
         Ok(prepared)
     }
 
-    fn primitives(&self, variant: usize, buffers: &Buffers) -> &RenderPipeline {
-        if buffers.nodes.len() > 1 { &self.primitives_split[variant] } else { &self.primitives[variant] }
+    fn fills(&self, buffers: &Buffers, filling: Filling) -> Fills<'_> {
+        let conservative = filling.conservative;
+        Fills {
+            depth: &self.fill[&Fill::Plain { conservative }],
+            primitives: &self.fill[&Fill::Primitives { conservative, split: buffers.nodes.len() > 1 }],
+        }
     }
 
     /// Records the whole build.
@@ -307,12 +283,12 @@ impl Pipelines {
     ) -> Result<(), TracerError> {
         let triangle_count = geometry.triangles.len() as u32;
         let prepared = self.prepare(layout, buffers, geometry.on_device()?, filling)?;
-        let variant = usize::from(filling.conservative);
+        let Fills { depth, primitives } = self.fills(buffers, filling);
         let vertices = triangle_count * if filling.conservative { 6 } else { 3 };
         clock.device_phase("fill depth", |encoder| {
             encoder.clear_buffer(&buffers.bounds, 0, None);
             for bindings in &prepared.depth {
-                buffers.attachment.draw(encoder, &self.depth[variant], bindings, vertices);
+                buffers.attachment.draw(encoder, depth, bindings, vertices);
             }
         })?;
         clock.device_phase("mipmap depth", |encoder| {
@@ -324,18 +300,8 @@ impl Pipelines {
             encoder.clear_buffer(&buffers.heads, 0, None);
             encoder.clear_buffer(&buffers.taken, 0, None);
             for bindings in &prepared.primitives {
-                buffers.attachment.draw(encoder, self.primitives(variant, buffers), bindings, vertices);
+                buffers.attachment.draw(encoder, primitives, bindings, vertices);
             }
         })
     }
-}
-
-/// The views in the layout of the trace's uniform, unused ones zero.
-pub(crate) fn view_uniforms(layout: &Layout) -> [ViewUniform; MOST_VIEWS] {
-    let mut all = bytemuck::Zeroable::zeroed();
-    let filled: &mut [ViewUniform; MOST_VIEWS] = &mut all;
-    for (slot, view) in filled.iter_mut().zip(layout.uniforms()) {
-        *slot = view;
-    }
-    all
 }

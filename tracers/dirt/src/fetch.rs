@@ -14,20 +14,21 @@
 //!   triangle does not cover, with conservative coverage those that no view has, such as hits before near on triangles that reach beyond it.
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{
-    self, BindGroup, Buffer, BufferUsages, CompareFunction, ComputePipeline, RenderPipeline, TextureFormat,
-    TextureUsages, TextureView,
+    self, BindGroup, Buffer, CompareFunction, ComputePipeline, RenderPipeline, TextureFormat, TextureUsages,
+    TextureView,
 };
 use tracebench_api::{
     EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Surface, SurfaceStatus, TraceJob, TracerError,
 };
 use tracebench_kit::{
-    Gather, RasterTargets, ViewUniform, bind_group, compute_pipeline, create_texture, dispatch_linear, raster_pipeline,
-    shader_module, shader_module_testing_early,
+    Gather, RasterTargets, ViewUniform, bind_group, compute_pipeline, create_texture, dispatch_linear, every_variant,
+    raster_pipeline, shader_module, shader_module_testing_early, storage_buffer, uniform_buffer,
 };
-use tracebench_shaders::{DIRT_FETCH, DIRT_FETCH_CONSERVATIVE, DIRT_MASK, DIRT_STORE, Shader};
+use tracebench_shaders::{Shader, dirt};
 
 use crate::layout::{Layout, MOST_VIEWS};
 use crate::structure::DirtStructure;
@@ -105,8 +106,7 @@ pub struct FetchPass {
 pub(crate) struct Fetch {
     store: ComputePipeline,
     mask: RenderPipeline,
-    /// With standard and with conservative coverage.
-    fetch: [RenderPipeline; 2],
+    fetch: BTreeMap<dirt::Fetch, RenderPipeline>,
 }
 
 /// A pipeline that draws into the mask alone.
@@ -134,10 +134,14 @@ pub(crate) type MaskMemory = RefCell<Option<MemoryEntry>>;
 impl Fetch {
     pub(crate) fn new(gpu: &Gpu) -> Result<Self, TracerError> {
         Ok(Self {
-            store: compute_pipeline(gpu, DIRT_STORE, "store")?,
-            mask: mask_pipeline(gpu, DIRT_MASK, true)?,
-            fetch: [mask_pipeline(gpu, DIRT_FETCH, false)?, mask_pipeline(gpu, DIRT_FETCH_CONSERVATIVE, false)?],
+            store: compute_pipeline(gpu, dirt::STORE, "store")?,
+            mask: mask_pipeline(gpu, dirt::MASK, true)?,
+            fetch: every_variant(|variant: dirt::Fetch| mask_pipeline(gpu, variant.into(), false))?,
         })
+    }
+
+    fn fetch_of(&self, structure: &DirtStructure) -> &RenderPipeline {
+        &self.fetch[&dirt::Fetch { conservative: structure.filling.conservative }]
     }
 
     /// Buffers and textures of a fetch of the surfaces of so many rays, by name.
@@ -161,19 +165,11 @@ impl Fetch {
         let gpu = &*structure.pipelines.gpu;
         let rays = job.rays.host.len();
         let size = layout.views[0].size;
-        let storage = |name, bytes, turn_down| {
-            gpu.check_storage_binding(name, bytes, turn_down)?;
-            gpu.buffer(name, bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST, turn_down)
-        };
-        let uniform = |name, contents: &[u8]| gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing");
         let view_edges = "--face, or --frame with dirt.views=frame";
-        let heads = storage(HIT_HEADS, pixel_count(layout) * 4, view_edges)?;
-        let nodes = storage(HIT_NODES, node_bytes(rays), "--size")?;
+        let heads = storage_buffer(gpu, HIT_HEADS, pixel_count(layout) * 4, view_edges)?;
+        let nodes = storage_buffer(gpu, HIT_NODES, node_bytes(rays), "--size")?;
         let surfaces = hits.surfaces_on_device(rays)?;
-        let mut views: [ViewUniform; MOST_VIEWS] = Zeroable::zeroed();
-        for (slot, view) in views.iter_mut().zip(&layout.views) {
-            *slot = ViewUniform::from(view);
-        }
+        let views = ViewUniform::array::<MOST_VIEWS>(layout.views.iter().map(ViewUniform::from));
         let settings = StoreSettings { ray_count: rays as u32, view_count: layout.views.len() as u32, pixels: size };
         let bind = |layout: &wgpu::BindGroupLayout, buffers: &[&Buffer]| {
             let resources: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
@@ -182,8 +178,8 @@ impl Fetch {
         let store = bind(
             &self.store.get_bind_group_layout(0),
             &[
-                &uniform(STORE, bytemuck::bytes_of(&settings))?,
-                &uniform(STORE_VIEWS, bytemuck::bytes_of(&views))?,
+                &uniform_buffer(gpu, STORE, &settings)?,
+                &uniform_buffer(gpu, STORE_VIEWS, &views)?,
                 job.rays.on_device()?,
                 hits.on_device(rays)?,
                 &heads,
@@ -192,13 +188,13 @@ impl Fetch {
             ],
         );
         let mask_settings = MaskSettings { pixels: size, padding: [0; 2] };
-        let mask_settings = uniform(MASK_SETTINGS, bytemuck::bytes_of(&mask_settings))?;
+        let mask_settings = uniform_buffer(gpu, MASK_SETTINGS, &mask_settings)?;
         let mask_settings = bind(&self.mask.get_bind_group_layout(0), &[&mask_settings, &heads]);
         let device = &scene.surfaces.device;
-        let fetch = self.fetch[usize::from(structure.filling.conservative)].get_bind_group_layout(0);
+        let fetch = self.fetch_of(structure).get_bind_group_layout(0);
         let of_view = |(index, view): (usize, &tracebench_api::View)| {
             let drawn = FetchPass { view: ViewUniform::from(view), view_index: index as u32, padding: 0, pixels: size };
-            let drawn = uniform(FETCHED, bytemuck::bytes_of(&drawn))?;
+            let drawn = uniform_buffer(gpu, FETCHED, &drawn)?;
             let scene = [&device.positions, &device.indices, &device.materials];
             Ok(bind(&fetch, &[&[&drawn], &scene[..], &[&heads, &nodes, surfaces]].concat()))
         };
@@ -233,7 +229,7 @@ impl Fetch {
         let vertices = structure.geometry.triangle_count * if conservative { 6 } else { 3 };
         clock.device_phase("fetch", |encoder| {
             for bindings in &taken.views {
-                let pipeline = &self.fetch[usize::from(conservative)];
+                let pipeline = self.fetch_of(structure);
                 draw(encoder, "fetch", &taken.mask, wgpu::LoadOp::Load, pipeline, bindings, vertices);
             }
         })

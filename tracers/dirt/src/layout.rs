@@ -2,12 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::{Parameters, View, Viewpoint};
-use tracebench_kit::ViewUniform;
+use tracebench_kit::{MOST_LEVELS, Pyramid, ViewUniform};
 
 use crate::description::tile_size;
-
-/// Levels that a pyramid has at most: tiles up to 32,768 along an edge.
-const MOST_LEVELS: usize = 16;
 
 /// Views at most.
 pub(crate) const MOST_VIEWS: usize = 6;
@@ -118,26 +115,23 @@ impl Layout {
         Self { views, tile_size, tiles, buckets: parameters.integer("buckets") as u32 }
     }
 
+    fn pyramid(&self) -> Pyramid {
+        Pyramid { size: self.tiles }
+    }
+
     /// Tiles of a level along x and y.
     pub(crate) fn level_tiles(&self, level: usize) -> [u32; 2] {
-        self.tiles.map(|edge| edge.div_ceil(1 << level))
+        self.pyramid().level_size(level)
     }
 
     /// Levels of the pyramid, down from one tile a view.
     pub(crate) fn levels(&self) -> usize {
-        let edge = self.tiles[0].max(self.tiles[1]).max(1);
-        (edge.next_power_of_two().trailing_zeros() as usize + 1).min(MOST_LEVELS)
+        self.pyramid().levels()
     }
 
     /// The uniform for a capacity of nodes.
     pub(crate) fn grid(&self, node_capacity: u32, nodes_per_part: u32) -> TileGrid {
-        let mut level_offsets = [0; MOST_LEVELS];
-        let mut offset = 0;
-        for (level, start) in level_offsets.iter_mut().enumerate().take(self.levels()) {
-            *start = offset;
-            let [across, down] = self.level_tiles(level);
-            offset += across * down;
-        }
+        let (level_offsets, _) = self.pyramid().offsets(0, 0);
         TileGrid {
             tiles: self.tiles,
             levels: self.levels() as u32,
@@ -161,8 +155,7 @@ impl Layout {
 
     /// Pairs of depth bounds of a view, all levels.
     fn bounds_of_view(&self) -> u64 {
-        let of_level = |level| self.level_tiles(level).map(u64::from).iter().product::<u64>();
-        (0..self.levels()).map(of_level).sum()
+        self.pyramid().offsets(0, 0).1
     }
 
     /// Heads of a view.

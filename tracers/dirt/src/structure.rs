@@ -7,7 +7,7 @@ use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
     Tracer, TracerError, Update, View, Viewpoint,
 };
-use tracebench_kit::{LastCount, SurfaceGeometry, ViewUniform};
+use tracebench_kit::{LastCount, SurfaceGeometry, ViewUniform, grow};
 
 use crate::build::{Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, Pipelines, nodes_name};
 use crate::fetch::MaskMemory;
@@ -182,9 +182,7 @@ impl Structure for DirtStructure {
         if nodes <= self.buffers.node_capacity {
             return Ok(false);
         }
-        // A quarter more, so that a scene that keeps growing does not stop every frame.
-        let capacity = nodes.saturating_add(nodes / 4);
-        self.buffers.set_capacity(gpu, capacity).or_else(|_| self.buffers.set_capacity(gpu, nodes))?;
+        grow(&[nodes], |room| self.buffers.set_capacity(gpu, room[0]))?;
         Ok(true)
     }
 

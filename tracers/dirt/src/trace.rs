@@ -1,12 +1,12 @@
 //! Tracing on the device.
 
-use tracebench_api::wgpu::{Buffer, BufferUsages};
+use tracebench_api::wgpu::Buffer;
 use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, Query, TraceJob, TracerError};
-use tracebench_kit::{bind_group, dispatch_linear_groups};
+use tracebench_kit::{RayCounts, TouchedBits, ViewUniform, bind_group, dispatch_linear_groups, uniform_buffer};
+use tracebench_shaders::dirt::Trace;
 
-use crate::build::{TraceKind, view_uniforms};
 use crate::fetch::lost;
-use crate::layout::TraceSettings;
+use crate::layout::{MOST_VIEWS, TraceSettings};
 use crate::structure::DirtStructure;
 
 /// As `WORKGROUP_SIZE` in shaders/dirt/trace.wgsl.
@@ -14,11 +14,13 @@ const WORKGROUP_SIZE: u32 = 64;
 
 /// The buffers of a trace that counts.
 struct Counting {
-    /// Four counts a ray.
-    counts: Buffer,
+    counts: RayCounts<4>,
     /// A bit a node.
-    touched: Buffer,
+    touched: TouchedBits,
 }
+
+/// What is counted of every ray, in the order of shaders/dirt/trace.wgsl.
+const COUNTERS: [&str; 4] = ["pyramid_steps", "buckets_opened", "triangle_tests", "views_entered"];
 
 impl DirtStructure {
     fn search(&self, job: &TraceJob<'_>) -> TraceSettings {
@@ -43,34 +45,31 @@ impl DirtStructure {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let gpu = &*self.pipelines.gpu;
-        let uniform = |name, contents: &[u8]| gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing");
         let search = self.search(job);
-        let grid = self.buffers.grid(&self.layout);
-        let kind = match (job.parameters.choice("centre_rays"), self.buffers.is_split()) {
-            ("split", _) => TraceKind::Centres,
-            (_, true) => TraceKind::Split,
-            _ => TraceKind::Whole,
-        };
-        let pipeline = self.pipelines.trace(kind, counting.is_some());
-        let (bounds, heads) = match kind {
-            TraceKind::Whole => (self.buffers.bounds.as_entire_binding(), self.buffers.heads.as_entire_binding()),
-            TraceKind::Split | TraceKind::Centres => (self.buffers.bounds_of(0), self.buffers.heads_of(0)),
+        let (centres, counters) = (job.parameters.choice("centre_rays") == "split", counting.is_some());
+        // What lies near views' centres is searched for by a variant over split buffers alone.
+        let split = centres || self.buffers.is_split();
+        let variant = if split { Trace::Split { centres, counters } } else { Trace::Plain { counters } };
+        let pipeline = &self.pipelines.trace[&variant];
+        let (bounds, heads) = match split {
+            false => (self.buffers.bounds.as_entire_binding(), self.buffers.heads.as_entire_binding()),
+            true => (self.buffers.bounds_of(0), self.buffers.heads_of(0)),
         };
         let [grid, search_settings, views] = [
-            uniform("grid", bytemuck::bytes_of(&grid))?,
-            uniform("search", bytemuck::bytes_of(&search))?,
-            uniform("views", bytemuck::bytes_of(&view_uniforms(&self.layout)))?,
+            uniform_buffer(gpu, "grid", &self.buffers.grid(&self.layout))?,
+            uniform_buffer(gpu, "search", &search)?,
+            uniform_buffer(gpu, "views", &ViewUniform::array::<MOST_VIEWS>(self.layout.uniforms()))?,
         ];
         let geometry = &self.geometry.surfaces.device;
         let shared = [&grid, &search_settings, &views, &geometry.positions, &geometry.indices];
         let answered = [&self.buffers.nodes[0], job.rays.on_device()?, hits.on_device(job.rays.host.len())?];
-        let counted = counting.map(|counting| [&counting.counts, &counting.touched]);
+        let counted = counting.map(|counting| [counting.counts.buffer(), counting.touched.buffer()]);
         let resources: Vec<_> = (shared.into_iter().map(Buffer::as_entire_binding))
             .chain([bounds, heads])
             .chain(answered.into_iter().chain(counted.into_iter().flatten()).map(Buffer::as_entire_binding))
             .collect();
         let mut bindings = vec![bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources)];
-        if kind != TraceKind::Whole {
+        if split {
             bindings.push(bind_group(gpu, &pipeline.get_bind_group_layout(1), &self.buffers.further_parts()));
         }
         let bindings: Vec<_> = bindings.iter().collect();
@@ -91,29 +90,15 @@ impl DirtStructure {
 
     pub(crate) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = &*self.pipelines.gpu;
-        let rays = job.rays.host.len();
-        let storage = |name, bytes: u64| {
-            gpu.check_storage_binding(name, bytes, "--size")?;
-            gpu.buffer(name, bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")
+        let counting = Counting {
+            counts: RayCounts::new(gpu, "counts", job.rays.host.len())?,
+            touched: TouchedBits::new(gpu, "nodes touched", u64::from(self.buffers.node_capacity), "--size")?,
         };
-        let count_bytes = rays.max(1) as u64 * 16;
-        let touched_bytes = u64::from(self.buffers.node_capacity).div_ceil(32).max(1) * 4;
-        let counting =
-            Counting { counts: storage("counts", count_bytes)?, touched: storage("nodes touched", touched_bytes)? };
         let mut clock = PhaseClock::new(Some(gpu));
         self.record(job, hits, Some(&counting), &mut clock)?;
         clock.finish()?;
-        let counts: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&gpu.read(&counting.counts, count_bytes)?);
-        let touched: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&counting.touched, touched_bytes)?);
-        let of = |name, index: usize| Counter::of(name, counts[..rays].iter().map(|count| u64::from(count[index])));
-        let touched = touched.iter().map(|word| u64::from(word.count_ones())).sum();
-        let mut counters = vec![
-            of("pyramid_steps", 0),
-            of("buckets_opened", 1),
-            of("triangle_tests", 2),
-            of("views_entered", 3),
-            Counter::of_set("references_touched", touched),
-        ];
+        let mut counters = counting.counts.counters(gpu, COUNTERS)?;
+        counters.push(Counter::of_set("references_touched", counting.touched.count(gpu)?));
         if job.end == EndPoint::Surface {
             counters.push(Counter::of_set("fetches_lost", lost(&hits.read_surfaces(Some(gpu))?)));
         }

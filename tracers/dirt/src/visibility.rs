@@ -11,7 +11,7 @@ use tracebench_kit::{
     DEPTH_TEST_FORMAT, PrimitiveRaster, PrimitiveTexture, SurfaceGeometry, ViewUniform, bind_group, compute_pipeline,
     create_texture, dispatch_linear,
 };
-use tracebench_shaders::DIRT_VISIBILITY;
+use tracebench_shaders::dirt::VISIBILITY;
 
 use crate::build::Pipelines;
 use crate::structure::Resident;
@@ -86,7 +86,7 @@ impl Frame {
 
 impl Visibility {
     pub(crate) fn new(gpu: &Gpu) -> Result<Self, TracerError> {
-        Ok(Self { raster: PrimitiveRaster::new(gpu)?, resolve: compute_pipeline(gpu, DIRT_VISIBILITY, "resolve")? })
+        Ok(Self { raster: PrimitiveRaster::new(gpu)?, resolve: compute_pipeline(gpu, VISIBILITY, "resolve")? })
     }
 
     /// Records the phase "direct visibility", into the frame that is there where its size serves.

@@ -1,23 +1,19 @@
 //! The build's stages on the device (VVP16, section 3.3): depth bounds, store, reorder.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
-use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, BufferUsages, ComputePipeline, RenderPipeline};
+use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, ComputePipeline, RenderPipeline};
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
 use tracebench_kit::{
-    EmptyTarget, PrefixSum, ViewUniform, bind_group, bind_group_at, compute_pipeline, dispatch_linear,
+    EmptyTarget, PipelinesOnDemand, PrefixSum, ViewUniform, bind_group, bind_group_at, compute_pipeline,
+    dispatch_linear, every_variant, storage_buffer, uniform_buffer,
 };
-use tracebench_shaders::{
-    FRAGMENT_BOUNDS, FRAGMENT_BOXES, FRAGMENT_BOXES_BOUND, FRAGMENT_COUNT, FRAGMENT_MIPMAP, FRAGMENT_REORDER,
-    FRAGMENT_REORDER_CONTIGUOUS, FRAGMENT_REORDER_CONTIGUOUS_DECOUPLED, FRAGMENT_REORDER_DECOUPLED, FRAGMENT_STORE,
-    FRAGMENT_STORE_DECOUPLED, FRAGMENT_TALLY,
-};
+use tracebench_shaders::fragment_abuffer::{Boxes, Fill, MIPMAP, Reorder, Trace};
 
 use crate::layout::{DrawnView, Layout, Storage, TracedView};
 use crate::objects::Objects;
 use crate::parts::{Part, Parts, check_nodes, view_suffix};
-use crate::trace::TraceKind;
 
 /// As `WORKGROUP_SIZE` in the shaders of shaders/fragment-abuffer.
 pub(crate) const WORKGROUP_SIZE: u32 = 64;
@@ -26,37 +22,24 @@ pub(crate) const WORKGROUP_SIZE: u32 = 64;
 pub(crate) struct Pipelines {
     pub gpu: Arc<Gpu>,
     pub sums: PrefixSum,
-    bounds: RenderPipeline,
     boxes: RenderPipeline,
     boxes_bound: ComputePipeline,
-    count: RenderPipeline,
-    tally: RenderPipeline,
-    /// With data in nodes, and in a buffer of its own.
-    store: [RenderPipeline; 2],
-    /// Of lists, and of the s-buffer.
-    reorder: [[ComputePipeline; 2]; 2],
+    fill: BTreeMap<Fill, RenderPipeline>,
+    reorder: BTreeMap<Reorder, ComputePipeline>,
     mipmap: ComputePipeline,
-    pub(crate) traces: Mutex<BTreeMap<TraceKind, ComputePipeline>>,
+    pub(crate) traces: PipelinesOnDemand<Trace>,
 }
 
 impl Pipelines {
     pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        let raster = |shader| EmptyTarget::pipeline(&gpu, shader);
-        let reorder = |shader| compute_pipeline(&gpu, shader, "reorder");
         Ok(Self {
             sums: PrefixSum::new(&gpu)?,
-            bounds: raster(FRAGMENT_BOUNDS)?,
-            boxes: raster(FRAGMENT_BOXES)?,
-            boxes_bound: compute_pipeline(&gpu, FRAGMENT_BOXES_BOUND, "bound")?,
-            count: raster(FRAGMENT_COUNT)?,
-            tally: raster(FRAGMENT_TALLY)?,
-            store: [raster(FRAGMENT_STORE)?, raster(FRAGMENT_STORE_DECOUPLED)?],
-            reorder: [
-                [reorder(FRAGMENT_REORDER)?, reorder(FRAGMENT_REORDER_DECOUPLED)?],
-                [reorder(FRAGMENT_REORDER_CONTIGUOUS)?, reorder(FRAGMENT_REORDER_CONTIGUOUS_DECOUPLED)?],
-            ],
-            mipmap: compute_pipeline(&gpu, FRAGMENT_MIPMAP, "mipmap")?,
-            traces: Mutex::new(BTreeMap::new()),
+            boxes: EmptyTarget::pipeline(&gpu, Boxes { bound: false })?,
+            boxes_bound: compute_pipeline(&gpu, Boxes { bound: true }, "bound")?,
+            fill: every_variant(|variant: Fill| EmptyTarget::pipeline(&gpu, variant))?,
+            reorder: every_variant(|variant: Reorder| compute_pipeline(&gpu, variant, "reorder"))?,
+            mipmap: compute_pipeline(&gpu, MIPMAP, "mipmap")?,
+            traces: PipelinesOnDemand::new("trace"),
             gpu,
         })
     }
@@ -84,11 +67,6 @@ struct Prepared<'a> {
 }
 
 impl Pipelines {
-    /// A uniform that shaders of a build or trace read.
-    pub(crate) fn uniform(&self, name: &str, contents: &[u8]) -> Result<Buffer, TracerError> {
-        self.gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing")
-    }
-
     fn prepare<'a>(
         &'a self,
         layout: &Layout,
@@ -104,10 +82,10 @@ impl Pipelines {
             let resources = resources.map(Buffer::as_entire_binding);
             prepared.boxes = Some((bind_group(gpu, &self.boxes_bound.get_bind_group_layout(0), &resources), triangles));
         }
-        let store = &self.store[usize::from(layout.decoupled)];
+        let store = &self.fill[&Fill::Store { decoupled: layout.decoupled }];
         for part in &parts.parts {
             let storage = layout.storage(part.pixel_count, part.capacity);
-            let storage = self.uniform("storage", bytemuck::bytes_of(&storage))?;
+            let storage = uniform_buffer(gpu, "storage", &storage)?;
             for (view, first_pixel) in part.views.clone().zip(&part.first_pixels) {
                 let shape = &layout.views[view];
                 let drawn = DrawnView {
@@ -116,7 +94,7 @@ impl Pipelines {
                     width: shape.size[0],
                     padding: [0; 2],
                 };
-                let drawn = self.uniform("drawn view", bytemuck::bytes_of(&drawn))?;
+                let drawn = uniform_buffer(gpu, "drawn view", &drawn)?;
                 let draw = |pipeline: &'a RenderPipeline, more: &[(u32, &Buffer)], vertices: u32| {
                     let mut resources = vec![(0, storage.as_entire_binding()), (1, drawn.as_entire_binding())];
                     resources.extend(more.iter().map(|(binding, buffer)| (*binding, buffer.as_entire_binding())));
@@ -129,12 +107,16 @@ impl Pipelines {
                         Some(objects) => {
                             draw(&self.boxes, &[(2, &objects.boxes), (3, &part.pixels)], objects.count * 6)
                         }
-                        None => draw(&self.bounds, &scene, triangles * 3),
+                        None => draw(&self.fill[&Fill::Bounds], &scene, triangles * 3),
                     });
                 }
                 let taken = (5, &part.taken);
                 if layout.kind.is_contiguous() {
-                    prepared.count.push(draw(&self.count, &[&scene[..], &[taken]].concat(), triangles * 3));
+                    prepared.count.push(draw(
+                        &self.fill[&Fill::Count],
+                        &[&scene[..], &[taken]].concat(),
+                        triangles * 3,
+                    ));
                 }
                 let mut bound = scene.to_vec();
                 bound.push(taken);
@@ -152,21 +134,21 @@ impl Pipelines {
     /// could be bound for.
     pub(crate) fn tally(&self, layout: &Layout, geometry: &Geometry) -> Result<Vec<u32>, TracerError> {
         let gpu = &*self.gpu;
+        let tally = &self.fill[&Fill::Tally];
         let device = geometry.on_device()?;
-        let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        let taken = gpu.buffer("fragments of a view", 4, usage, "nothing")?;
+        let taken = storage_buffer(gpu, "fragments of a view", 4, "nothing")?;
         let mut counts = Vec::with_capacity(layout.views.len());
         for (view, shape) in layout.views.iter().enumerate() {
             let target = EmptyTarget::new(gpu, "attachment of a count", shape.size)?;
             let drawn =
                 DrawnView { view: ViewUniform::from(shape), first_pixel: 0, width: shape.size[0], padding: [0; 2] };
-            let drawn = self.uniform("drawn view", bytemuck::bytes_of(&drawn))?;
+            let drawn = uniform_buffer(gpu, "drawn view", &drawn)?;
             let bound = [(1, &drawn), (2, &device.positions), (3, &device.indices), (5, &taken)];
             let bound = bound.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
-            let bindings = bind_group_at(gpu, &self.tally.get_bind_group_layout(0), &bound);
+            let bindings = bind_group_at(gpu, &tally.get_bind_group_layout(0), &bound);
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             encoder.clear_buffer(&taken, 0, None);
-            target.draw(&mut encoder, &self.tally, &bindings, geometry.triangles.len() as u32 * 3);
+            target.draw(&mut encoder, tally, &bindings, geometry.triangles.len() as u32 * 3);
             gpu.queue.submit([encoder.finish()]);
             let count = bytemuck::pod_collect_to_vec::<u8, u32>(&gpu.read(&taken, 4)?)[0];
             check_nodes(gpu, layout, &view_suffix(view), count)?;
@@ -184,7 +166,7 @@ impl Pipelines {
     }
 
     fn reorder(&self, layout: &Layout) -> &ComputePipeline {
-        &self.reorder[usize::from(layout.kind.is_contiguous())][usize::from(layout.decoupled)]
+        &self.reorder[&Reorder { contiguous: layout.kind.is_contiguous(), decoupled: layout.decoupled }]
     }
 
     fn prepare_mipmaps(
@@ -196,14 +178,15 @@ impl Pipelines {
         prepared: &mut Prepared<'_>,
     ) -> Result<(), TracerError> {
         let Some(pyramid) = &parts.pyramid else { return Ok(()) };
+        let gpu = &*self.gpu;
         let traced = layout.traced(&parts.placed());
         for view in part.views.clone() {
-            let made = self.uniform("made view", bytemuck::bytes_of(&traced[view]))?;
+            let made = uniform_buffer(gpu, "made view", &traced[view])?;
             for level in 1..layout.levels_of(view) {
-                let number = self.uniform("level", bytemuck::bytes_of(&[level as u32, 0, 0, 0]))?;
+                let number = uniform_buffer(gpu, "level", &[level as u32, 0, 0, 0])?;
                 let resources = [storage, &made, &number, &part.pixels, pyramid].map(Buffer::as_entire_binding);
-                let bindings = bind_group(&self.gpu, &self.mipmap.get_bind_group_layout(0), &resources);
-                let [across, down] = layout.level_size(view, level);
+                let bindings = bind_group(gpu, &self.mipmap.get_bind_group_layout(0), &resources);
+                let [across, down] = layout.pyramid_of(view).level_size(level);
                 prepared.mipmaps.push((bindings, across * down));
             }
         }

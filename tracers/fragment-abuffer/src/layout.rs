@@ -2,13 +2,10 @@
 
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::{Parameters, View, Viewpoint};
-use tracebench_kit::ViewUniform;
+use tracebench_kit::{MOST_LEVELS, Pyramid, ViewUniform};
 
 /// Views at most: the camera's and six faces.
 pub(crate) const MOST_VIEWS: usize = 7;
-
-/// Levels that a pyramid has at most: images up to 32,768 pixels along an edge.
-const MOST_LEVELS: usize = 16;
 
 /// Words of what shading needs of a fragment: normal and material.
 pub(crate) const PAYLOAD_WORDS: u32 = 4;
@@ -220,15 +217,14 @@ impl Layout {
         self.views[view].size.map(u64::from).iter().product()
     }
 
-    /// Levels of a view's pyramid, down from one cell a view; 1 without a pyramid.
-    pub(crate) fn levels_of(&self, view: usize) -> usize {
-        let edge = self.views[view].size.into_iter().max().unwrap_or(1).max(1);
-        if self.hi_z { (edge.next_power_of_two().trailing_zeros() as usize + 1).min(MOST_LEVELS) } else { 1 }
+    /// The pyramid over a view's pixels, if there is one.
+    pub(crate) fn pyramid_of(&self, view: usize) -> Pyramid {
+        Pyramid { size: self.views[view].size }
     }
 
-    /// Cells of a level along x and y.
-    pub(crate) fn level_size(&self, view: usize, level: usize) -> [u32; 2] {
-        self.views[view].size.map(|edge| edge.div_ceil(1 << level))
+    /// Levels of a view's pyramid, down from one cell a view; 1 without a pyramid.
+    pub(crate) fn levels_of(&self, view: usize) -> usize {
+        if self.hi_z { self.pyramid_of(view).levels() } else { 1 }
     }
 
     /// Where the pyramid has the levels of each view, pairs of depth bounds, and how many there are.
@@ -236,9 +232,8 @@ impl Layout {
         let mut total = 0;
         let of_view = |view: usize| {
             let mut offsets = [0; MOST_LEVELS];
-            for (level, offset) in offsets.iter_mut().enumerate().take(self.levels_of(view)).skip(1) {
-                *offset = total as u32;
-                total += self.level_size(view, level).map(u64::from).iter().product::<u64>();
+            if self.hi_z {
+                (offsets, total) = self.pyramid_of(view).offsets(1, total);
             }
             offsets
         };

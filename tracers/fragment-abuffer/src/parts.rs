@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use tracebench_api::wgpu::{Buffer, BufferUsages};
+use tracebench_api::wgpu::Buffer;
 use tracebench_api::{Gpu, Ledger, TracerError};
-use tracebench_kit::{EmptyTarget, PrefixSum, PrefixSumPlan};
+use tracebench_kit::{EmptyTarget, PrefixSum, PrefixSumPlan, storage_buffer};
 
 use crate::layout::{Layout, PAYLOAD_WORDS, Placed};
 
@@ -58,9 +58,7 @@ pub(crate) struct Parts {
 }
 
 fn storage(gpu: &Gpu, name: &str, bytes: u64) -> Result<Buffer, TracerError> {
-    gpu.check_storage_binding(name, bytes, TURN_DOWN)?;
-    let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-    gpu.buffer(name, bytes, usage, TURN_DOWN)
+    storage_buffer(gpu, name, bytes, TURN_DOWN)
 }
 
 impl Part {

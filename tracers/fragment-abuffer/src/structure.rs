@@ -6,7 +6,7 @@ use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
     Tracer, TracerError, Update, View, Viewpoint,
 };
-use tracebench_kit::LastCount;
+use tracebench_kit::{LastCount, grow};
 
 use crate::build::{Pipelines, build_uniform_bytes};
 use crate::layout::{Layout, MOST_VIEWS, Storage, TracedView};
@@ -197,12 +197,8 @@ impl Structure for FragmentStructure {
         if fits {
             return check_order(&taken).map(|()| false);
         }
-        // A quarter more, so that a scene that keeps growing does not stop every frame.
         let needed: Vec<u32> = taken.iter().map(|taken| taken.fragments).collect();
-        let more: Vec<u32> = needed.iter().map(|nodes| nodes.saturating_add(nodes / 4)).collect();
-        let layout = &self.layout;
-        let made = self.parts.set_capacities(gpu, layout, &more);
-        made.or_else(|_| self.parts.set_capacities(gpu, layout, &needed))?;
+        grow(&needed, |room| self.parts.set_capacities(gpu, &self.layout, room))?;
         Ok(true)
     }
 

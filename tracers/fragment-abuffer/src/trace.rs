@@ -1,26 +1,19 @@
 //! Tracing on the device.
 
 use bytemuck::{Pod, Zeroable};
-use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline};
+use tracebench_api::wgpu::{BindingResource, Buffer};
 use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, TraceJob, TracerError};
-use tracebench_kit::{TouchedBits, bind_group, bind_group_at, compute_pipeline, dispatch_linear_groups};
-use tracebench_shaders::{
-    FRAGMENT_TRACE, FRAGMENT_TRACE_CONTIGUOUS, FRAGMENT_TRACE_CONTIGUOUS_COUNTED, FRAGMENT_TRACE_CONTIGUOUS_SPLIT,
-    FRAGMENT_TRACE_CONTIGUOUS_SPLIT_COUNTED, FRAGMENT_TRACE_CONTIGUOUS_SPLIT_SURFACES,
-    FRAGMENT_TRACE_CONTIGUOUS_SPLIT_SURFACES_COUNTED, FRAGMENT_TRACE_CONTIGUOUS_SURFACES,
-    FRAGMENT_TRACE_CONTIGUOUS_SURFACES_COUNTED, FRAGMENT_TRACE_COUNTED, FRAGMENT_TRACE_SPLIT,
-    FRAGMENT_TRACE_SPLIT_COUNTED, FRAGMENT_TRACE_SPLIT_SURFACES, FRAGMENT_TRACE_SPLIT_SURFACES_COUNTED,
-    FRAGMENT_TRACE_SURFACES, FRAGMENT_TRACE_SURFACES_COUNTED, Shader,
-};
+use tracebench_kit::{RayCounts, TouchedBits, bind_group, bind_group_at, dispatch_linear_groups, uniform_buffer};
+use tracebench_shaders::fragment_abuffer::Trace;
 
-use crate::build::{Pipelines, WORKGROUP_SIZE};
+use crate::build::WORKGROUP_SIZE;
 use crate::layout::MOST_VIEWS;
 use crate::structure::FragmentStructure;
 
 /// As `COUNTS` in shaders/fragment-abuffer/trace.wgsl.
 const COUNTERS: [&str; 5] = ["pixels_visited", "pixels_opened", "fragments_tested", "views_entered", "views_tested"];
 
-/// `MarchSettings` of shaders/fragment-abuffer/trace.wgsl.
+/// `MarchSettings` of shaders/fragment-abuffer/store.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct MarchSettings {
@@ -58,62 +51,11 @@ pub struct MarchSettings {
     pub padding_c: u32,
 }
 
-/// Variants of the trace.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct TraceKind {
-    /// Over the s-buffer, not lists.
-    pub contiguous: bool,
-    /// Views have buffers of their own.
-    pub split: bool,
-    /// To surfaces.
-    pub surfaces: bool,
-    /// Counting.
-    pub counted: bool,
-}
-
-impl TraceKind {
-    fn shader(self) -> Shader {
-        let all = [
-            FRAGMENT_TRACE,
-            FRAGMENT_TRACE_COUNTED,
-            FRAGMENT_TRACE_SURFACES,
-            FRAGMENT_TRACE_SURFACES_COUNTED,
-            FRAGMENT_TRACE_SPLIT,
-            FRAGMENT_TRACE_SPLIT_COUNTED,
-            FRAGMENT_TRACE_SPLIT_SURFACES,
-            FRAGMENT_TRACE_SPLIT_SURFACES_COUNTED,
-            FRAGMENT_TRACE_CONTIGUOUS,
-            FRAGMENT_TRACE_CONTIGUOUS_COUNTED,
-            FRAGMENT_TRACE_CONTIGUOUS_SURFACES,
-            FRAGMENT_TRACE_CONTIGUOUS_SURFACES_COUNTED,
-            FRAGMENT_TRACE_CONTIGUOUS_SPLIT,
-            FRAGMENT_TRACE_CONTIGUOUS_SPLIT_COUNTED,
-            FRAGMENT_TRACE_CONTIGUOUS_SPLIT_SURFACES,
-            FRAGMENT_TRACE_CONTIGUOUS_SPLIT_SURFACES_COUNTED,
-        ];
-        let bits = [self.counted, self.surfaces, self.split, self.contiguous];
-        all[bits.into_iter().enumerate().map(|(bit, is)| usize::from(is) << bit).sum::<usize>()]
-    }
-}
-
 /// The buffers of a trace that counts.
 pub(crate) struct Counting {
-    counts: Buffer,
+    counts: RayCounts<5>,
     touched: TouchedBits,
     payloads_touched: TouchedBits,
-}
-
-impl Pipelines {
-    fn trace(&self, kind: TraceKind) -> Result<ComputePipeline, TracerError> {
-        let traces = self.traces.lock();
-        let mut traces = traces.map_err(|_| TracerError::Failed("a pipeline was left half made".to_owned()))?;
-        if let Some(pipeline) = traces.get(&kind) {
-            return Ok(pipeline.clone());
-        }
-        let pipeline = compute_pipeline(&self.gpu, kind.shader(), "trace")?;
-        traces.insert(kind, pipeline.clone());
-        Ok(pipeline)
-    }
 }
 
 impl FragmentStructure {
@@ -151,21 +93,21 @@ impl FragmentStructure {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let pipelines = &*self.pipelines;
+        let gpu = &*pipelines.gpu;
         let (parts, count) = (&self.parts, job.rays.host.len());
-        let kind = TraceKind {
+        let variant = Trace {
             contiguous: self.layout.kind.is_contiguous(),
             split: parts.is_by_view(),
             surfaces: job.end == EndPoint::Surface,
-            counted: counting.is_some(),
+            counters: counting.is_some(),
         };
-        let pipeline = pipelines.trace(kind)?;
+        let pipeline = pipelines.traces.of(gpu, variant)?;
         let search = self.search(job);
         let first = parts.of_view(0);
         let [storage, settings, views] = [
-            pipelines
-                .uniform("storage", bytemuck::bytes_of(&self.layout.storage(first.pixel_count, first.capacity)))?,
-            pipelines.uniform("search", bytemuck::bytes_of(&search))?,
-            pipelines.uniform("views", bytemuck::bytes_of(&self.layout.traced(&parts.placed())))?,
+            uniform_buffer(gpu, "storage", &self.layout.storage(first.pixel_count, first.capacity))?,
+            uniform_buffer(gpu, "search", &search)?,
+            uniform_buffer(gpu, "views", &self.layout.traced(&parts.placed()))?,
         ];
         let pyramid = parts.pyramid.as_ref().unwrap_or(&first.pixels);
         let mut bound = vec![
@@ -178,18 +120,18 @@ impl FragmentStructure {
             (6, &first.ids),
             (7, pyramid),
         ];
-        if kind.surfaces {
+        if variant.surfaces {
             bound.extend([(8, first.data()), (9, hits.surfaces_on_device(count)?)]);
         }
         if let Some(counting) = counting {
-            bound.extend([(10, &counting.counts), (11, counting.touched.buffer())]);
-            bound.extend(kind.surfaces.then(|| (12, counting.payloads_touched.buffer())));
+            bound.extend([(10, counting.counts.buffer()), (11, counting.touched.buffer())]);
+            bound.extend(variant.surfaces.then(|| (12, counting.payloads_touched.buffer())));
         }
         let numbered: Vec<_> = bound.into_iter().map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
-        let mut bindings = vec![bind_group_at(&pipelines.gpu, &pipeline.get_bind_group_layout(0), &numbered)];
-        if kind.split {
-            let further = self.further_views(kind.surfaces);
-            bindings.push(bind_group(&pipelines.gpu, &pipeline.get_bind_group_layout(1), &further));
+        let mut bindings = vec![bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &numbered)];
+        if variant.split {
+            let further = self.further_views(variant.surfaces);
+            bindings.push(bind_group(gpu, &pipeline.get_bind_group_layout(1), &further));
         }
         let bindings: Vec<_> = bindings.iter().collect();
         clock.device_phase("trace", |encoder| {
@@ -208,24 +150,17 @@ impl FragmentStructure {
 
     pub(crate) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = &*self.pipelines.gpu;
-        let rays = job.rays.host.len();
-        let bytes = (rays.max(1) * COUNTERS.len() * 4) as u64;
-        gpu.check_storage_binding("counts", bytes, "--size")?;
         let nodes = self.parts.capacity();
         let touched = |name| TouchedBits::new(gpu, name, nodes, "--face or --frame");
         let counting = Counting {
-            counts: gpu.buffer("counts", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?,
+            counts: RayCounts::new(gpu, "counts", job.rays.host.len())?,
             touched: touched("fragments touched")?,
             payloads_touched: touched("payloads touched")?,
         };
         let mut clock = PhaseClock::new(Some(gpu));
         self.record(job, hits, Some(&counting), &mut clock)?;
         clock.finish()?;
-        let counts: Vec<[u32; COUNTERS.len()]> = bytemuck::pod_collect_to_vec(&gpu.read(&counting.counts, bytes)?);
-        let of = |(index, name): (usize, &&'static str)| {
-            Counter::of(name, counts[..rays].iter().map(|count| u64::from(count[index])))
-        };
-        let mut counters: Vec<Counter> = COUNTERS.iter().enumerate().map(of).collect();
+        let mut counters = counting.counts.counters(gpu, COUNTERS)?;
         counters.push(Counter::of_set("fragments_touched", counting.touched.count(gpu)?));
         if job.end == EndPoint::Surface {
             counters.push(Counter::of_set("payloads_touched", counting.payloads_touched.count(gpu)?));

@@ -1,8 +1,11 @@
 //! Pipelines and dispatches with the least ceremony.
 
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+
 use tracebench_api::wgpu::{self, BindGroupEntry, BindingResource};
 use tracebench_api::{Gpu, TracerError};
-use tracebench_shaders::Shader;
+use tracebench_shaders::{Shader, Variant};
 
 /// Most workgroups along one dimension of a dispatch (WebGPU's limit).
 const MOST_WORKGROUPS: u32 = 65_535;
@@ -43,7 +46,12 @@ pub fn shader_module_testing_early(gpu: &Gpu, shader: Shader) -> Result<wgpu::Sh
 ///
 /// # Errors
 /// [`TracerError::Failed`] if the device refuses it.
-pub fn compute_pipeline(gpu: &Gpu, shader: Shader, entry_point: &str) -> Result<wgpu::ComputePipeline, TracerError> {
+pub fn compute_pipeline(
+    gpu: &Gpu,
+    shader: impl Into<Shader>,
+    entry_point: &str,
+) -> Result<wgpu::ComputePipeline, TracerError> {
+    let shader = shader.into();
     let module = shader_module(gpu, shader)?;
     let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some(shader.name),
@@ -55,6 +63,45 @@ pub fn compute_pipeline(gpu: &Gpu, shader: Shader, entry_point: &str) -> Result<
     });
     gpu.check()?;
     Ok(pipeline)
+}
+
+/// What `make` makes of every variant of a shader.
+///
+/// # Errors
+/// Those of `make`.
+pub fn every_variant<V: Variant, Made>(
+    make: impl Fn(V) -> Result<Made, TracerError>,
+) -> Result<BTreeMap<V, Made>, TracerError> {
+    V::ALL.iter().map(|variant| Ok((*variant, make(*variant)?))).collect()
+}
+
+/// Pipelines of a shader of many variants: each is made when it is first asked for.
+#[derive(Debug)]
+pub struct PipelinesOnDemand<V> {
+    entry_point: &'static str,
+    made: Mutex<BTreeMap<V, wgpu::ComputePipeline>>,
+}
+
+impl<V: Variant> PipelinesOnDemand<V> {
+    /// None yet.
+    pub fn new(entry_point: &'static str) -> Self {
+        Self { entry_point, made: Mutex::default() }
+    }
+
+    /// That of a variant.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the device refuses it.
+    pub fn of(&self, gpu: &Gpu, variant: V) -> Result<wgpu::ComputePipeline, TracerError> {
+        let made = self.made.lock();
+        let mut made = made.map_err(|_| TracerError::Failed("a pipeline was left half made".to_owned()))?;
+        if let Some(pipeline) = made.get(&variant) {
+            return Ok(pipeline.clone());
+        }
+        let pipeline = compute_pipeline(gpu, variant, self.entry_point)?;
+        made.insert(variant, pipeline.clone());
+        Ok(pipeline)
+    }
 }
 
 /// Binds resources to bindings 0, 1, 2, ... of group 0.

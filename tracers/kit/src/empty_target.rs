@@ -6,7 +6,7 @@ use tracebench_api::wgpu::{
 use tracebench_api::{Gpu, Ledger, TracerError};
 use tracebench_shaders::Shader;
 
-use crate::{RasterTargets, raster_pipeline, shader_module};
+use crate::{RasterTargets, create_texture, raster_pipeline, shader_module};
 
 const FORMAT: TextureFormat = TextureFormat::R8Unorm;
 
@@ -26,16 +26,7 @@ impl EmptyTarget {
     /// [`TracerError::Failed`] if an edge exceeds the device's limit.
     pub fn new(gpu: &Gpu, name: &str, size: [u32; 2]) -> Result<Self, TracerError> {
         let before = gpu.allocations();
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some(name),
-            size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: FORMAT,
-            usage: TextureUsages::RENDER_ATTACHMENT,
-            view_formats: &[],
-        });
+        let texture = create_texture(gpu, name, size, FORMAT, TextureUsages::RENDER_ATTACHMENT);
         gpu.check()?;
         let pixels = size.map(u64::from).iter().product();
         // Drivers pad textures as they like.
@@ -47,7 +38,8 @@ impl EmptyTarget {
     ///
     /// # Errors
     /// [`TracerError::Failed`] if the device refuses it.
-    pub fn pipeline(gpu: &Gpu, shader: Shader) -> Result<RenderPipeline, TracerError> {
+    pub fn pipeline(gpu: &Gpu, shader: impl Into<Shader>) -> Result<RenderPipeline, TracerError> {
+        let shader = shader.into();
         let nothing = ColorTargetState { format: FORMAT, blend: None, write_mask: ColorWrites::empty() };
         let targets = RasterTargets { colours: &[Some(nothing)], ..Default::default() };
         raster_pipeline(gpu, shader.name, &shader_module(gpu, shader)?, &targets)

@@ -2,9 +2,9 @@
 
 use tracebench_api::wgpu::{self, TextureFormat, TextureUsages};
 use tracebench_api::{DeviceGeometry, Gpu, Ledger, TracerError, View};
-use tracebench_shaders::EYE_DEPTH_RASTER;
+use tracebench_shaders::shared::EYE_DEPTH_RASTER;
 
-use crate::{RasterTargets, ViewUniform, bind_group, raster_pipeline, shader_module};
+use crate::{RasterTargets, ViewUniform, bind_group, create_texture, raster_pipeline, shader_module};
 
 /// The eye depth stored where no surface covers a pixel's centre: beyond every surface.
 pub const NO_SURFACE: f32 = 1e30;
@@ -45,19 +45,8 @@ impl EyeDepthTarget {
                 "the eye depth buffer has an edge of {edge} pixels, the device allows {limit}: turn down --frame"
             )));
         }
-        let texture = |label, format, usage| {
-            let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage,
-                view_formats: &[],
-            });
-            texture.create_view(&Default::default())
-        };
+        let texture =
+            |label, format, usage| create_texture(gpu, label, size, format, usage).create_view(&Default::default());
         let before = gpu.allocations();
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let mut target = Self {

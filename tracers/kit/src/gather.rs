@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{Buffer, BufferUsages, ComputePipeline};
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, HitBuffer, MemoryEntry, PhaseClock, RayBuffer, TracerError};
-use tracebench_shaders::{GATHER, GATHER_BY_RAY};
+use tracebench_shaders::shared;
 
 use crate::{bind_group, compute_pipeline, dispatch_linear};
 
@@ -58,8 +58,8 @@ impl Gather {
     /// # Errors
     /// [`TracerError::Failed`] if the device refuses one.
     pub fn new(gpu: &Gpu) -> Result<Self, TracerError> {
-        let pipeline = |shader| compute_pipeline(gpu, shader, "gather");
-        Ok(Self { by_weights: pipeline(GATHER)?, by_ray: pipeline(GATHER_BY_RAY)? })
+        let pipeline = |by_ray| compute_pipeline(gpu, shared::Gather { by_ray }, "gather");
+        Ok(Self { by_weights: pipeline(false)?, by_ray: pipeline(true)? })
     }
 
     /// What a gather takes while it runs.

@@ -1,15 +1,18 @@
-//! Device parts that several tracers share: views as uniforms, pipelines and dispatches, buffers that are kept, prefix sums
-//! and sorts, rasterized eye depth and triangles, surfaces of hits, bits for what is touched; and clipping in f64, which what
+//! Device parts that several tracers share: views as uniforms, pipelines and dispatches, buffers that are kept and grow,
+//! pyramids' levels, prefix sums and sorts, rasterized eye depth and triangles, surfaces of hits, counts of rays, bits for what
+//! is touched; and clipping in f64, which what
 //! they rasterize is held against.
 
 mod clip;
 mod compute;
+mod counts;
 mod empty_target;
 mod eye_depth;
 mod gather;
 mod last_count;
 mod prefix_sum;
 mod primitive_raster;
+mod pyramid;
 mod radix_sort;
 mod raster;
 mod room;
@@ -18,17 +21,19 @@ mod view_uniform;
 
 pub use clip::{TileBounds, clipped_depths, clipped_polygon, eye_space, touched_tiles};
 pub use compute::{
-    bind_group, bind_group_at, compute_pipeline, dispatch_linear, dispatch_linear_groups, shader_module,
-    shader_module_testing_early,
+    PipelinesOnDemand, bind_group, bind_group_at, compute_pipeline, dispatch_linear, dispatch_linear_groups,
+    every_variant, shader_module, shader_module_testing_early,
 };
+pub use counts::RayCounts;
 pub use empty_target::EmptyTarget;
 pub use eye_depth::{EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
 pub use gather::{Gather, GatherSettings, SurfaceGeometry};
 pub use last_count::LastCount;
 pub use prefix_sum::{PrefixSum, PrefixSumPlan};
 pub use primitive_raster::{DEPTH_TEST_FORMAT, PrimitiveRaster, PrimitiveTexture, create_texture};
+pub use pyramid::{MOST_LEVELS, Pyramid};
 pub use radix_sort::{RadixSort, RadixSortPlan, SortPass};
 pub use raster::{RasterTargets, raster_pipeline};
-pub use room::Room;
+pub use room::{Room, grow, storage_buffer, uniform_buffer};
 pub use touched::TouchedBits;
 pub use view_uniform::ViewUniform;

@@ -2,7 +2,7 @@
 
 use tracebench_api::wgpu::{self, Buffer, BufferUsages, CommandEncoder, ComputePipeline};
 use tracebench_api::{Gpu, Ledger, TracerError};
-use tracebench_shaders::PREFIX_SUM;
+use tracebench_shaders::shared::PREFIX_SUM;
 
 use crate::{Room, bind_group, compute_pipeline, dispatch_linear};
 

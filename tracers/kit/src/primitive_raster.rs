@@ -2,7 +2,7 @@
 
 use tracebench_api::wgpu::{self, BindGroup, RenderPipeline, TextureFormat, TextureUsages, TextureView};
 use tracebench_api::{DeviceGeometry, Gpu, MemoryEntry, TracerError, View};
-use tracebench_shaders::PRIMITIVE_RASTER;
+use tracebench_shaders::shared::PRIMITIVE_RASTER;
 
 use crate::{RasterTargets, ViewUniform, bind_group, raster_pipeline, shader_module};
 

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{self, Buffer, BufferUsages, CommandEncoder, ComputePipeline};
 use tracebench_api::{Gpu, Ledger, TracerError};
-use tracebench_shaders::RADIX_SORT;
+use tracebench_shaders::shared::RADIX_SORT;
 
 use crate::{PrefixSum, PrefixSumPlan, Room, bind_group, compute_pipeline, dispatch_linear};
 

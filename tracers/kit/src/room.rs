@@ -1,7 +1,36 @@
-//! Buffers that are kept from build to build.
+//! Buffers: uniforms, storage, and such as are kept from build to build.
 
+use bytemuck::NoUninit;
 use tracebench_api::wgpu::{Buffer, BufferUsages};
 use tracebench_api::{Gpu, Ledger, TracerError};
+
+/// A zeroed storage buffer that can be bound, usable as source and target of copies.
+///
+/// # Errors
+/// [`TracerError::TooLarge`] if the device cannot create or bind it, with `turn_down` as the remedy.
+pub fn storage_buffer(gpu: &Gpu, name: &str, bytes: u64, turn_down: &str) -> Result<Buffer, TracerError> {
+    gpu.check_storage_binding(name, bytes, turn_down)?;
+    let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+    gpu.buffer(name, bytes, usage, turn_down)
+}
+
+/// A uniform of this content.
+///
+/// # Errors
+/// [`TracerError::Failed`] if the device fails.
+pub fn uniform_buffer(gpu: &Gpu, name: &str, contents: &impl NoUninit) -> Result<Buffer, TracerError> {
+    gpu.buffer_with(name, bytemuck::bytes_of(contents), BufferUsages::UNIFORM, "nothing")
+}
+
+/// Makes room for what a build turned out to need, by `set`: a quarter more, so that a scene that keeps growing does not stop
+/// every frame, and no more than that where so much is refused.
+///
+/// # Errors
+/// Those of `set` for what is needed.
+pub fn grow(needed: &[u32], mut set: impl FnMut(&[u32]) -> Result<(), TracerError>) -> Result<(), TracerError> {
+    let more: Vec<u32> = needed.iter().map(|count| count.saturating_add(count / 4)).collect();
+    set(&more).or_else(|_| set(needed))
+}
 
 /// A storage buffer with a name, and how much of it is in use. Usable as source and target of copies.
 #[derive(Debug)]
@@ -30,12 +59,36 @@ impl Room {
         if let Some(there) = there.filter(|there| there.buffer.size() >= bytes) {
             return Ok(Self { name, buffer: there.buffer.clone(), used_bytes: bytes });
         }
-        let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        Ok(Self { name, buffer: gpu.buffer(name, bytes, usage, turn_down)?, used_bytes: bytes })
+        Ok(Self { name, buffer: storage_buffer(gpu, name, bytes, turn_down)?, used_bytes: bytes })
     }
 
     /// Enters the buffer as a part that stays.
     pub fn enter(&self, ledger: &mut Ledger) {
         ledger.keep(self.name, self.buffer.size(), self.used_bytes);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A quarter more is made where that is possible, else what is needed; where not even that is, its error comes back.
+    #[test]
+    fn growth_leaves_a_quarter_where_it_can() {
+        let mut asked = Vec::new();
+        let mut grown = |needed: &[u32], most: u32| {
+            asked.clear();
+            let made = grow(needed, |counts| {
+                asked.push(counts.to_vec());
+                let fits = counts.iter().all(|count| *count <= most);
+                if fits { Ok(()) } else { Err(TracerError::Failed(format!("{counts:?}"))) }
+            });
+            (made.map_err(|error| error.to_string()), asked.clone())
+        };
+        assert_eq!(grown(&[100, 7], 1000), (Ok(()), vec![vec![125, 8]]));
+        assert_eq!(grown(&[100, 7], 110), (Ok(()), vec![vec![125, 8], vec![100, 7]]));
+        assert_eq!(grown(&[u32::MAX], u32::MAX), (Ok(()), vec![vec![u32::MAX]]));
+        let (refused, _) = grown(&[100], 50);
+        assert!(refused.unwrap_err().contains("[100]"));
     }
 }

@@ -20,6 +20,15 @@ pub struct ViewUniform {
     pub padding: [f32; 2],
 }
 
+impl ViewUniform {
+    /// An array of a shader that has room for so many views, zero where there are none.
+    pub fn array<const N: usize>(views: impl IntoIterator<Item = Self>) -> [Self; N] {
+        let mut all = [Self::zeroed(); N];
+        all.iter_mut().zip(views).for_each(|(slot, view)| *slot = view);
+        all
+    }
+}
+
 impl From<&View> for ViewUniform {
     fn from(view: &View) -> Self {
         Self {

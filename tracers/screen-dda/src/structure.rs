@@ -1,6 +1,7 @@
 //! Building and tracing on the device.
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
@@ -10,12 +11,10 @@ use tracebench_api::{
     TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_kit::{
-    EyeDepthRaster, EyeDepthTarget, Gather, NO_SURFACE, PrimitiveRaster, PrimitiveTexture, SurfaceGeometry,
-    TouchedBits, ViewUniform, bind_group_at, compute_pipeline, dispatch_linear,
+    EyeDepthRaster, EyeDepthTarget, Gather, NO_SURFACE, PrimitiveRaster, PrimitiveTexture, RayCounts, SurfaceGeometry,
+    TouchedBits, ViewUniform, bind_group_at, compute_pipeline, dispatch_linear, every_variant, uniform_buffer,
 };
-use tracebench_shaders::{
-    SCREEN_DDA_TRACE, SCREEN_DDA_TRACE_COUNTED, SCREEN_DDA_TRACE_SURFACES, SCREEN_DDA_TRACE_SURFACES_COUNTED,
-};
+use tracebench_shaders::screen_dda::Trace;
 
 use crate::description::HIT_POINTS;
 
@@ -34,15 +33,14 @@ struct Settings {
     start_bias: f32,
 }
 
-/// The pipelines; of a trace one to hits and one to surfaces.
+/// The pipelines.
 struct Pipelines {
     gpu: Arc<Gpu>,
     raster: EyeDepthRaster,
     /// The triangles at the view's pixels, for surfaces.
     primitives: PrimitiveRaster,
     gather: Gather,
-    trace: [ComputePipeline; 2],
-    trace_counted: [ComputePipeline; 2],
+    trace: BTreeMap<Trace, ComputePipeline>,
 }
 
 /// The tracer.
@@ -56,13 +54,11 @@ impl ScreenDda {
     /// # Errors
     /// [`TracerError::Failed`] if the device refuses one.
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        let trace = |shader| compute_pipeline(&gpu, shader, "trace");
         let pipelines = Pipelines {
             raster: EyeDepthRaster::new(&gpu)?,
             primitives: PrimitiveRaster::new(&gpu)?,
             gather: Gather::new(&gpu)?,
-            trace: [trace(SCREEN_DDA_TRACE)?, trace(SCREEN_DDA_TRACE_SURFACES)?],
-            trace_counted: [trace(SCREEN_DDA_TRACE_COUNTED)?, trace(SCREEN_DDA_TRACE_SURFACES_COUNTED)?],
+            trace: every_variant(|variant: Trace| compute_pipeline(&gpu, variant, "trace"))?,
             gpu,
         };
         Ok(Self { pipelines: Arc::new(pipelines) })
@@ -144,15 +140,14 @@ impl ScreenDdaStructure {
         counting: Option<[&Buffer; 2]>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        let variants = if counting.is_some() { &self.pipelines.trace_counted } else { &self.pipelines.trace };
         match job.end {
-            EndPoint::Hit => self.march(&variants[0], job, hits, counting, None, clock),
+            EndPoint::Hit => self.march(job, hits, counting, None, clock),
             EndPoint::Surface => {
                 let count = job.rays.host.len();
                 hits.surfaces_on_device(count)?;
                 let primitives = self.draw_primitives(clock)?;
                 let seen = seen_buffer(&self.pipelines.gpu, count)?;
-                self.march(&variants[1], job, hits, counting, Some((&primitives.view, &seen)), clock)?;
+                self.march(job, hits, counting, Some((&primitives.view, &seen)), clock)?;
                 let Pipelines { gpu, gather, .. } = &*self.pipelines;
                 gather.record(gpu, &self.geometry, job.rays, hits, Some(&seen), clock)
             }
@@ -174,7 +169,6 @@ impl ScreenDdaStructure {
     /// Records the march; `surfaces` are the triangles at the view's pixels and what the rays saw of them.
     fn march(
         &self,
-        pipeline: &ComputePipeline,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
         counting: Option<[&Buffer; 2]>,
@@ -182,10 +176,11 @@ impl ScreenDdaStructure {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let gpu = &self.pipelines.gpu;
-        let uniform = |name, contents: &[u8]| gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing");
-        let view = uniform("view", bytemuck::bytes_of(&ViewUniform::from(&self.view)))?;
+        let variant = Trace { surfaces: surfaces.is_some(), counters: counting.is_some() };
+        let pipeline = &self.pipelines.trace[&variant];
+        let view = uniform_buffer(gpu, "view", &ViewUniform::from(&self.view))?;
         let settings = self.settings(job);
-        let settings_buffer = uniform("settings", bytemuck::bytes_of(&settings))?;
+        let settings_buffer = uniform_buffer(gpu, "settings", &settings)?;
         let mut resources = vec![
             (0, view.as_entire_binding()),
             (1, settings_buffer.as_entire_binding()),
@@ -255,18 +250,15 @@ impl Structure for ScreenDdaStructure {
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = &self.pipelines.gpu;
-        let bytes = job.rays.host.len().max(1) as u64 * 4;
-        gpu.check_storage_binding("depth sample counts", bytes, "--size")?;
-        let counts =
-            gpu.buffer("depth sample counts", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?;
+        let counts = RayCounts::new(gpu, "depth sample counts", job.rays.host.len())?;
         let [width, height] = self.view.size.map(u64::from);
         let touched = TouchedBits::new(gpu, "pixels touched", width * height, "--frame")?;
         let mut clock = PhaseClock::new(Some(gpu));
-        self.record(&job, hits, Some([&counts, touched.buffer()]), &mut clock)?;
+        self.record(&job, hits, Some([counts.buffer(), touched.buffer()]), &mut clock)?;
         clock.finish()?;
-        let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&counts, bytes)?);
-        let counts = counts.into_iter().take(job.rays.host.len()).map(u64::from);
-        Ok(vec![Counter::of("depth_samples", counts), Counter::of_set("pixels_touched", touched.count(gpu)?)])
+        let mut counters = counts.counters(gpu, ["depth_samples"])?;
+        counters.push(Counter::of_set("pixels_touched", touched.count(gpu)?));
+        Ok(counters)
     }
 
     fn memory(&self) -> MemoryReport {

@@ -1,15 +1,16 @@
 //! Searching on the device.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline};
+use tracebench_api::wgpu::{BindingResource, Buffer, ComputePipeline};
 use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
-use tracebench_kit::{Gather, SurfaceGeometry, TouchedBits, bind_group, compute_pipeline, dispatch_linear};
-use tracebench_shaders::{
-    BVH_BINARY, BVH_BINARY_COUNTED, BVH_BINARY_DEEP, BVH_BINARY_DEEP_COUNTED, BVH_WIDE, BVH_WIDE_COUNTED,
-    BVH_WIDE_DEEP, BVH_WIDE_DEEP_COUNTED, Shader,
+use tracebench_kit::{
+    Gather, RayCounts, SurfaceGeometry, TouchedBits, bind_group, compute_pipeline, dispatch_linear, every_variant,
+    uniform_buffer,
 };
+use tracebench_shaders::bvh::{Binary, Cwbvh};
 
 use super::layout::NodeKind;
 use super::resident::Resident;
@@ -103,8 +104,7 @@ const SETTINGS: &str = "settings";
 
 /// The buffers of a trace that counts.
 pub(crate) struct Counting {
-    /// Two u32 a ray.
-    counts: Buffer,
+    counts: RayCounts<2>,
     /// A bit a node.
     nodes: TouchedBits,
     /// A bit a slot of the leaves.
@@ -112,11 +112,9 @@ pub(crate) struct Counting {
 }
 
 impl Counting {
-    fn new(gpu: &Gpu, resident: &Resident, count_bytes: u64) -> Result<Self, TracerError> {
-        const TURN_DOWN: &str = "--size";
-        gpu.check_storage_binding("counts", count_bytes, TURN_DOWN)?;
+    fn new(gpu: &Gpu, resident: &Resident, rays: usize) -> Result<Self, TracerError> {
         Ok(Self {
-            counts: gpu.buffer("counts", count_bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, TURN_DOWN)?,
+            counts: RayCounts::new(gpu, "counts", rays)?,
             nodes: TouchedBits::new(gpu, "nodes touched", resident.node_room(), "the scene's triangle count")?,
             references: TouchedBits::new(
                 gpu,
@@ -124,26 +122,6 @@ impl Counting {
                 resident.reference_count(),
                 "the scene's triangle count",
             )?,
-        })
-    }
-}
-
-/// The variants over one kind of node.
-struct Kernels {
-    trace: ComputePipeline,
-    trace_counted: ComputePipeline,
-    deep: ComputePipeline,
-    deep_counted: ComputePipeline,
-}
-
-impl Kernels {
-    fn new(gpu: &Gpu, [trace, trace_counted, deep, deep_counted]: [Shader; 4]) -> Result<Self, TracerError> {
-        let pipeline = |shader| compute_pipeline(gpu, shader, "trace");
-        Ok(Self {
-            trace: pipeline(trace)?,
-            trace_counted: pipeline(trace_counted)?,
-            deep: pipeline(deep)?,
-            deep_counted: pipeline(deep_counted)?,
         })
     }
 }
@@ -163,17 +141,19 @@ pub(crate) struct Searched<'a> {
 pub(crate) struct Searches {
     pub(crate) gpu: Arc<Gpu>,
     gather: Gather,
-    wide: Kernels,
-    binary: Kernels,
+    wide: BTreeMap<Cwbvh, ComputePipeline>,
+    binary: BTreeMap<Binary, ComputePipeline>,
 }
 
 impl Searches {
     /// Compiles them.
     pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        let wide = [BVH_WIDE, BVH_WIDE_COUNTED, BVH_WIDE_DEEP, BVH_WIDE_DEEP_COUNTED];
-        let binary = [BVH_BINARY, BVH_BINARY_COUNTED, BVH_BINARY_DEEP, BVH_BINARY_DEEP_COUNTED];
-        let (wide, binary) = (Kernels::new(&gpu, wide)?, Kernels::new(&gpu, binary)?);
-        Ok(Self { gather: Gather::new(&gpu)?, wide, binary, gpu })
+        Ok(Self {
+            gather: Gather::new(&gpu)?,
+            wide: every_variant(|variant: Cwbvh| compute_pipeline(&gpu, variant, "trace"))?,
+            binary: every_variant(|variant: Binary| compute_pipeline(&gpu, variant, "trace"))?,
+            gpu,
+        })
     }
 
     /// Records a trace; with something to count into by a counting variant. Surfaces are gathered after it.
@@ -187,19 +167,14 @@ impl Searches {
     ) -> Result<(), TracerError> {
         let Searched { resident, geometry, scale } = searched;
         let gpu = &*self.gpu;
-        let kernels = match resident.kind {
-            NodeKind::Wide => &self.wide,
-            NodeKind::Binary => &self.binary,
-        };
-        let pipeline = match (resident.stacks(), counting) {
-            (None, None) => &kernels.trace,
-            (None, Some(_)) => &kernels.trace_counted,
-            (Some(_), None) => &kernels.deep,
-            (Some(_), Some(_)) => &kernels.deep_counted,
+        let (deep, counters) = (resident.stacks().is_some(), counting.is_some());
+        let pipeline = match resident.kind {
+            NodeKind::Wide => &self.wide[&Cwbvh { deep, counters }],
+            NodeKind::Binary => &self.binary[&Binary { deep, counters }],
         };
         let mut dispatches = Vec::new();
         for settings in SearchSettings::of_dispatches(job, resident, scale) {
-            let uniform = gpu.buffer_with(SETTINGS, bytemuck::bytes_of(&settings), BufferUsages::UNIFORM, "nothing")?;
+            let uniform = uniform_buffer(gpu, SETTINGS, &settings)?;
             let mut resources = vec![
                 uniform.as_entire_binding(),
                 BindingResource::TextureView(resident.nodes()),
@@ -207,7 +182,7 @@ impl Searches {
                 job.rays.on_device()?.as_entire_binding(),
                 hits.on_device(job.rays.host.len())?.as_entire_binding(),
             ];
-            let counting = counting.map(|all| [&all.counts, all.nodes.buffer(), all.references.buffer()]);
+            let counting = counting.map(|all| [all.counts.buffer(), all.nodes.buffer(), all.references.buffer()]);
             let others = counting.into_iter().flatten().chain(resident.stacks().map(|(stacks, _)| stacks));
             resources.extend(others.map(Buffer::as_entire_binding));
             let bindings = bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources);
@@ -232,18 +207,13 @@ impl Searches {
         hits: &HitBuffer,
     ) -> Result<Vec<Counter>, TracerError> {
         let gpu = &self.gpu;
-        let bytes = job.rays.host.len().max(1) as u64 * 8;
-        let counting = Counting::new(gpu, searched.resident, bytes)?;
+        let counting = Counting::new(gpu, searched.resident, job.rays.host.len())?;
         let mut clock = PhaseClock::new(Some(gpu));
         self.record(searched, job, hits, Some(&counting), &mut clock)?;
         clock.finish()?;
-        let counts: Vec<[u32; 2]> = bytemuck::pod_collect_to_vec(&gpu.read(&counting.counts, bytes)?);
-        let counts = &counts[..job.rays.host.len()];
-        Ok(vec![
-            Counter::of("nodes_visited", counts.iter().map(|[nodes, _]| u64::from(*nodes))),
-            Counter::of("triangle_tests", counts.iter().map(|[_, tests]| u64::from(*tests))),
-            Counter::of_set("nodes_touched", counting.nodes.count(gpu)?),
-            Counter::of_set("references_touched", counting.references.count(gpu)?),
-        ])
+        let mut counters = counting.counts.counters(gpu, ["nodes_visited", "triangle_tests"])?;
+        counters.push(Counter::of_set("nodes_touched", counting.nodes.count(gpu)?));
+        counters.push(Counter::of_set("references_touched", counting.references.count(gpu)?));
+        Ok(counters)
     }
 }

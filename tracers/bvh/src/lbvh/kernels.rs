@@ -6,10 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::ComputePipeline;
 use tracebench_api::{Geometry, Gpu, TracerError};
 use tracebench_kit::{RadixSort, compute_pipeline};
-use tracebench_shaders::{
-    BVH_BUILD_CLUSTER, BVH_BUILD_CLUSTER_WIDE, BVH_BUILD_CONVERT, BVH_BUILD_LEAVES, BVH_REFIT_BINARY, BVH_REFIT_WIDE,
-    Shader,
-};
+use tracebench_shaders::bvh::{CONVERT, Cluster, LEAVES, Refit};
 
 /// As `WORKGROUP_SIZE` in shaders/bvh.
 pub(super) const WORKGROUP_SIZE: u32 = 64;
@@ -105,8 +102,8 @@ pub(super) struct ClusterKernels {
 }
 
 impl ClusterKernels {
-    fn new(gpu: &Gpu, shader: Shader) -> Result<Self, TracerError> {
-        let pipeline = |entry_point| compute_pipeline(gpu, shader, entry_point);
+    fn new(gpu: &Gpu, variant: Cluster) -> Result<Self, TracerError> {
+        let pipeline = |entry_point| compute_pipeline(gpu, variant, entry_point);
         Ok(Self {
             search: pipeline("search")?,
             tally: pipeline("tally")?,
@@ -135,18 +132,18 @@ pub(super) struct Kernels {
 impl Kernels {
     /// Compiles them.
     pub(super) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        let leaves = |entry_point| compute_pipeline(&gpu, BVH_BUILD_LEAVES, entry_point);
+        let leaves = |entry_point| compute_pipeline(&gpu, LEAVES, entry_point);
         Ok(Self {
             sort: RadixSort::new(&gpu)?,
             encode: leaves("encode")?,
             place: leaves("place")?,
             fill: leaves("fill")?,
-            cluster_binary: ClusterKernels::new(&gpu, BVH_BUILD_CLUSTER)?,
-            cluster_wide: ClusterKernels::new(&gpu, BVH_BUILD_CLUSTER_WIDE)?,
-            convert: compute_pipeline(&gpu, BVH_BUILD_CONVERT, "convert")?,
-            refit_binary: compute_pipeline(&gpu, BVH_REFIT_BINARY, "fit")?,
-            refit_binary_last: compute_pipeline(&gpu, BVH_REFIT_BINARY, "fit_last")?,
-            refit_wide: compute_pipeline(&gpu, BVH_REFIT_WIDE, "fit")?,
+            cluster_binary: ClusterKernels::new(&gpu, Cluster { wide: false })?,
+            cluster_wide: ClusterKernels::new(&gpu, Cluster { wide: true })?,
+            convert: compute_pipeline(&gpu, CONVERT, "convert")?,
+            refit_binary: compute_pipeline(&gpu, Refit { wide: false }, "fit")?,
+            refit_binary_last: compute_pipeline(&gpu, Refit { wide: false }, "fit_last")?,
+            refit_wide: compute_pipeline(&gpu, Refit { wide: true }, "fit")?,
             gpu,
         })
     }

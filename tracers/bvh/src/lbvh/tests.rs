@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use tracebench_api::{AdapterChoice, Geometry, Gpu, Parameters, PhaseClock, Preset};
-use tracebench_shaders::{BVH_BUILD_CLUSTER, BVH_BUILD_CONVERT, BVH_BUILD_LEAVES, Shader};
+use tracebench_shaders::Shader;
+use tracebench_shaders::bvh::{CONVERT, Cluster, LEAVES};
 
 use super::iterations::LAST_CLUSTERS;
 use super::kernels::{CROWDED, FINISHED, LEVELS, RUN, TAKEN_SLOTS};
@@ -46,22 +47,23 @@ fn constant(shader: Shader, name: &str) -> Option<usize> {
 /// Places and sizes that the host knows are those of the shaders.
 #[test]
 fn constants_are_those_of_the_shaders() {
+    let cluster = Shader::from(Cluster { wide: false });
     for (shader, name, expected) in [
-        (BVH_BUILD_CLUSTER, "FINISHED", FINISHED),
-        (BVH_BUILD_CONVERT, "TAKEN_SLOTS", TAKEN_SLOTS),
-        (BVH_BUILD_LEAVES, "CROWDED", CROWDED),
-        (BVH_BUILD_CONVERT, "LEVELS", LEVELS),
-        (BVH_BUILD_CLUSTER, "RUN", RUN as usize),
-        (BVH_BUILD_CLUSTER, "LAST_CLUSTERS", LAST_CLUSTERS as usize),
-        (BVH_BUILD_CLUSTER, "MOST_LEVELS", BINARY_STACK),
+        (cluster, "FINISHED", FINISHED),
+        (CONVERT, "TAKEN_SLOTS", TAKEN_SLOTS),
+        (LEAVES, "CROWDED", CROWDED),
+        (CONVERT, "LEVELS", LEVELS),
+        (cluster, "RUN", RUN as usize),
+        (cluster, "LAST_CLUSTERS", LAST_CLUSTERS as usize),
+        (cluster, "MOST_LEVELS", BINARY_STACK),
     ] {
         assert_eq!(constant(shader, name), Some(expected), "{name}");
     }
     // The words of all iterations end before those that follow: searches, then pairings of what they may leave.
-    let searches = constant(BVH_BUILD_CLUSTER, "MOST_SEARCHES").unwrap();
+    let searches = constant(cluster, "MOST_SEARCHES").unwrap();
     assert!(FINISHED + searches + (LAST_CLUSTERS.ilog2() as usize) < TAKEN_SLOTS);
     // Negative control: a name that is only the beginning of one is not found.
-    assert_eq!(constant(BVH_BUILD_CLUSTER, "FINISH"), None);
+    assert_eq!(constant(cluster, "FINISH"), None);
 }
 
 /// Proves that the nodes and references counted as touched by a set of rays are those whose boxes the rays meet by brute

@@ -20,13 +20,12 @@ mod search;
 
 use std::sync::Arc;
 
-use tracebench_api::wgpu::BufferUsages;
 use tracebench_api::{
     Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, MemoryEntry, MemoryReport, Parameters, PhaseClock, Query, Ray,
     RayBuffer, Residency, Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
 };
 
-use tracebench_kit::{Gather, SurfaceGeometry, TouchedBits};
+use tracebench_kit::{Gather, RayCounts, SurfaceGeometry, TouchedBits};
 
 use acceleration::Acceleration;
 pub use description::description;
@@ -182,23 +181,18 @@ impl Structure for RayQueryStructure {
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let lowest_of_equal = wants_lowest(&job);
         let gpu = &self.queries.gpu;
-        let bytes = job.rays.host.len().max(1) as u64 * 4;
-        gpu.check_storage_binding("counts", bytes, "--size")?;
-        let counts = gpu.buffer("counts", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?;
+        let counts = RayCounts::new(gpu, "counts", job.rays.host.len())?;
         let mut clock = PhaseClock::new(Some(gpu));
         let triangles = self.built_over.triangles.len() as u64;
         let offered = TouchedBits::new(gpu, "triangles offered", triangles, "the scene's triangle count")?;
-        let question = Question::TraceCounted { lowest_of_equal, counts: &counts, offered: offered.buffer() };
+        let question = Question::TraceCounted { lowest_of_equal, counts: counts.buffer(), offered: offered.buffer() };
         self.queries.record(question, &self.acceleration, job.rays, hits, &mut clock)?;
         self.gather(&job, hits, &mut clock)?;
         clock.finish()?;
-        let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&counts, bytes)?);
-        let counts = counts.into_iter().take(job.rays.host.len()).map(u64::from);
-        Ok(vec![
-            Counter::of("proceed_calls", counts),
-            // Of the nodes and triangles that it touches the driver tells nothing.
-            Counter::of_set("triangles_offered", offered.count(gpu)?),
-        ])
+        let mut counters = counts.counters(gpu, ["proceed_calls"])?;
+        // Of the nodes and triangles that it touches the driver tells nothing.
+        counters.push(Counter::of_set("triangles_offered", offered.count(gpu)?));
+        Ok(counters)
     }
 
     fn memory(&self) -> MemoryReport {

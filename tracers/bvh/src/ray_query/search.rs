@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use tracebench_api::wgpu::{Buffer, BufferUsages, ComputePipeline};
+use tracebench_api::wgpu::{Buffer, ComputePipeline};
 use tracebench_api::{Gpu, HitBuffer, PhaseClock, Query, RayBuffer, TracerError};
-use tracebench_kit::{Gather, bind_group, compute_pipeline, dispatch_linear};
-use tracebench_shaders::RAY_QUERY;
+use tracebench_kit::{Gather, bind_group, compute_pipeline, dispatch_linear, uniform_buffer};
+use tracebench_shaders::bvh::RAY_QUERY;
 
 use super::acceleration::Acceleration;
 
@@ -106,7 +106,7 @@ impl Queries {
             greatest_t: (f64::from(f32::MAX) / 2.0 / f64::from(scale)).min(f64::from(f32::MAX)) as f32,
         };
         let gpu = &*self.gpu;
-        let uniform = gpu.buffer_with("settings", bytemuck::bytes_of(&settings), BufferUsages::UNIFORM, "nothing")?;
+        let uniform = uniform_buffer(gpu, "settings", &settings)?;
         let mut resources = vec![
             uniform.as_entire_binding(),
             acceleration.top.as_binding(),

@@ -1,0 +1,115 @@
+//! The Rust source by which host code looks shaders up: a module a folder, and in it a constant for a shader without
+//! variants, a struct of flags for one whose flags are free, an enum for one with several lines. Every value of these types
+//! is a variant that was composed, so that one that does not exist does not compile.
+
+use std::fmt::Write as _;
+
+use crate::list::{Case, Listed};
+
+/// The table while it is written, with the files that it includes: their names and texts.
+#[derive(Default)]
+pub struct Table {
+    pub files: Vec<(String, String)>,
+    /// Entries of the list of all.
+    all: String,
+    modules: String,
+}
+
+impl Table {
+    /// Adds a folder with its shaders; `compose` makes the text of a file with some definitions.
+    pub fn add_folder(
+        &mut self,
+        folder: &str,
+        listed: &[Listed],
+        compose: impl Fn(&Listed, &[String]) -> Result<String, String>,
+    ) -> Result<(), String> {
+        let mut items = String::new();
+        for each in listed {
+            let file = format!("{folder}/{}.wgsl", each.stem);
+            let mut arms = Vec::new();
+            for case in &each.cases {
+                for choice in case.choices() {
+                    let definitions = case.definitions(&choice);
+                    let name = std::iter::once(format!("{folder}/{}", each.stem)).chain(definitions.iter().cloned());
+                    let name = name.collect::<Vec<_>>().join(" ");
+                    let text = compose(each, &definitions).map_err(|error| format!("{name}: {error}"))?;
+                    let place = self.files.len();
+                    let _ = writeln!(
+                        self.all,
+                        "Shader {{ name: {name:?}, file: {file:?}, source: include_str!(concat!(env!(\"OUT_DIR\"), \
+                         \"/{place}.wgsl\")) }},"
+                    );
+                    self.files.push((format!("{place}.wgsl"), text));
+                    arms.push((pattern(each, case, &choice), place));
+                }
+            }
+            items.push_str(&item(each, &file, &arms));
+        }
+        if !items.is_empty() {
+            let name = folder.replace('-', "_");
+            let _ = writeln!(self.modules, "/// Shaders of `{folder}/`.\npub mod {name} {{\n{items}}}");
+        }
+        Ok(())
+    }
+
+    /// The source.
+    pub fn source(&self) -> String {
+        format!("/// Every variant.\npub const ALL: &[Shader] = &[\n{}];\n{}", self.all, self.modules)
+    }
+}
+
+/// The name of an item after a file, or of an enum's case after definitions.
+fn camel(words: &str) -> String {
+    let capital = |word: &str| word[..1].to_uppercase() + &word[1..].to_lowercase();
+    words.split('_').filter(|word| !word.is_empty()).map(capital).collect()
+}
+
+fn is_free(listed: &Listed) -> bool {
+    matches!(listed.cases.as_slice(), [only] if only.always.is_empty())
+}
+
+/// What a line is called in its enum.
+fn case_name(case: &Case) -> String {
+    if case.always.is_empty() { "Plain".to_owned() } else { camel(&case.always.join("_")) }
+}
+
+/// A variant as a pattern and expression.
+fn pattern(listed: &Listed, case: &Case, choice: &[bool]) -> String {
+    let case_name = if is_free(listed) { String::new() } else { format!("::{}", case_name(case)) };
+    let fields = case.optional.iter().zip(choice).map(|(name, is)| format!("{}: {is}", name.to_lowercase()));
+    let fields = fields.collect::<Vec<_>>().join(", ");
+    let fields = if fields.is_empty() { fields } else { format!(" {{ {fields} }}") };
+    format!("{}{case_name}{fields}", camel(&listed.stem))
+}
+
+/// The item of a file; `arms` are its variants with their places among all.
+fn item(listed: &Listed, file: &str, arms: &[(String, usize)]) -> String {
+    if let [(_, place)] = arms {
+        let name = listed.stem.to_uppercase();
+        return format!("/// `{file}`.\npub const {name}: super::Shader = super::ALL[{place}];\n");
+    }
+    let name = camel(&listed.stem);
+    let fields = |case: &Case, public: &str| -> String {
+        let field = |name: &String| format!("/// With `{name}`.\n{public}{}: bool,\n", name.to_lowercase());
+        case.optional.iter().map(field).collect()
+    };
+    let body = if is_free(listed) {
+        format!("pub struct {name} {{\n{}}}", fields(&listed.cases[0], "pub "))
+    } else {
+        let case = |case: &Case| {
+            let fields = fields(case, "");
+            let fields = if fields.is_empty() { fields } else { format!(" {{\n{fields}}}") };
+            let with: Vec<String> = case.always.iter().map(|name| format!("`{name}`")).collect();
+            let with = if with.is_empty() { "nothing always".to_owned() } else { with.join(" and ") };
+            format!("/// With {with}.\n{}{fields},\n", case_name(case))
+        };
+        format!("pub enum {name} {{\n{}}}", listed.cases.iter().map(case).collect::<String>())
+    };
+    let all: String = arms.iter().map(|(pattern, _)| format!("{pattern}, ")).collect();
+    let found: String = arms.iter().map(|(pattern, place)| format!("{pattern} => super::ALL[{place}],\n")).collect();
+    format!(
+        "/// Variants of `{file}`.\n#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]\n{body}\nimpl \
+         super::Variant for {name} {{\nconst ALL: &'static [Self] = &[{all}];\n}}\nimpl From<{name}> for super::Shader \
+         {{\nfn from(variant: {name}) -> Self {{\nmatch variant {{\n{found}}}\n}}\n}}\n"
+    )
+}

@@ -1,0 +1,161 @@
+#define_import_path tracebench::fragment_search
+
+// The search among the fragments of a pixel, a piece of the s-buffer or lists, for the first that the ray meets between two
+// depths.
+
+#import tracebench::depth_bounds::bucket_share
+#import tracebench::fragment_store::{shape, search, views, number, found, found_depth, open, load_id, test_depth, take, word_of, bounds_of, misses}
+
+#ifdef CONTIGUOUS
+// The first node of a piece with at least this depth, its end if there is none.
+fn first_not_before(begin: u32, end: u32, depth: f32) -> u32 {
+    var low = begin;
+    var high = end;
+    open += 1u;
+    loop {
+        if (low >= high) {
+            open -= 1u;
+            break;
+        }
+        let middle = low + (high - low) / 2u;
+        if (test_depth(middle) < depth) {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+// A pixel's piece of the s-buffer: from the side that the ray comes from, by halving where it is long. Of equal depths the first.
+fn search_fragments(pixel: u32, least: f32, most: f32, forwards: bool) {
+    let begin = word_of(pixel, 0u);
+    let count = word_of(pixel, 1u);
+    let end = min(begin + count, views[number].node_capacity);
+    if (begin >= end) {
+        return;
+    }
+    let skipping = search.skipping == 1u;
+    if (skipping && misses(vec2<f32>(test_depth(begin), test_depth(end - 1u)), least, most)) {
+        return;
+    }
+    if (count > search.binary_search_above) {
+        if (!forwards) {
+            // The last before `most`, and of its depth the first.
+            let behind = first_not_before(begin, end, most);
+            if (behind > begin) {
+                let depth = test_depth(behind - 1u);
+                if (depth >= least) {
+                    take(first_not_before(begin, behind, depth), depth);
+                }
+            }
+            return;
+        }
+        let at = first_not_before(begin, end, least);
+        if (at < end) {
+            let depth = test_depth(at);
+            if (depth < most) {
+                take(at, depth);
+            }
+        }
+        return;
+    }
+    var step = 0u;
+    open += 1u;
+    loop {
+        if (step >= end - begin) {
+            open -= 1u;
+            break;
+        }
+        let node = select(end - 1u - step, begin + step, forwards);
+        let depth = test_depth(node);
+        let inside = depth >= least && depth < most;
+        let passed = select((depth < least), (depth >= most), forwards);
+        if ((found && (forwards || depth != found_depth)) || (skipping && passed)) {
+            open -= 1u;
+            break;
+        }
+        if (inside) {
+            take(node, depth);
+        }
+        step += 1u;
+    }
+}
+#else
+// A list, from its head or, where it is linked both ways, from the end that the ray comes from. Of equal depths the first.
+fn search_list(pixel: u32, bucket: u32, least: f32, most: f32, forwards: bool) {
+    let backwards = !forwards && shape.double == 1u;
+    var link = word_of(pixel, bucket + select(0u, shape.buckets, backwards));
+    if (link == 0u) {
+        return;
+    }
+    let skipping = search.skipping == 1u;
+    open += 1u;
+    loop {
+        let node = link - 1u;
+        let depth = test_depth(node);
+        let inside = depth >= least && depth < most;
+        if (backwards) {
+            if ((found && depth != found_depth) || (skipping && depth < least)) {
+                open -= 1u;
+                break;
+            }
+            if (inside) {
+                take(node, depth);
+            }
+        } else {
+            if (inside && (!found || depth > found_depth)) {
+                take(node, depth);
+            }
+            if ((found && forwards) || (skipping && depth >= most)) {
+                open -= 1u;
+                break;
+            }
+        }
+        link = load_id(node * shape.node_words + select(1u, 2u, backwards));
+        if (link == 0u) {
+            open -= 1u;
+            break;
+        }
+    }
+}
+
+// The buckets of a pixel that the ray's depths overlap (step b), in the order in which it meets them, up to the first with a
+// hit (step c).
+fn search_fragments(pixel: u32, least: f32, most: f32, forwards: bool) {
+    var first = 0u;
+    var last = shape.buckets - 1u;
+    if (search.skipping == 1u) {
+        if (shape.bounds_word > 0u) {
+            let bounds = bounds_of(pixel);
+            if (misses(bounds, least, most)) {
+                return;
+            }
+            // A little more than what is asked for: fragments were put into buckets by another shader.
+            let shares = vec2<f32>(bucket_share(least, bounds), bucket_share(most, bounds)) * f32(shape.buckets);
+            let held = clamp(floor(shares + vec2<f32>(-1e-3, 1e-3)), vec2<f32>(0.0), vec2<f32>(f32(last)));
+            first = u32(held.x);
+            last = u32(held.y);
+        } else if (shape.double == 1u) {
+            let head = word_of(pixel, 0u);
+            if (head == 0u) {
+                return;
+            }
+            let tail = word_of(pixel, 1u);
+            if (misses(vec2<f32>(test_depth(head - 1u), test_depth(tail - 1u)), least, most)) {
+                return;
+            }
+        }
+    }
+    var opened = first;
+    open += 1u;
+    loop {
+        search_list(pixel, select(last + first - opened, opened, forwards), least, most, forwards);
+        opened += 1u;
+        if (opened > last || found) {
+            open -= 1u;
+            break;
+        }
+    }
+}
+#endif

@@ -1,0 +1,168 @@
+#define_import_path tracebench::fragment_store
+
+// What a trace reads of the fragments that are stored, and the state of a lane's ray while it is traced.
+
+#import tracebench::types::Ray
+#import tracebench::image_walk::EyeRay
+#import tracebench::depth_bounds::depths_of
+#import tracebench::fragment_layout::{Storage, TracedView, BOUNDS_SLACK}
+
+struct MarchSettings {
+    ray_count: u32,
+    view_count: u32,
+    // 0: a number of steps a view, 1: every pixel, 2: up and down the pyramid.
+    march: u32,
+    // Steps a view; steps after which a ray is given up.
+    steps: u32,
+    max_steps: u32,
+    // 1: steps look at their middle.
+    centred: u32,
+    // 1: a step asks for depths within its pixel alone.
+    span_by_pixel: u32,
+    // 1: pixels, buckets and rests of lists that hold no hit are skipped.
+    skipping: u32,
+    binary_search_above: u32,
+    // Scene units, and parts of the eye depth: one of both is 0.
+    thickness: f32,
+    // Widths of a pixel.
+    thickness_in_pixels: f32,
+    // Pixels along the major axis.
+    start_bias: f32,
+    // 1: fragments are as thick as that before their depth, not behind it.
+    thick_before: u32,
+    padding_a: u32,
+    padding_b: u32,
+    padding_c: u32,
+}
+
+@group(0) @binding(0) var<uniform> shape: Storage;
+@group(0) @binding(1) var<uniform> search: MarchSettings;
+@group(0) @binding(2) var<uniform> views: array<TracedView, 7>;
+@group(0) @binding(5) var<storage, read> pixels: array<u32>;
+@group(0) @binding(6) var<storage, read> ids: array<u32>;
+#ifdef COUNTERS
+// A bit a node: tested by any ray.
+@group(0) @binding(11) var<storage, read_write> touched: array<atomic<u32>>;
+#endif
+#ifdef SPLIT
+// Where one binding does not hold all, each view has buffers of its own: these are the further views'.
+@group(1) @binding(0) var<storage, read> pixels_1: array<u32>;
+@group(1) @binding(1) var<storage, read> pixels_2: array<u32>;
+@group(1) @binding(2) var<storage, read> pixels_3: array<u32>;
+@group(1) @binding(3) var<storage, read> pixels_4: array<u32>;
+@group(1) @binding(4) var<storage, read> pixels_5: array<u32>;
+@group(1) @binding(5) var<storage, read> pixels_6: array<u32>;
+@group(1) @binding(6) var<storage, read> ids_1: array<u32>;
+@group(1) @binding(7) var<storage, read> ids_2: array<u32>;
+@group(1) @binding(8) var<storage, read> ids_3: array<u32>;
+@group(1) @binding(9) var<storage, read> ids_4: array<u32>;
+@group(1) @binding(10) var<storage, read> ids_5: array<u32>;
+@group(1) @binding(11) var<storage, read> ids_6: array<u32>;
+#endif
+
+// The state of this lane's ray.
+var<private> ray: Ray;
+var<private> eye_ray: EyeRay;
+var<private> number: u32;
+var<private> found: bool;
+var<private> found_node: u32;
+var<private> found_depth: f32;
+var<private> found_t: f32;
+var<private> capped: bool;
+var<private> steps: u32;
+// Loops that were begun and not ended by themselves. Mesa's software driver ends the loops of eight lanes together after
+// 65,535 rounds in all; a ray that it cut off is given up like one that ran out of steps.
+var<private> open: u32;
+#ifdef COUNTERS
+// As in the counts of a ray.
+var<private> work: array<u32, 5>;
+#endif
+
+fn load_pixel(index: u32) -> u32 {
+#ifdef SPLIT
+    switch (number) {
+        case 0u: {
+            return pixels[index];
+        }
+        case 1u: {
+            return pixels_1[index];
+        }
+        case 2u: {
+            return pixels_2[index];
+        }
+        case 3u: {
+            return pixels_3[index];
+        }
+        case 4u: {
+            return pixels_4[index];
+        }
+        case 5u: {
+            return pixels_5[index];
+        }
+        default: {
+            return pixels_6[index];
+        }
+    }
+#else
+    return pixels[index];
+#endif
+}
+
+fn load_id(index: u32) -> u32 {
+#ifdef SPLIT
+    switch (number) {
+        case 0u: {
+            return ids[index];
+        }
+        case 1u: {
+            return ids_1[index];
+        }
+        case 2u: {
+            return ids_2[index];
+        }
+        case 3u: {
+            return ids_3[index];
+        }
+        case 4u: {
+            return ids_4[index];
+        }
+        case 5u: {
+            return ids_5[index];
+        }
+        default: {
+            return ids_6[index];
+        }
+    }
+#else
+    return ids[index];
+#endif
+}
+
+// The depth of a fragment that is tested.
+fn test_depth(node: u32) -> f32 {
+#ifdef COUNTERS
+    work[2] += 1u;
+    let bit = views[number].first_node + node;
+    atomicOr(&touched[bit >> 5u], 1u << (bit & 31u));
+#endif
+    return bitcast<f32>(load_id(node * shape.node_words));
+}
+
+fn take(node: u32, depth: f32) {
+    found = true;
+    found_node = node;
+    found_depth = depth;
+}
+
+fn word_of(pixel: u32, word: u32) -> u32 {
+    return load_pixel(pixel * shape.pixel_stride + word * views[number].word_stride);
+}
+
+fn bounds_of(pixel: u32) -> vec2<f32> {
+    return depths_of(vec2<u32>(word_of(pixel, shape.bounds_word), word_of(pixel, shape.bounds_word + 1u)));
+}
+
+// Whether a ray with these depths passes outside of depth bounds (step a).
+fn misses(bounds: vec2<f32>, least: f32, most: f32) -> bool {
+    return most <= bounds.x * (1.0 - BOUNDS_SLACK) || least > bounds.y * (1.0 + BOUNDS_SLACK);
+}

@@ -1,0 +1,65 @@
+//! What a variant that counts writes of every ray.
+
+use tracebench_api::wgpu::{Buffer, BufferUsages};
+use tracebench_api::{Counter, Gpu, TracerError};
+
+/// `N` counts a ray on the device, all 0 at first. A shader sees them as an array of u32, or of vectors of `N`.
+#[derive(Debug)]
+pub struct RayCounts<const N: usize> {
+    counts: Buffer,
+    rays: usize,
+}
+
+impl<const N: usize> RayCounts<N> {
+    /// Counts of so many rays.
+    ///
+    /// # Errors
+    /// [`TracerError::TooLarge`] if the device cannot hold or bind them; rays are what to have fewer of.
+    pub fn new(gpu: &Gpu, name: &str, rays: usize) -> Result<Self, TracerError> {
+        let bytes = (rays.max(1) * N * 4) as u64;
+        gpu.check_storage_binding(name, bytes, "--size")?;
+        let counts = gpu.buffer(name, bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?;
+        Ok(Self { counts, rays })
+    }
+
+    /// What is bound.
+    pub fn buffer(&self) -> &Buffer {
+        &self.counts
+    }
+
+    /// The counters of these names, in the order in which the shader has them.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the device fails.
+    pub fn counters(&self, gpu: &Gpu, names: [&'static str; N]) -> Result<Vec<Counter>, TracerError> {
+        let counts: Vec<[u32; N]> = bytemuck::pod_collect_to_vec(&gpu.read(&self.counts, self.counts.size())?);
+        let of = |(place, name)| Counter::of(name, counts[..self.rays].iter().map(|counts| u64::from(counts[place])));
+        Ok(names.into_iter().enumerate().map(of).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tracebench_api::AdapterChoice;
+
+    /// Counters are read from their places, over all rays and no more; without rays there is nothing to count.
+    #[test]
+    fn counters_are_read_from_their_places() {
+        let gpu = Gpu::open(&AdapterChoice::default()).unwrap();
+        let counts = RayCounts::<2>::new(&gpu, "counts", 3).unwrap();
+        let written = gpu.buffer_with(
+            "written",
+            bytemuck::cast_slice(&[1_u32, 10, 2, 20, 4, 40]),
+            BufferUsages::COPY_SRC,
+            "nothing",
+        );
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(&written.unwrap(), 0, counts.buffer(), 0, 24);
+        gpu.queue.submit([encoder.finish()]);
+        let of = |name, values: [u64; 3]| Counter::of(name, values);
+        assert_eq!(counts.counters(&gpu, ["a", "b"]).unwrap(), [of("a", [1, 2, 4]), of("b", [10, 20, 40])]);
+        let none = RayCounts::<1>::new(&gpu, "counts", 0).unwrap();
+        assert_eq!(none.counters(&gpu, ["a"]).unwrap(), [Counter::of("a", [])]);
+    }
+}
