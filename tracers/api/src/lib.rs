@@ -9,6 +9,7 @@
 
 mod allocations;
 mod clock;
+mod declared;
 mod error;
 mod geometry;
 mod gpu;
@@ -21,6 +22,7 @@ mod viewpoint;
 
 pub use allocations::Allocations;
 pub use clock::{ClockKind, PhaseClock, PhaseSample, Timing};
+pub use declared::{Choice, Parameter, ParameterType};
 pub use error::TracerError;
 pub use geometry::{DeviceGeometry, Geometry};
 pub use gpu::{AdapterChoice, AdapterListing, Gpu, list_adapters};

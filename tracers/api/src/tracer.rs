@@ -173,9 +173,12 @@ pub trait Structure {
 
     /// A trace's own buffers and textures, beside rays, hits and surfaces: what the job takes while it runs, each by its
     /// name. Of textures, which drivers pad as they like, what the last such job took.
-    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
+    ///
+    /// # Errors
+    /// [`TracerError::Parameter`] for a job with other parameters than the tracer's.
+    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
         let _ = job;
-        Vec::new()
+        Ok(Vec::new())
     }
 
     /// The views that the structure sees the scene through; empty for one that does not depend on a view.
