@@ -12,7 +12,7 @@ use tracebench_scenes::CameraPath;
 use crate::controls::{Control, KnownAnswers};
 use crate::judge::{Class, Judge, JudgeError, Rule};
 use crate::progress::Progress;
-use crate::rays::{self, RayError, RayScene, RaySet, Starts};
+use crate::rays::{self, RayError, RayParameters, RayScene, RaySet, Starts};
 use crate::results::{Judgement, Skipped, SurfaceJudgement};
 use crate::truth::{Answer, Cache, Truth, TruthError};
 
@@ -210,6 +210,7 @@ impl Session {
         let answers = Arc::new(truth.answer(&primary, Query::Closest, cache, progress)?);
         let primary = Starts::primary(primary, answers);
         let (mut prepared, mut skipped) = (Vec::new(), Vec::new());
+        let parameters = RayParameters::try_from(request.parameters).map_err(TracerError::from)?;
         let scene = RayScene {
             truth: &truth,
             viewpoint: &viewpoint,
@@ -217,7 +218,7 @@ impl Session {
             mirrors: request.mirrors,
             image: request.image,
             seed: request.seed,
-            parameters: request.parameters,
+            parameters: &parameters,
         };
         let tell = |rays: &Arc<Vec<Ray>>| truth.answer(rays, Query::Closest, cache, progress);
         for set in request.sets {
@@ -374,7 +375,7 @@ impl Session {
     /// # Errors
     /// [`TracerError::Failed`] before the first build.
     pub fn trace_memory(&self, contender: &Contender, rays: &PreparedRays) -> Result<Vec<MemoryEntry>, TracerError> {
-        Ok(contender.structure()?.trace_memory(self.job(contender, rays)))
+        contender.structure()?.trace_memory(self.job(contender, rays))
     }
 
     fn job<'a>(&self, contender: &'a Contender, rays: &'a PreparedRays) -> TraceJob<'a> {

@@ -202,7 +202,7 @@ fn memory_adds_up() {
             assert_eq!(names.len(), report.structure.len(), "{report:?}");
             let of_trace = |rays: usize| -> u64 {
                 let rays = subject.rays(&scene.rays[..rays], Query::Closest);
-                structure.trace_memory(subject.job(&rays)).iter().map(|entry| entry.allocated_bytes).sum()
+                structure.trace_memory(subject.job(&rays)).unwrap().iter().map(|entry| entry.allocated_bytes).sum()
             };
             assert!(of_trace(0) <= of_trace(scene.rays.len()));
             held.push(sum);

@@ -290,7 +290,7 @@ impl Moving<'_> {
 
 #[cfg(test)]
 mod tests {
-    use tracebench_api::Preset;
+    use tracebench_api::{Preset, Value};
 
     use super::*;
     use crate::registry::TRACERS;
@@ -310,7 +310,8 @@ mod tests {
         }
         let request = TracerRequest::of(&TRACERS[0], Preset::Published);
         let build = Way { name: "other", update: Update::Refit, setting: Some(("build", "fastest")) };
-        assert_eq!(build.taken_by(&request).unwrap().parameters.choice("build"), "fastest");
+        let fastest = Value::Choice("fastest".to_owned());
+        assert_eq!(build.taken_by(&request).unwrap().parameters.value("build"), Some(&fastest));
         let wrong = Way { setting: Some(("build", "no such")), ..build };
         assert!(wrong.taken_by(&request).is_none());
     }

@@ -135,7 +135,7 @@ fn memory_of_a_trace_is_that_of_table_3() {
     let rays = RayBuffer::new(Arc::new(rays), Query::Closest, Some(&gpu));
     let parameters = parameters(&[]);
     let job = TraceJob { rays: &rays, end: EndPoint::Surface, parameters: &parameters };
-    let mut parts = structure.trace_memory(job);
+    let mut parts = structure.trace_memory(job).unwrap();
     parts.extend(HitBuffer::memory(EndPoint::Surface, rays.host.len()));
     let used = |name: &str| {
         let of_name: Vec<u64> = parts.iter().filter(|part| part.name == name).map(|part| part.used_bytes).collect();

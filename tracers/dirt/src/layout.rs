@@ -1,10 +1,10 @@
 //! Views, tiles and buffers' sizes, and the uniforms that tell shaders of them.
 
 use bytemuck::{Pod, Zeroable};
-use tracebench_api::{Parameters, View, Viewpoint};
+use tracebench_api::{View, Viewpoint};
 use tracebench_kit::ViewUniform;
 
-use crate::description::tile_size;
+use crate::description::{Centre, DirtParameters, Near, Views};
 
 /// Levels that a pyramid has at most: tiles up to 32,768 along an edge.
 const MOST_LEVELS: usize = 16;
@@ -100,22 +100,20 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    pub(crate) fn new(viewpoint: &Viewpoint, parameters: &Parameters) -> Self {
-        let tile_size = tile_size(parameters);
-        let mut views = match parameters.choice("views") {
-            "frame" => vec![viewpoint.frame_view()],
-            _ => {
-                let pulled_back = if parameters.choice("centre") == "eye" { 0.0 } else { f64::from(viewpoint.near) };
-                viewpoint.face_views(pulled_back).to_vec()
-            }
+    pub(crate) fn new(viewpoint: &Viewpoint, parameters: &DirtParameters) -> Self {
+        let tile_size = parameters.tile_size.pixels();
+        let mut views = match (parameters.views, parameters.centre) {
+            (Views::Frame, _) => vec![viewpoint.frame_view()],
+            (Views::Six, Centre::PulledBack) => viewpoint.face_views(f64::from(viewpoint.near)).to_vec(),
+            (Views::Six, Centre::Eye) => viewpoint.face_views(0.0).to_vec(),
         };
-        if parameters.choice("near") == "none" {
+        if parameters.near == Near::None {
             for view in &mut views {
                 view.near = view.far * NO_NEAR;
             }
         }
         let tiles = views[0].size.map(|edge| edge.div_ceil(tile_size));
-        Self { views, tile_size, tiles, buckets: parameters.integer("buckets") as u32 }
+        Self { views, tile_size, tiles, buckets: parameters.buckets }
     }
 
     /// Tiles of a level along x and y.

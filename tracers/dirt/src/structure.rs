@@ -10,6 +10,7 @@ use tracebench_api::{
 use tracebench_kit::{LastCount, SurfaceGeometry, ViewUniform};
 
 use crate::build::{Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, Pipelines, nodes_name};
+use crate::description::{Clip, Coverage, DirtParameters};
 use crate::fetch::MaskMemory;
 use crate::layout::{Layout, MOST_VIEWS, TileGrid, TraceSettings};
 use crate::visibility::Frame;
@@ -95,11 +96,8 @@ pub(crate) fn taken(gpu: &Gpu, buffers: &Buffers) -> Result<[u32; 2], TracerErro
     Ok(bytemuck::pod_collect_to_vec::<u8, [u32; 2]>(&read)[0])
 }
 
-fn filling(parameters: &Parameters) -> Filling {
-    Filling {
-        conservative: parameters.choice("coverage") == "conservative",
-        by_plane: parameters.choice("clip") == "plane",
-    }
+fn filling(parameters: &DirtParameters) -> Filling {
+    Filling { conservative: parameters.coverage == Coverage::Conservative, by_plane: parameters.clip == Clip::Plane }
 }
 
 impl Dirt {
@@ -111,6 +109,7 @@ impl Dirt {
         clock: &mut PhaseClock<'_>,
     ) -> Result<DirtStructure, TracerError> {
         let gpu = &*self.pipelines.gpu;
+        let parameters = &DirtParameters::try_from(parameters)?;
         let (layout, filling) = (Layout::new(viewpoint, parameters), filling(parameters));
         let resident = Resident::of(geometry)?;
         let mut buffers = Buffers::new(gpu, &layout, 0)?;
@@ -153,6 +152,7 @@ impl Structure for DirtStructure {
     ) -> Result<(), TracerError> {
         match update {
             Update::Rebuild => {
+                let parameters = &DirtParameters::try_from(parameters)?;
                 let layout = Layout::new(viewpoint, parameters);
                 let resident = Resident::of(geometry)?;
                 let same_size = layout.tiles == self.layout.tiles
@@ -218,15 +218,16 @@ impl Structure for DirtStructure {
         ledger.report(self.geometry.bytes).with_surface_geometry(self.geometry.surfaces.bytes)
     }
 
-    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
+    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+        let parameters = DirtParameters::try_from(job.parameters)?;
         let uniforms = [
             ("grid", size_of::<TileGrid>()),
             ("search", size_of::<TraceSettings>()),
             ("views", MOST_VIEWS * size_of::<ViewUniform>()),
         ];
         let mut parts = uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec();
-        parts.extend(self.surface_memory(&job));
-        parts
+        parts.extend(self.surface_memory(&job, parameters.fetch));
+        Ok(parts)
     }
 
     fn views(&self) -> Vec<View> {

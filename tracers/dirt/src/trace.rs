@@ -5,6 +5,7 @@ use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, Query, TraceJob, 
 use tracebench_kit::{bind_group, dispatch_linear_groups};
 
 use crate::build::{TraceKind, view_uniforms};
+use crate::description::{Accept, CentreRays, DirtParameters, Searched};
 use crate::fetch::lost;
 use crate::layout::TraceSettings;
 use crate::structure::DirtStructure;
@@ -21,15 +22,14 @@ struct Counting {
 }
 
 impl DirtStructure {
-    fn search(&self, job: &TraceJob<'_>) -> TraceSettings {
-        let is = |name: &str, value: &str| u32::from(job.parameters.choice(name) == value);
+    fn search(&self, job: &TraceJob<'_>, parameters: &DirtParameters) -> TraceSettings {
         TraceSettings {
             ray_count: job.rays.host.len() as u32,
             view_count: self.layout.views.len() as u32,
             any_hit: u32::from(job.rays.query == Query::Any),
-            by_distance: is("accept", "distance"),
-            all_buckets: is("searched", "all"),
-            max_steps: job.parameters.integer("max_steps") as u32,
+            by_distance: u32::from(parameters.accept == Accept::Distance),
+            all_buckets: u32::from(parameters.searched == Searched::All),
+            max_steps: parameters.max_steps,
             padding: [0; 2],
         }
     }
@@ -44,10 +44,11 @@ impl DirtStructure {
     ) -> Result<(), TracerError> {
         let gpu = &*self.pipelines.gpu;
         let uniform = |name, contents: &[u8]| gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing");
-        let search = self.search(job);
+        let parameters = DirtParameters::try_from(job.parameters)?;
+        let search = self.search(job, &parameters);
         let grid = self.buffers.grid(&self.layout);
-        let kind = match (job.parameters.choice("centre_rays"), self.buffers.is_split()) {
-            ("split", _) => TraceKind::Centres,
+        let kind = match (parameters.centre_rays, self.buffers.is_split()) {
+            (CentreRays::Split, _) => TraceKind::Centres,
             (_, true) => TraceKind::Split,
             _ => TraceKind::Whole,
         };
@@ -77,7 +78,7 @@ impl DirtStructure {
         clock.device_phase("trace", |encoder| {
             dispatch_linear_groups(encoder, pipeline, &bindings, search.ray_count, WORKGROUP_SIZE);
         })?;
-        self.record_surfaces(job, hits, clock)
+        self.record_surfaces(job, parameters.fetch, hits, clock)
     }
 
     pub(crate) fn trace_hits(

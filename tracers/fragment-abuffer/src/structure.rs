@@ -9,6 +9,7 @@ use tracebench_api::{
 use tracebench_kit::LastCount;
 
 use crate::build::{Pipelines, build_uniform_bytes};
+use crate::description::FragmentParameters;
 use crate::layout::{Layout, MOST_VIEWS, Storage, TracedView};
 use crate::objects::{LastObjects, Objects};
 use crate::parts::{Parts, Taken};
@@ -97,7 +98,7 @@ impl FragmentAbuffer {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<FragmentStructure, TracerError> {
-        let layout = Layout::new(viewpoint, parameters);
+        let layout = Layout::new(viewpoint, &FragmentParameters::try_from(parameters)?);
         let objects = objects_for(&self.pipelines.gpu, &layout, geometry, &self.objects)?;
         // One buffer of a kind where the device can bind it, else one a view.
         let counts = self.count(geometry, &layout)?;
@@ -182,7 +183,10 @@ impl Structure for FragmentStructure {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         match update {
-            Update::Rebuild => self.rebuild(geometry, Layout::new(viewpoint, parameters), clock),
+            Update::Rebuild => {
+                let layout = Layout::new(viewpoint, &FragmentParameters::try_from(parameters)?);
+                self.rebuild(geometry, layout, clock)
+            }
             Update::Refit => Err(TracerError::Unsupported(
                 "fragment-abuffer has no shape to keep: its fragments are drawn again or reused".to_owned(),
             )),
@@ -229,13 +233,13 @@ impl Structure for FragmentStructure {
         ledger.report(0)
     }
 
-    fn trace_memory(&self, _job: TraceJob<'_>) -> Vec<MemoryEntry> {
+    fn trace_memory(&self, _job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
         let uniforms = [
             ("storage", size_of::<Storage>()),
             ("search", size_of::<MarchSettings>()),
             ("views", MOST_VIEWS * size_of::<TracedView>()),
         ];
-        uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec()
+        Ok(uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec())
     }
 
     fn views(&self) -> Vec<View> {

@@ -17,7 +17,7 @@ use tracebench_shaders::{
     SCREEN_DDA_TRACE, SCREEN_DDA_TRACE_COUNTED, SCREEN_DDA_TRACE_SURFACES, SCREEN_DDA_TRACE_SURFACES_COUNTED,
 };
 
-use crate::description::HIT_POINTS;
+use crate::description::DdaParameters;
 
 /// As `WORKGROUP_SIZE` in shaders/screen-dda/trace.wgsl.
 const WORKGROUP_SIZE: u32 = 64;
@@ -123,17 +123,16 @@ impl Pipelines {
 }
 
 impl ScreenDdaStructure {
-    fn settings(&self, job: &TraceJob<'_>) -> Settings {
-        let TraceJob { parameters, rays, .. } = job;
-        let hit_point = HIT_POINTS.iter().position(|name| *name == parameters.choice("hit_point")).unwrap_or(0);
-        Settings {
-            ray_count: rays.host.len() as u32,
-            max_steps: parameters.integer("max_steps") as u32,
-            hit_point: hit_point as u32,
-            stride: parameters.integer("stride") as f32,
-            thickness: (parameters.real("thickness") * self.diagonal) as f32,
-            start_bias: parameters.real("start_bias") as f32,
-        }
+    fn settings(&self, job: &TraceJob<'_>) -> Result<Settings, TracerError> {
+        let parameters = DdaParameters::try_from(job.parameters)?;
+        Ok(Settings {
+            ray_count: job.rays.host.len() as u32,
+            max_steps: parameters.max_steps,
+            hit_point: parameters.hit_point as u32,
+            stride: parameters.stride as f32,
+            thickness: (parameters.thickness * self.diagonal) as f32,
+            start_bias: parameters.start_bias as f32,
+        })
     }
 
     /// Records the trace, by the counting variant where there is something to count into.
@@ -184,7 +183,7 @@ impl ScreenDdaStructure {
         let gpu = &self.pipelines.gpu;
         let uniform = |name, contents: &[u8]| gpu.buffer_with(name, contents, BufferUsages::UNIFORM, "nothing");
         let view = uniform("view", bytemuck::bytes_of(&ViewUniform::from(&self.view)))?;
-        let settings = self.settings(job);
+        let settings = self.settings(job)?;
         let settings_buffer = uniform("settings", bytemuck::bytes_of(&settings))?;
         let mut resources = vec![
             (0, view.as_entire_binding()),
@@ -277,7 +276,7 @@ impl Structure for ScreenDdaStructure {
         ledger.report(0).with_surface_geometry(self.geometry.bytes)
     }
 
-    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
+    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
         let uniforms = [("view", size_of::<ViewUniform>()), ("settings", size_of::<Settings>())];
         let mut parts = uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec();
         if job.end == EndPoint::Surface {
@@ -286,7 +285,7 @@ impl Structure for ScreenDdaStructure {
             parts.push(MemoryEntry::whole(SEEN, job.rays.host.len().max(1) as u64 * 4));
             parts.extend([PrimitiveRaster::memory(), Gather::memory()]);
         }
-        parts
+        Ok(parts)
     }
 
     fn views(&self) -> Vec<View> {

@@ -30,6 +30,7 @@ use tracebench_kit::{Gather, SurfaceGeometry, TouchedBits};
 
 use acceleration::Acceleration;
 pub use description::description;
+use description::{EqualT, QueryParameters};
 pub use search::QuerySettings;
 use search::{Queries, Question};
 
@@ -65,7 +66,7 @@ impl Tracer for RayQuery {
         clock: &mut PhaseClock<'_>,
     ) -> Result<Box<dyn Structure>, TracerError> {
         let gpu = &self.queries.gpu;
-        let mut acceleration = Acceleration::new(gpu, geometry, parameters)?;
+        let mut acceleration = Acceleration::new(gpu, geometry, QueryParameters::try_from(parameters)?.prefer)?;
         acceleration.record_build(gpu, geometry, clock)?;
         let queries = Arc::clone(&self.queries);
         let surfaces = SurfaceGeometry::of(geometry)?;
@@ -102,10 +103,11 @@ impl RayQueryStructure {
     ) -> Result<(), TracerError> {
         let gpu = &self.queries.gpu;
         let surfaces = SurfaceGeometry::of(geometry)?;
-        if self.acceleration.fits(gpu, geometry, parameters)? {
+        let QueryParameters { prefer, .. } = QueryParameters::try_from(parameters)?;
+        if self.acceleration.fits(gpu, geometry, prefer)? {
             self.acceleration.record_build(gpu, geometry, clock)?;
         } else {
-            let mut acceleration = Acceleration::new(gpu, geometry, parameters)?;
+            let mut acceleration = Acceleration::new(gpu, geometry, prefer)?;
             acceleration.record_build(gpu, geometry, clock)?;
             self.acceleration = acceleration;
         }
@@ -149,8 +151,8 @@ impl RayQueryStructure {
 const MOST_PROBES: usize = 4096;
 
 /// Whether a job wants the lower primitive of equal hits.
-fn wants_lowest(job: &TraceJob<'_>) -> bool {
-    job.parameters.choice("equal_t") == "lowest"
+fn wants_lowest(job: &TraceJob<'_>) -> Result<bool, TracerError> {
+    Ok(QueryParameters::try_from(job.parameters)?.equal_t == EqualT::Lowest)
 }
 
 impl Structure for RayQueryStructure {
@@ -174,13 +176,13 @@ impl Structure for RayQueryStructure {
     }
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        let lowest_of_equal = wants_lowest(&job);
+        let lowest_of_equal = wants_lowest(&job)?;
         self.queries.record(Question::Trace { lowest_of_equal }, &self.acceleration, job.rays, hits, clock)?;
         self.gather(&job, hits, clock)
     }
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        let lowest_of_equal = wants_lowest(&job);
+        let lowest_of_equal = wants_lowest(&job)?;
         let gpu = &self.queries.gpu;
         let bytes = job.rays.host.len().max(1) as u64 * 4;
         gpu.check_storage_binding("counts", bytes, "--size")?;
@@ -205,10 +207,10 @@ impl Structure for RayQueryStructure {
         self.acceleration.memory().with_surface_geometry(self.geometry.bytes)
     }
 
-    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
+    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
         let settings = MemoryEntry::whole("settings", size_of::<QuerySettings>() as u64);
         let gather = (job.end == EndPoint::Surface).then(Gather::memory);
-        [settings].into_iter().chain(gather).collect()
+        Ok([settings].into_iter().chain(gather).collect())
     }
 
     fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
