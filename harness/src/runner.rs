@@ -304,7 +304,7 @@ fn measure_scene(
     }
     let samples = plan.preset.samples;
     sample_builds(session, &mut entries, samples, progress);
-    validate(&mut entries, progress);
+    validate(session.geometry(), &mut entries, progress);
     for rays in &session.rays {
         sample_traces(session, rays, &mut entries, samples, progress)?;
     }

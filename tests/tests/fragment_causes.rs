@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::glam::DVec3;
-use tracebench_api::{Geometry, Hit, Query, Ray, Status, ViewSet, Viewpoint};
+use tracebench_api::{Geometry, Hit, Query, Ray, Status, Viewpoint};
 use tracebench_harness::judge::Judge;
 use tracebench_harness::progress::Progress;
 use tracebench_harness::results::Judgement;
@@ -13,10 +13,7 @@ use tracebench_tests::{ray, rectangle, soup};
 /// Looks along -z from the origin.
 fn viewpoint() -> Viewpoint {
     let eye = tracebench_api::glam::Vec3::ZERO;
-    Viewpoint {
-        view_set: ViewSet::Frame,
-        ..tracebench_tests::viewpoint(eye, eye - DVec3::Z.as_vec3(), 0.1, 50.0, [64, 64])
-    }
+    Viewpoint { ..tracebench_tests::viewpoint(eye, eye - DVec3::Z.as_vec3(), 0.1, 50.0, [64, 64]) }
 }
 
 /// The causes of misses of every ray, by a tracer that keeps one layer or all.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
     EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency, Status,
-    Structure, TraceJob, Tracer, View, ViewSet, Viewpoint,
+    Structure, TraceJob, Tracer, View, Viewpoint,
 };
 use tracebench_harness::judge::Judge;
 use tracebench_harness::progress::Progress;
@@ -28,7 +28,6 @@ fn camera() -> Viewpoint {
         far: 100.0,
         frame: [64, 64],
         face: 64,
-        view_set: ViewSet::Frame,
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use tracebench_api::{HitBuffer, Timing, TracerError, Viewpoint};
+use tracebench_api::{Geometry, HitBuffer, Timing, TracerError, Viewpoint};
 
 use super::RunError;
 use crate::controls::Control;
@@ -88,14 +88,14 @@ pub(crate) fn sample_builds(session: &Session, entries: &mut [Entry], samples: u
     }
 }
 
-/// Lets every contender read its structure back and check it, outside of any time. What is unsound, or says of itself what
+/// Lets every contender read its structure back and check it against what it was last built over, outside of any time. What is unsound, or says of itself what
 /// is no number, takes the contender out of the race.
-pub(crate) fn validate(entries: &mut [Entry], progress: &Progress) {
+pub(crate) fn validate(geometry: &Geometry, entries: &mut [Entry], progress: &Progress) {
     let bar = progress.bar("validate", entries.len() as u64);
     for entry in entries.iter_mut() {
         let begin = Instant::now();
         let statistics = entry.attempt(|entry| {
-            let found = entry.contender.structure()?.validate()?;
+            let found = entry.contender.structure()?.validate(geometry)?;
             match found.iter().find(|(_, value)| !value.is_finite()) {
                 Some((name, value)) => Err(TracerError::Failed(format!("its structure says that {name} is {value}"))),
                 None => Ok(found.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()),

@@ -28,7 +28,7 @@ fn measure(tracer: Box<dyn Tracer>, control: Option<Control>) -> Result<Entry, R
     let mut entries = [Entry::new(Contender::ready(description, parameters, tracer), None, control)];
     let quiet = Progress::new(true);
     sample_builds(&session, &mut entries, 2, &quiet);
-    validate(&mut entries, &quiet);
+    validate(session.geometry(), &mut entries, &quiet);
     sample_traces(&session, &session.rays[0], &mut entries, 2, &quiet)?;
     let [entry] = entries;
     Ok(entry)

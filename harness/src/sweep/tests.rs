@@ -76,8 +76,8 @@ impl Structure for Held {
         self.0.memory()
     }
 
-    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
-        self.0.validate()
+    fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        self.0.validate(geometry)
     }
 }
 

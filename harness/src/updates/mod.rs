@@ -184,7 +184,8 @@ fn measure_scene(
         roles.push((FRESH_BUILD, Some(request.clone())));
         for way in WAYS {
             let Some(going) = way.taken_by(request) else { continue };
-            match create(&going) {
+            let served = (request.registration.describe)().serves(way.update);
+            match served.and_then(|()| create(&going)) {
                 Ok(entry) => followers.push(Follower { request: request.clone(), way: *way, entry }),
                 Err(error) => updates.skipped.push(skip(request, way.name, &error)),
             }
@@ -199,7 +200,7 @@ fn measure_scene(
         roles.push((follower.way.name, Some(follower.request)));
         entries.push(follower.entry);
     }
-    runner::validate(&mut entries, progress);
+    runner::validate(session.geometry(), &mut entries, progress);
     for rays in &session.rays {
         runner::sample_traces(&session, rays, &mut entries, samples, progress)?;
     }

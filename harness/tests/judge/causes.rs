@@ -14,7 +14,6 @@ fn view() -> View {
         far: 50.0,
         frame: [64, 64],
         face: 64,
-        view_set: ViewSet::Frame,
     }
     .frame_view()
 }

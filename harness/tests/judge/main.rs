@@ -9,7 +9,7 @@ mod surfaces;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use tracebench_api::{Geometry, Hit, NO_PRIMITIVE, Query, Ray, Status, View, ViewSet, Viewpoint};
+use tracebench_api::{Geometry, Hit, NO_PRIMITIVE, Query, Ray, Status, View, Viewpoint};
 use tracebench_harness::controls::Control;
 use tracebench_harness::judge::{CURVE_TOLERANCES, Class, Judge, JudgeError, MOST_WRONG_RAYS, Rule};
 use tracebench_harness::progress::Progress;

@@ -124,7 +124,7 @@ fn equal_triangles_make_hierarchies_deep() {
     let session = prepare(case, &setup, None).unwrap();
     let mut contender = candidate(None, case, Expectation::Exact).contender;
     session.sample_build(&mut contender).unwrap();
-    let statistics = contender.structure().unwrap().validate().unwrap();
+    let statistics = contender.structure().unwrap().validate(session.geometry()).unwrap();
     let depth = statistics.iter().find(|(name, _)| *name == "depth").unwrap().1;
     assert!(depth > 32.0, "{depth}");
 }

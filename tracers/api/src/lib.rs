@@ -31,7 +31,7 @@ pub use parameters::{Domain, ParameterDescription, ParameterError, ParameterScop
 pub use ray::{EndPoint, Hit, NO_PRIMITIVE, Query, Ray, Status, Surface, SurfaceStatus};
 pub use tracer::{Counter, Description, Invalidation, Residency, Structure, TraceJob, Tracer, Update};
 pub use transfer::{HitBuffer, RayBuffer};
-pub use viewpoint::{Projected, View, ViewSet, Viewpoint};
+pub use viewpoint::{Projected, View, Viewpoint};
 
 // Re-exported so that every tracer and the harness speak of the same version.
 pub use glam;

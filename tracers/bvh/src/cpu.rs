@@ -40,6 +40,9 @@ pub fn description() -> Description {
         residency: Residency::Host,
         invalidated_by: &[Invalidation::Geometry],
         names_primitives: true,
+        ends: &EndPoint::ALL,
+        queries: &Query::ALL,
+        no_refit: None,
         parameters: CpuParameters::describe(),
     }
 }
@@ -372,7 +375,7 @@ impl Structure for BvhCpuStructure {
         self.memory.clone()
     }
 
-    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+    fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
         let depth = depth(&self.bvh)?;
         check_references(&self.bvh.primitive_indices, self.triangle_count, self.bvh.uses_spatial_splits)?;
         Ok(vec![

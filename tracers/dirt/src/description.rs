@@ -1,7 +1,7 @@
 //! The parameters of `dirt`.
 
 use tracebench_api::ParameterScope::{Build, Trace};
-use tracebench_api::{Description, Invalidation, Parameter, Residency, choice, parameters};
+use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
 
 choice! {
     /// Pixels along a tile's edge.
@@ -140,6 +140,9 @@ parameters! {
     }
 }
 
+/// Why there is no refit.
+pub(crate) const NO_REFIT: &str = "dirt has no shape to keep: its lists are rebuilt or reused";
+
 /// What `dirt` is and takes.
 pub fn description() -> Description {
     Description {
@@ -149,6 +152,9 @@ pub fn description() -> Description {
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry, Invalidation::Viewpoint, Invalidation::Resolution],
         names_primitives: true,
+        ends: &EndPoint::ALL,
+        queries: &Query::ALL,
+        no_refit: Some(NO_REFIT),
         parameters: DirtParameters::describe(),
     }
 }

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
     Tracer, TracerError, Update, View, Viewpoint,
@@ -10,7 +9,7 @@ use tracebench_api::{
 use tracebench_kit::{LastCount, SurfaceGeometry, ViewUniform};
 
 use crate::build::{Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, Pipelines, nodes_name};
-use crate::description::{Clip, Coverage, DirtParameters};
+use crate::description::{Clip, Coverage, DirtParameters, NO_REFIT};
 use crate::fetch::MaskMemory;
 use crate::layout::{Layout, MOST_VIEWS, TileGrid, TraceSettings};
 use crate::visibility::Frame;
@@ -27,9 +26,6 @@ pub(crate) struct Resident {
     pub surfaces: SurfaceGeometry,
     pub triangle_count: u32,
     pub bytes: u64,
-    /// What was drawn, for validation.
-    pub positions: Arc<Vec<[f32; 3]>>,
-    pub triangles: Arc<Vec<[u32; 3]>>,
 }
 
 impl Resident {
@@ -38,15 +34,7 @@ impl Resident {
             surfaces: SurfaceGeometry::of(geometry)?,
             triangle_count: geometry.triangles.len() as u32,
             bytes: geometry.bytes(),
-            positions: Arc::clone(&geometry.positions),
-            triangles: Arc::clone(&geometry.triangles),
         })
-    }
-
-    /// The corners of a triangle, scene units.
-    pub(crate) fn corners(&self, primitive: u32) -> [DVec3; 3] {
-        let corner = |vertex: u32| Vec3::from(self.positions[vertex as usize]).as_dvec3();
-        self.triangles[primitive as usize].map(corner)
     }
 }
 
@@ -169,9 +157,7 @@ impl Structure for DirtStructure {
                 (self.layout, self.geometry) = (layout, resident);
                 Ok(())
             }
-            Update::Refit => {
-                Err(TracerError::Unsupported("dirt has no shape to keep: its lists are rebuilt or reused".to_owned()))
-            }
+            Update::Refit => Err(TracerError::Unsupported(NO_REFIT.to_owned())),
             Update::Reuse => Ok(()),
         }
     }
@@ -238,7 +224,7 @@ impl Structure for DirtStructure {
         true
     }
 
-    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
-        self.check()
+    fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        self.check(geometry)
     }
 }

@@ -1,7 +1,7 @@
 //! The parameters of `fragment-abuffer`.
 
 use tracebench_api::ParameterScope::{Build, Trace};
-use tracebench_api::{Description, Invalidation, Parameter, Residency, choice, parameters};
+use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
 
 choice! {
     /// Whether something is done.
@@ -186,6 +186,9 @@ parameters! {
     }
 }
 
+/// Why there is no refit.
+pub(crate) const NO_REFIT: &str = "fragment-abuffer has no shape to keep: its fragments are drawn again or reused";
+
 /// What `fragment-abuffer` is and takes.
 pub fn description() -> Description {
     Description {
@@ -195,6 +198,9 @@ pub fn description() -> Description {
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry, Invalidation::Viewpoint, Invalidation::Resolution],
         names_primitives: false,
+        ends: &EndPoint::ALL,
+        queries: &Query::ALL,
+        no_refit: Some(NO_REFIT),
         parameters: FragmentParameters::describe(),
     }
 }

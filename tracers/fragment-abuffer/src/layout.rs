@@ -305,7 +305,6 @@ mod tests {
             far: 100.0,
             frame: [20, 10],
             face: 8,
-            view_set: tracebench_api::ViewSet::FrameAndFaces,
         };
         Layout::new(&viewpoint, &FragmentParameters::try_from(&parameters).unwrap())
     }

@@ -9,7 +9,7 @@ use tracebench_api::{
 use tracebench_kit::LastCount;
 
 use crate::build::{Pipelines, build_uniform_bytes};
-use crate::description::FragmentParameters;
+use crate::description::{FragmentParameters, NO_REFIT};
 use crate::layout::{Layout, MOST_VIEWS, Storage, TracedView};
 use crate::objects::{LastObjects, Objects};
 use crate::parts::{Parts, Taken};
@@ -28,29 +28,10 @@ pub(crate) struct FragmentStructure {
     pub pipelines: Arc<Pipelines>,
     pub layout: Layout,
     pub parts: Parts,
-    pub geometry: Shown,
+    /// Of the scene's bounds, scene units.
+    pub diagonal: f64,
     objects: Option<Objects>,
     last_objects: Arc<LastObjects>,
-}
-
-/// What was drawn, for validation, and its size.
-pub(crate) struct Shown {
-    pub positions: Arc<Vec<[f32; 3]>>,
-    pub triangles: Arc<Vec<[u32; 3]>>,
-    pub materials: Arc<Vec<u32>>,
-    /// Of the bounds, scene units.
-    pub diagonal: f64,
-}
-
-impl Shown {
-    fn of(geometry: &Geometry) -> Self {
-        Self {
-            positions: Arc::clone(&geometry.positions),
-            triangles: Arc::clone(&geometry.triangles),
-            materials: Arc::clone(&geometry.triangle_materials),
-            diagonal: geometry.diagonal(),
-        }
-    }
 }
 
 impl FragmentAbuffer {
@@ -111,7 +92,7 @@ impl FragmentAbuffer {
             pipelines: Arc::clone(&self.pipelines),
             layout,
             parts,
-            geometry: Shown::of(geometry),
+            diagonal: geometry.diagonal(),
             objects,
             last_objects: Arc::clone(&self.objects),
         })
@@ -143,8 +124,7 @@ impl Tracer for FragmentAbuffer {
 impl FragmentStructure {
     fn rebuild(&mut self, geometry: &Geometry, layout: Layout, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
         let gpu = &*self.pipelines.gpu;
-        let same_triangles = Arc::ptr_eq(&geometry.triangles, &self.geometry.triangles);
-        let new_objects = match same_triangles && self.objects.is_some() {
+        let new_objects = match self.objects.as_ref().is_some_and(|objects| objects.are_of(geometry)) {
             true => None,
             false => objects_for(gpu, &layout, geometry, &self.last_objects)?,
         };
@@ -168,7 +148,7 @@ impl FragmentStructure {
         if new_objects.is_some() {
             self.objects = new_objects;
         }
-        (self.layout, self.geometry) = (layout, Shown::of(geometry));
+        (self.layout, self.diagonal) = (layout, geometry.diagonal());
         Ok(())
     }
 }
@@ -187,9 +167,7 @@ impl Structure for FragmentStructure {
                 let layout = Layout::new(viewpoint, &FragmentParameters::try_from(parameters)?);
                 self.rebuild(geometry, layout, clock)
             }
-            Update::Refit => Err(TracerError::Unsupported(
-                "fragment-abuffer has no shape to keep: its fragments are drawn again or reused".to_owned(),
-            )),
+            Update::Refit => Err(TracerError::Unsupported(NO_REFIT.to_owned())),
             Update::Reuse => Ok(()),
         }
     }
@@ -250,8 +228,8 @@ impl Structure for FragmentStructure {
         !self.layout.one_layer
     }
 
-    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
-        self.check()
+    fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        self.check(geometry)
     }
 }
 

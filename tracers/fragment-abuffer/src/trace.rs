@@ -131,7 +131,7 @@ impl FragmentStructure {
             span_by_pixel: u32::from(parameters.span == Span::Pixel),
             skipping: u32::from(parameters.skipping == Switch::On),
             binary_search_above: parameters.binary_search_above,
-            thickness: if by_pixels { 0.0 } else { (thickness * self.geometry.diagonal) as f32 },
+            thickness: if by_pixels { 0.0 } else { (thickness * self.diagonal) as f32 },
             thickness_in_pixels: if by_pixels { thickness as f32 } else { 0.0 },
             start_bias: parameters.start_bias as f32,
             thick_before: u32::from(parameters.thickness_side == ThicknessSide::Before),

@@ -1,7 +1,7 @@
 //! The parameters of `screen-dda`.
 
 use tracebench_api::ParameterScope::Trace;
-use tracebench_api::{Description, Invalidation, Parameter, Residency, choice, parameters};
+use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
 
 choice! {
     /// Where in its step a hit is placed; in the order of the shader's codes.
@@ -53,6 +53,9 @@ parameters! {
     }
 }
 
+/// Why there is no refit.
+pub(crate) const NO_REFIT: &str = "screen-dda has no shape to keep: its depth buffer is rebuilt or reused";
+
 /// What `screen-dda` is and takes.
 pub fn description() -> Description {
     Description {
@@ -62,6 +65,9 @@ pub fn description() -> Description {
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry, Invalidation::Viewpoint, Invalidation::Resolution],
         names_primitives: false,
+        ends: &EndPoint::ALL,
+        queries: &Query::ALL,
+        no_refit: Some(NO_REFIT),
         parameters: DdaParameters::describe(),
     }
 }

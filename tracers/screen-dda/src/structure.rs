@@ -17,7 +17,7 @@ use tracebench_shaders::{
     SCREEN_DDA_TRACE, SCREEN_DDA_TRACE_COUNTED, SCREEN_DDA_TRACE_SURFACES, SCREEN_DDA_TRACE_SURFACES_COUNTED,
 };
 
-use crate::description::DdaParameters;
+use crate::description::{DdaParameters, NO_REFIT};
 
 /// As `WORKGROUP_SIZE` in shaders/screen-dda/trace.wgsl.
 const WORKGROUP_SIZE: u32 = 64;
@@ -240,9 +240,7 @@ impl Structure for ScreenDdaStructure {
                 (self.geometry, self.triangle_count) = (surfaces, geometry.triangles.len() as u32);
                 Ok(())
             }
-            Update::Refit => Err(TracerError::Unsupported(
-                "screen-dda has no shape to keep: its depth buffer is rebuilt or reused".to_owned(),
-            )),
+            Update::Refit => Err(TracerError::Unsupported(NO_REFIT.to_owned())),
             Update::Reuse => Ok(()),
         }
     }
@@ -292,7 +290,7 @@ impl Structure for ScreenDdaStructure {
         vec![self.view]
     }
 
-    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+    fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
         let depths = self.target.read(&self.pipelines.gpu)?;
         // Depth is interpolated in f32, so a surface at near or far may be stored a little beyond it.
         let (near, far) = (self.view.near * (1.0 - 1e-4), self.view.far * (1.0 + 1e-4));

@@ -1,7 +1,7 @@
 //! Refits that become rebuilds.
 
 use tracebench_api::glam::Vec3;
-use tracebench_api::{Choice, Preset, ViewSet};
+use tracebench_api::{Choice, Preset};
 
 use super::*;
 use crate::gpu::layout::Tree;
@@ -45,7 +45,6 @@ fn refit(structure: &mut BvhCpuStructure, geometry: &Geometry, parameters: &Para
         far: 100.0,
         frame: [8, 8],
         face: 8,
-        view_set: ViewSet::Frame,
     };
     let mut clock = PhaseClock::new(None);
     structure.update(Update::Refit, geometry, &view, parameters, &mut clock).unwrap();
@@ -81,7 +80,7 @@ fn every_nth_refit_is_a_rebuild() {
                 assert_eq!((named("build binary hierarchy (PLOC)"), named("refit boxes")), (rebuilt, !rebuilt));
                 assert_eq!(found == fresh, rebuilt, "{build}, frame {frame} of {every}");
                 assert_eq!(found.1 == before.1, !rebuilt, "{build}, frame {frame} of {every}");
-                structure.validate().unwrap();
+                structure.validate(&geometry).unwrap();
             }
         }
     }

@@ -1,6 +1,8 @@
 //! The parameters of `bvh-gpu`.
 
-use tracebench_api::{Description, Invalidation, Parameter, ParameterScope, Residency, choice, parameters};
+use tracebench_api::{
+    Description, EndPoint, Invalidation, Parameter, ParameterScope, Query, Residency, choice, parameters,
+};
 
 use crate::input::{BuildPreset, build_parameter};
 
@@ -28,6 +30,9 @@ pub fn description() -> Description {
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry],
         names_primitives: true,
+        ends: &EndPoint::ALL,
+        queries: &Query::ALL,
+        no_refit: None,
         parameters: GpuParameters::describe(),
     }
 }

@@ -188,7 +188,7 @@ impl Structure for BvhGpuStructure {
         Ok(search::trace_memory(&self.resident, &job))
     }
 
-    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+    fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
         let (tree, ordered) = self.resident.read(&self.searches.gpu)?;
         tree.check(&ordered, self.triangle_count, self.fitted.is_some())?;
         let depth = tree.depth()?;

@@ -1,7 +1,7 @@
 //! The parameters of `lbvh-gpu`.
 
 use tracebench_api::ParameterScope::Build;
-use tracebench_api::{Description, Invalidation, Parameter, Residency, parameters};
+use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, parameters};
 
 use crate::gpu::description::{NodeKind, node_parameter, rays_per_lane_parameter};
 
@@ -46,6 +46,9 @@ pub fn description() -> Description {
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry],
         names_primitives: true,
+        ends: &EndPoint::ALL,
+        queries: &Query::ALL,
+        no_refit: None,
         parameters: LbvhParameters::describe(),
     }
 }

@@ -207,7 +207,7 @@ impl Structure for LbvhStructure {
         Ok(trace_memory(&self.resident, &job))
     }
 
-    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+    fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
         let (tree, ordered) = self.read()?;
         tree.check(&ordered, self.plan.triangle_count as usize, true)?;
         let depth = tree.depth()?;

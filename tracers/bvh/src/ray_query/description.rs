@@ -1,6 +1,8 @@
 //! The parameters of `ray-query`.
 
-use tracebench_api::{Description, Invalidation, Parameter, ParameterScope, Residency, choice, parameters};
+use tracebench_api::{
+    Description, EndPoint, Invalidation, Parameter, ParameterScope, Query, Residency, choice, parameters,
+};
 
 choice! {
     /// What the driver favours.
@@ -29,6 +31,10 @@ parameters! {
     }
 }
 
+/// Why there is no refit.
+pub(crate) const NO_REFIT: &str = "wgpu 30 builds an acceleration structure anew where an update in place is asked for \
+     (AccelerationStructureUpdateMode::PreferUpdate): rebuild it";
+
 /// What `ray-query` is and takes.
 pub fn description() -> Description {
     Description {
@@ -38,6 +44,9 @@ pub fn description() -> Description {
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry],
         names_primitives: true,
+        ends: &EndPoint::ALL,
+        queries: &Query::ALL,
+        no_refit: Some(NO_REFIT),
         parameters: QueryParameters::describe(),
     }
 }

@@ -30,7 +30,7 @@ use tracebench_kit::{Gather, SurfaceGeometry, TouchedBits};
 
 use acceleration::Acceleration;
 pub use description::description;
-use description::{EqualT, QueryParameters};
+use description::{EqualT, NO_REFIT, QueryParameters};
 pub use search::QuerySettings;
 use search::{Queries, Question};
 
@@ -70,19 +70,12 @@ impl Tracer for RayQuery {
         acceleration.record_build(gpu, geometry, clock)?;
         let queries = Arc::clone(&self.queries);
         let surfaces = SurfaceGeometry::of(geometry)?;
-        Ok(Box::new(RayQueryStructure { queries, acceleration, built_over: Mesh::of(geometry), geometry: surfaces }))
-    }
-}
-
-/// The triangles that a structure was built over, shared with the scene; for validation.
-struct Mesh {
-    positions: Arc<Vec<[f32; 3]>>,
-    triangles: Arc<Vec<[u32; 3]>>,
-}
-
-impl Mesh {
-    fn of(geometry: &Geometry) -> Self {
-        Self { positions: Arc::clone(&geometry.positions), triangles: Arc::clone(&geometry.triangles) }
+        Ok(Box::new(RayQueryStructure {
+            queries,
+            acceleration,
+            triangle_count: geometry.triangles.len(),
+            geometry: surfaces,
+        }))
     }
 }
 
@@ -90,7 +83,7 @@ impl Mesh {
 struct RayQueryStructure {
     queries: Arc<Queries>,
     acceleration: Acceleration,
-    built_over: Mesh,
+    triangle_count: usize,
     geometry: SurfaceGeometry,
 }
 
@@ -111,7 +104,7 @@ impl RayQueryStructure {
             acceleration.record_build(gpu, geometry, clock)?;
             self.acceleration = acceleration;
         }
-        (self.built_over, self.geometry) = (Mesh::of(geometry), surfaces);
+        (self.triangle_count, self.geometry) = (geometry.triangles.len(), surfaces);
         Ok(())
     }
 
@@ -127,10 +120,10 @@ impl RayQueryStructure {
 
     /// How many triangles were fat enough to be looked for, and that each of them is found. Of large scenes every n-th is
     /// looked at: where triangles overlap, a ray meets many.
-    fn find_all(&self, mesh: &Mesh) -> Result<usize, TracerError> {
+    fn find_all(&self, scene: &Geometry) -> Result<usize, TracerError> {
         let gpu = &self.queries.gpu;
         let (rays, fat): (Vec<Ray>, Vec<bool>) =
-            probes::probes(&mesh.positions, &mesh.triangles, MOST_PROBES).into_iter().unzip();
+            probes::probes(&scene.positions, &scene.triangles, MOST_PROBES).into_iter().unzip();
         let rays = RayBuffer::new(Arc::new(rays), Query::Closest, Some(gpu));
         let mut hits = HitBuffer::new(fat.len(), Residency::Device, Some(gpu))?;
         hits.poison(Some(gpu))?;
@@ -166,11 +159,7 @@ impl Structure for RayQueryStructure {
     ) -> Result<(), TracerError> {
         match update {
             Update::Rebuild => self.rebuild(geometry, parameters, clock),
-            Update::Refit => Err(TracerError::Unsupported(
-                "wgpu 30 builds an acceleration structure anew where an update in place is asked for \
-                 (AccelerationStructureUpdateMode::PreferUpdate): rebuild it"
-                    .to_owned(),
-            )),
+            Update::Refit => Err(TracerError::Unsupported(NO_REFIT.to_owned())),
             Update::Reuse => Ok(()),
         }
     }
@@ -188,7 +177,7 @@ impl Structure for RayQueryStructure {
         gpu.check_storage_binding("counts", bytes, "--size")?;
         let counts = gpu.buffer("counts", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?;
         let mut clock = PhaseClock::new(Some(gpu));
-        let triangles = self.built_over.triangles.len() as u64;
+        let triangles = self.triangle_count as u64;
         let offered = TouchedBits::new(gpu, "triangles offered", triangles, "the scene's triangle count")?;
         let question = Question::TraceCounted { lowest_of_equal, counts: &counts, offered: offered.buffer() };
         self.queries.record(question, &self.acceleration, job.rays, hits, &mut clock)?;
@@ -213,8 +202,8 @@ impl Structure for RayQueryStructure {
         Ok([settings].into_iter().chain(gather).collect())
     }
 
-    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
-        let found = self.find_all(&self.built_over)?;
-        Ok(vec![("triangles", self.built_over.triangles.len() as f64), ("triangles_looked_for", found as f64)])
+    fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        let found = self.find_all(geometry)?;
+        Ok(vec![("triangles", self.triangle_count as f64), ("triangles_looked_for", found as f64)])
     }
 }
