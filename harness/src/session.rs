@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use tracebench_api::{
     Description, EndPoint, Geometry, Gpu, Hit, HitBuffer, MemoryEntry, Parameters, PhaseClock, Query, Ray, RayBuffer,
-    Structure, Surface, Timing, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
+    Sampling, Structure, Surface, Timing, TraceJob, Tracer, TracerError, Update, Viewpoint,
 };
 use tracebench_scenes::CameraPath;
 
@@ -387,9 +387,8 @@ impl Session {
     /// # Errors
     /// [`SessionError::Judge`] if they are no answers.
     pub fn judge(&self, contender: &Contender, rays: &PreparedRays, hits: &[Hit]) -> Result<Judgement, SessionError> {
-        let structure = contender.structure()?;
-        let (views, keeps_hidden_layers) = (structure.views(), structure.keeps_hidden_layers());
-        let judge = Judge { keeps_hidden_layers, ..self.judge_of(contender, rays, &views) };
+        let samplings = contender.structure()?.samplings();
+        let judge = self.judge_of(contender, rays, &samplings);
         judge.judge(hits).map_err(|error| no_answers(contender, rays, error))
     }
 
@@ -425,15 +424,14 @@ impl Session {
         self.judge_of(contender, rays, &[]).classes(rule, hits).map_err(|error| no_answers(contender, rays, error))
     }
 
-    fn judge_of<'a>(&'a self, contender: &Contender, rays: &'a PreparedRays, views: &'a [View]) -> Judge<'a> {
+    fn judge_of<'a>(&'a self, contender: &Contender, rays: &'a PreparedRays, samplings: &'a [Sampling]) -> Judge<'a> {
         Judge {
             truth: &self.truth,
             eye: self.viewpoint.eye.as_dvec3(),
             rays: &rays.buffer.host,
             answers: &rays.answers,
             query: rays.set.query,
-            views,
-            keeps_hidden_layers: false,
+            samplings,
             names_primitives: contender.description.names_primitives,
         }
     }

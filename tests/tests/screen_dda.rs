@@ -209,15 +209,14 @@ fn primary_agreement(image: [u32; 2]) -> f64 {
     let answers = truth.answer(&rays, Query::Closest, &Cache::none(), &Progress::new(true)).unwrap();
     let scene = Scene::new(geometry, &viewpoint);
     let hits = scene.trace(&rays, Query::Closest, &parameters(&[]));
-    let views = scene.structure.views();
+    let samplings = scene.structure.samplings();
     let judge = Judge {
         truth: &truth,
         eye: viewpoint.eye.as_dvec3(),
         rays: &rays,
         answers: &answers,
         query: Query::Closest,
-        views: &views,
-        keeps_hidden_layers: false,
+        samplings: &samplings,
         names_primitives: false,
     };
     match judge.judge(&hits).unwrap() {

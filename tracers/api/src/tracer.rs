@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::{
     EndPoint, Geometry, HitBuffer, MemoryEntry, MemoryReport, ParameterDescription, Parameters, PhaseClock, Query,
-    RayBuffer, TracerError, View, Viewpoint,
+    RayBuffer, Sampling, TracerError, Viewpoint,
 };
 
 /// Where a tracer's triangles, rays and hits live.
@@ -201,14 +201,9 @@ pub trait Structure {
         Ok(Vec::new())
     }
 
-    /// The views that the structure sees the scene through; empty for one that does not depend on a view.
-    fn views(&self) -> Vec<View> {
+    /// The images that the structure sees the scene through; empty for one that holds the scene itself.
+    fn samplings(&self) -> Vec<Sampling> {
         Vec::new()
-    }
-
-    /// Whether the views keep what lies behind other surfaces, too; of no meaning without views.
-    fn keeps_hidden_layers(&self) -> bool {
-        false
     }
 
     /// Reads the structure back and checks it against the scene; gives printable statistics. `geometry` is what it was last

@@ -56,7 +56,7 @@ fn has(surface: &Surface, status: SurfaceStatus) -> bool {
 /// Whether a hit lies well within a view, by f64: between near and far, and on a pixel beyond rounding.
 fn well_within_a_view(structure: &DirtStructure, ray: &Ray, hit: &Hit) -> bool {
     let point = Vec3::from(ray.origin).as_dvec3() + Vec3::from(ray.direction).as_dvec3() * f64::from(hit.t);
-    structure.views().iter().any(|view| {
+    structure.layout.views.iter().any(|view| {
         view.project(point).is_some_and(|at| {
             let within = |at: f64, size: u32| (1e-3..f64::from(size) - 1e-3).contains(&at);
             within(at.x, view.size[0])

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
-    Tracer, TracerError, Update, View, Viewpoint,
+    Counter, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection,
+    Sampling, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_kit::{LastCount, SurfaceGeometry, ViewUniform};
 
@@ -216,12 +216,9 @@ impl Structure for DirtStructure {
         Ok(parts)
     }
 
-    fn views(&self) -> Vec<View> {
-        self.layout.views.clone()
-    }
-
-    fn keeps_hidden_layers(&self) -> bool {
-        true
+    fn samplings(&self) -> Vec<Sampling> {
+        let of = |view: &View| Sampling { projection: Projection::Perspective(*view), layers: Layers::All };
+        self.layout.views.iter().map(of).collect()
     }
 
     fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
-    Tracer, TracerError, Update, View, Viewpoint,
+    Counter, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection,
+    Sampling, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_kit::LastCount;
 
@@ -220,12 +220,10 @@ impl Structure for FragmentStructure {
         Ok(uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec())
     }
 
-    fn views(&self) -> Vec<View> {
-        self.layout.views.clone()
-    }
-
-    fn keeps_hidden_layers(&self) -> bool {
-        !self.layout.one_layer
+    fn samplings(&self) -> Vec<Sampling> {
+        let layers = if self.layout.one_layer { Layers::Nearest } else { Layers::All };
+        let of = |view: &View| Sampling { projection: Projection::Perspective(*view), layers };
+        self.layout.views.iter().map(of).collect()
     }
 
     fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline, TextureView};
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure,
-    TraceJob, Tracer, TracerError, Update, View, Viewpoint,
+    Counter, EndPoint, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock,
+    Projection, Sampling, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_kit::{
     EyeDepthRaster, EyeDepthTarget, Gather, NO_SURFACE, PrimitiveRaster, PrimitiveTexture, SurfaceGeometry,
@@ -286,8 +286,8 @@ impl Structure for ScreenDdaStructure {
         Ok(parts)
     }
 
-    fn views(&self) -> Vec<View> {
-        vec![self.view]
+    fn samplings(&self) -> Vec<Sampling> {
+        vec![Sampling { projection: Projection::Perspective(self.view), layers: Layers::Nearest }]
     }
 
     fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
