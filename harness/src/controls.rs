@@ -47,6 +47,7 @@ impl Control {
             queries: &Query::ALL,
             no_refit: None,
             parameters: Vec::new(),
+            layouts: Vec::new(),
         }
     }
 

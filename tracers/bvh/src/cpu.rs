@@ -44,6 +44,7 @@ pub fn description() -> Description {
         queries: &Query::ALL,
         no_refit: None,
         parameters: CpuParameters::describe(),
+        layouts: Vec::new(),
     }
 }
 

@@ -3,6 +3,8 @@
 use tracebench_api::ParameterScope::{Build, Trace};
 use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
 
+use crate::layout::layouts;
+
 choice! {
     /// Pixels along a tile's edge.
     pub(crate) enum TileSize { One = "1", Two = "2", Four = "4", Eight = "8" }
@@ -156,6 +158,7 @@ pub fn description() -> Description {
         queries: &Query::ALL,
         no_refit: Some(NO_REFIT),
         parameters: DirtParameters::describe(),
+        layouts: layouts(),
     }
 }
 

@@ -1,10 +1,11 @@
 //! Views, tiles and buffers' sizes, and the uniforms that tell shaders of them.
 
 use bytemuck::{Pod, Zeroable};
-use tracebench_api::{View, Viewpoint};
+use tracebench_api::{SharedLayout, View, Viewpoint};
 use tracebench_kit::ViewUniform;
 
 use crate::description::{Centre, DirtParameters, Near, Views};
+use crate::fetch::{FetchPass, HitNode, MaskSettings, StoreSettings};
 
 /// Levels that a pyramid has at most: tiles up to 32,768 along an edge.
 const MOST_LEVELS: usize = 16;
@@ -86,6 +87,20 @@ pub struct TraceSettings {
     pub max_steps: u32,
     /// Nothing.
     pub padding: [u32; 2],
+}
+
+/// Layouts of all that shaders share with this crate.
+pub(crate) fn layouts() -> Vec<SharedLayout> {
+    tracebench_api::layouts! {
+        TileGrid { tiles, levels, buckets, bounds_stride, heads_stride, node_capacity, nodes_per_part, level_offsets }
+        FillPass { view, by_plane, padding_a, padding_b, padding_c }
+        MipmapLevel { level, views, padding }
+        TraceSettings { ray_count, view_count, any_hit, by_distance, all_buckets, max_steps, padding }
+        HitNode { next, primitive, u, v, position, shading_and_view }
+        StoreSettings { ray_count, view_count, pixels }
+        MaskSettings { pixels, padding }
+        FetchPass { view, view_index, padding, pixels }
+    }
 }
 
 /// What is drawn and how it is stored.

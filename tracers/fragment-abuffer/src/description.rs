@@ -3,6 +3,8 @@
 use tracebench_api::ParameterScope::{Build, Trace};
 use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
 
+use crate::layout::layouts;
+
 choice! {
     /// Whether something is done.
     pub(crate) enum Switch { On = "on", Off = "off" }
@@ -202,5 +204,6 @@ pub fn description() -> Description {
         queries: &Query::ALL,
         no_refit: Some(NO_REFIT),
         parameters: FragmentParameters::describe(),
+        layouts: layouts(),
     }
 }

@@ -1,10 +1,11 @@
 //! How fragments are stored: views, words of a pixel, words of a node, and the uniforms that tell shaders of them.
 
 use bytemuck::{Pod, Zeroable};
-use tracebench_api::{View, Viewpoint};
+use tracebench_api::{SharedLayout, View, Viewpoint};
 use tracebench_kit::ViewUniform;
 
 use crate::description::{Bounds, Centre, FragmentParameters, Kind, Layers, March, Switch, Views};
+use crate::trace::MarchSettings;
 
 /// Views at most: the camera's and six faces.
 pub(crate) const MOST_VIEWS: usize = 7;
@@ -83,6 +84,24 @@ pub struct TracedView {
     pub padding: [u32; 2],
     /// First pair of depth bounds of each level from the second on.
     pub level_offsets: [u32; MOST_LEVELS],
+}
+
+/// Layouts of all that shaders share with this crate.
+pub(crate) fn layouts() -> Vec<SharedLayout> {
+    tracebench_api::layouts! {
+        Storage {
+            pixel_stride, word_stride, buckets, double, bounds_word, node_words, data_words, data_offset, node_capacity,
+            one_layer, pixel_count, contiguous,
+        }
+        DrawnView { view, first_pixel, width, padding }
+        TracedView {
+            view, first_pixel, first_node, levels, is_face, beyond, word_stride, node_capacity, padding, level_offsets,
+        }
+        MarchSettings {
+            ray_count, view_count, march, steps, max_steps, centred, span_by_pixel, skipping, binary_search_above,
+            thickness, thickness_in_pixels, start_bias, thick_before, padding_a, padding_b, padding_c,
+        }
+    }
 }
 
 /// Where a view lies in the buffers.

@@ -3,6 +3,8 @@
 use tracebench_api::ParameterScope::Trace;
 use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
 
+use crate::structure::layouts;
+
 choice! {
     /// Where in its step a hit is placed; in the order of the shader's codes.
     pub(crate) enum HitPoint { Step = "step", Depth = "depth" }
@@ -69,5 +71,6 @@ pub fn description() -> Description {
         queries: &Query::ALL,
         no_refit: Some(NO_REFIT),
         parameters: DdaParameters::describe(),
+        layouts: layouts(),
     }
 }

@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline, TextureView};
 use tracebench_api::{
     Counter, EndPoint, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock,
-    Projection, Sampling, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
+    Projection, Sampling, SharedLayout, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_kit::{
     EyeDepthRaster, EyeDepthTarget, Gather, NO_SURFACE, PrimitiveRaster, PrimitiveTexture, SurfaceGeometry,
@@ -32,6 +32,13 @@ struct Settings {
     stride: f32,
     thickness: f32,
     start_bias: f32,
+}
+
+/// Layouts of all that shaders share with this crate.
+pub(crate) fn layouts() -> Vec<SharedLayout> {
+    tracebench_api::layouts! {
+        Settings { ray_count, max_steps, hit_point, stride, thickness, start_bias }
+    }
 }
 
 /// The pipelines; of a trace one to hits and one to surfaces.

@@ -5,6 +5,7 @@ use tracebench_api::{
 };
 
 use crate::input::{BuildPreset, build_parameter};
+use crate::layouts::layouts;
 
 choice! {
     /// The two kinds of node.
@@ -34,6 +35,7 @@ pub fn description() -> Description {
         queries: &Query::ALL,
         no_refit: None,
         parameters: GpuParameters::describe(),
+        layouts: layouts(),
     }
 }
 

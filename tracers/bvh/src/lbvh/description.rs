@@ -4,6 +4,7 @@ use tracebench_api::ParameterScope::Build;
 use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, parameters};
 
 use crate::gpu::description::{NodeKind, node_parameter, rays_per_lane_parameter};
+use crate::layouts::layouts;
 
 /// Most neighbours on each side. One workgroup merges the last clusters, 8 a lane, and Mesa's software driver ends a lane's
 /// loops after 65,535 rounds in all: with these it gets through 256 iterations, twice as many as the deepest scene takes.
@@ -50,5 +51,6 @@ pub fn description() -> Description {
         queries: &Query::ALL,
         no_refit: None,
         parameters: LbvhParameters::describe(),
+        layouts: layouts(),
     }
 }

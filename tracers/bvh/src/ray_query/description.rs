@@ -4,6 +4,8 @@ use tracebench_api::{
     Description, EndPoint, Invalidation, Parameter, ParameterScope, Query, Residency, choice, parameters,
 };
 
+use crate::layouts::layouts;
+
 choice! {
     /// What the driver favours.
     pub(crate) enum Preference { FastTrace = "fast_trace", FastBuild = "fast_build" }
@@ -48,5 +50,6 @@ pub fn description() -> Description {
         queries: &Query::ALL,
         no_refit: Some(NO_REFIT),
         parameters: QueryParameters::describe(),
+        layouts: layouts(),
     }
 }
