@@ -1,5 +1,6 @@
 //! Why an answer is wrong. The judge finds out by itself: it projects the true and the answered hit into the images that
-//! the tracer samples the scene by, here called views, and asks the f64 truth what these show. Of the tracer it takes only the status.
+//! the tracer samples the scene by, here called views, and asks the f64 truth what these show. Of the tracer it takes only
+//! the status.
 
 use glam::DVec3;
 use tracebench_api::{Hit, Layers, LineOfSight, Projected, Projection, Sampling, Status};

@@ -88,8 +88,8 @@ pub(crate) fn sample_builds(session: &Session, entries: &mut [Entry], samples: u
     }
 }
 
-/// Lets every contender read its structure back and check it against what it was last built over, outside of any time. What is unsound, or says of itself what
-/// is no number, takes the contender out of the race.
+/// Lets every contender read its structure back and check it against the scene that it was last built over, outside of any
+/// time. What is unsound, or says of itself what is no number, takes the contender out of the race.
 pub(crate) fn validate(geometry: &Geometry, entries: &mut [Entry], progress: &Progress) {
     let bar = progress.bar("validate", entries.len() as u64);
     for entry in entries.iter_mut() {

@@ -157,8 +157,8 @@ pub trait Structure {
     /// structure is as it was.
     ///
     /// # Errors
-    /// [`TracerError::Unsupported`] for a refit where the method has none ([`Description::no_refit`]), [`TracerError::Failed`] for a refit to other
-    /// triangles, others as [`Tracer::build`].
+    /// [`TracerError::Unsupported`] for a refit where the method has none ([`Description::no_refit`]),
+    /// [`TracerError::Failed`] for a refit to other triangles, others as [`Tracer::build`].
     fn update(
         &mut self,
         update: Update,
