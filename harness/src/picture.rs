@@ -178,8 +178,7 @@ fn errors(loaded: &LoadedScene, rays: &PreparedRays, hits: &[Hit]) -> (Vec<Rgb>,
         rays: &rays.buffer.host,
         answers: &rays.answers,
         query: Query::Closest,
-        views: &[],
-        keeps_hidden_layers: false,
+        samplings: &[],
         names_primitives: false,
     };
     let classes: Vec<Option<Class>> = (0..hits.len())

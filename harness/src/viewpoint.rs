@@ -12,7 +12,7 @@ mod other;
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use tracebench_api::{Geometry, ViewSet, Viewpoint};
+use tracebench_api::{Geometry, Viewpoint};
 use tracebench_scenes::Camera;
 
 pub use other::other;
@@ -119,7 +119,6 @@ impl Pose {
             far: far as f32,
             frame,
             face,
-            view_set: ViewSet::Frame,
         }
     }
 }

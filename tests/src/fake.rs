@@ -82,7 +82,7 @@ impl Structure for FakeStructure {
         MemoryReport::default()
     }
 
-    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+    fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
         match self.manner {
             Manner::Unsound => Err(TracerError::Failed("nothing is where it should be".to_owned())),
             Manner::Numberless => Ok(vec![("nodes", 1.0), ("cost", f64::NAN)]),

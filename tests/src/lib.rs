@@ -8,7 +8,7 @@ use std::io::Write as _;
 use std::sync::{Arc, Mutex};
 
 use tracebench_api::glam::{DVec3, Vec3};
-use tracebench_api::{AdapterChoice, Geometry, Gpu, Ray, Tracer, TracerError, ViewSet, Viewpoint, wgpu};
+use tracebench_api::{AdapterChoice, Geometry, Gpu, Ray, Tracer, TracerError, Viewpoint, wgpu};
 
 pub use fake::{Fake, Manner};
 
@@ -117,17 +117,7 @@ impl Numbers {
 pub fn viewpoint(eye: Vec3, target: Vec3, near: f32, far: f32, frame: [u32; 2]) -> Viewpoint {
     let forward = (target - eye).normalize();
     let right = forward.cross(if forward.y.abs() < 0.99 { Vec3::Y } else { Vec3::Z }).normalize();
-    Viewpoint {
-        eye,
-        forward,
-        up: right.cross(forward).normalize(),
-        vertical_fov: 1.0,
-        near,
-        far,
-        frame,
-        face: 16,
-        view_set: ViewSet::Frame,
-    }
+    Viewpoint { eye, forward, up: right.cross(forward).normalize(), vertical_fov: 1.0, near, far, frame, face: 16 }
 }
 
 /// A ray with a unit direction, without an end.

@@ -32,7 +32,7 @@ fn the_same_tree_takes_the_same_work() {
         let on_device = Subject::new("bvh-gpu", &[("build", build)], &gpu);
         let expected = on_host.try_build(&geometry).unwrap();
         let structure = on_device.try_build(&geometry).unwrap();
-        structure.validate().unwrap();
+        structure.validate(&geometry).unwrap();
         for query in [Query::Closest, Query::Any] {
             let (expected_hits, expected_work) = on_host.answer(&*expected, &rays, query);
             let (hits, work) = on_device.answer(&*structure, &rays, query);
@@ -61,7 +61,7 @@ fn both_nodes_give_the_same_hits() {
     for build in ["fastest", "very_fast", "fast", "medium", "slow", "very_slow"] {
         let binary = Subject::new("bvh-gpu", &[("node", "bvh2"), ("build", build)], &gpu);
         let structure = binary.try_build(&geometry).unwrap();
-        structure.validate().unwrap();
+        structure.validate(&geometry).unwrap();
         let hits = binary.answer(&*structure, &rays, Query::Closest).0;
         assert_eq!(hits, expected, "{build}");
         let any = binary.answer(&*structure, &rays, Query::Any).0;
@@ -93,7 +93,7 @@ fn refits_follow_by_both_nodes() {
                 let mut clock = PhaseClock::new(Some(&gpu));
                 structure.update(update, &geometry, &view(), &subject.parameters, &mut clock).unwrap();
                 clock.finish().unwrap();
-                structure.validate().unwrap();
+                structure.validate(&geometry).unwrap();
                 subject.answer(structure, &rays, Query::Closest).0
             };
             let moved = refit(&mut *structure, &later.mesh.positions, Update::Refit);
@@ -121,7 +121,7 @@ fn deep_hierarchies_are_searched() {
     for (node, private) in [("cwbvh", tracebench_bvh::WIDE_STACK), ("bvh2", tracebench_bvh::BINARY_STACK)] {
         let subject = Subject::new("bvh-gpu", &[("node", node), ("build", "fastest")], &gpu);
         let structure = subject.try_build(&geometry).unwrap();
-        let statistics = structure.validate().unwrap();
+        let statistics = structure.validate(&geometry).unwrap();
         let depth = statistics.iter().find(|(name, _)| *name == "depth").map(|(_, depth)| *depth).unwrap();
         let stacks = structure.memory().structure.iter().any(|entry| entry.name == "traversal stacks");
         assert_eq!(stacks, depth > private as f64, "{node}: {depth} levels");
@@ -172,7 +172,7 @@ fn rows_hold_every_count() {
             let hits = subject.answer(&*fresh, &rays, Query::Closest).0;
             assert!(hits.iter().zip(0..).all(|(hit, index)| hit.primitive == index), "{node} {count}");
             assert_eq!(subject.answer(&*structure, &rays, Query::Closest).0, hits, "{node} {count}");
-            assert_eq!(fresh.validate().unwrap(), structure.validate().unwrap(), "{node} {count}");
+            assert_eq!(fresh.validate(&geometry).unwrap(), structure.validate(&geometry).unwrap(), "{node} {count}");
         }
     }
 }

@@ -7,7 +7,8 @@ use std::sync::Arc;
 use hostile::{Subject, scenes, subjects};
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    Counter, Geometry, Hit, HitBuffer, PhaseClock, Query, Ray, RayBuffer, Residency, Status, Structure,
+    Counter, EndPoint, Geometry, Hit, HitBuffer, ParameterDescription, ParameterScope, Parameters, PhaseClock, Preset,
+    Projection, Query, Ray, RayBuffer, Residency, Status, Structure, TraceJob, TracerError,
 };
 use tracebench_harness::registry::TRACERS;
 use tracebench_tests::{Numbers, gpu, ray, rectangle, soup, viewpoint};
@@ -76,8 +77,43 @@ fn answers_are_whole_and_repeatable() {
                     assert!(greatest * scene.rays.len() as u64 >= total, "{context}: {name}");
                 }
             }
-            let statistics = structures[0].validate().unwrap_or_else(|error| panic!("{}: {error}", subject.name));
+            let statistics =
+                structures[0].validate(&scene.geometry).unwrap_or_else(|error| panic!("{}: {error}", subject.name));
             assert!(statistics.iter().all(|(_, value)| value.is_finite()));
+        }
+    }
+}
+
+/// Proves for every tracer that what its description says it serves is what its structures serve, and that it refuses
+/// parameters that are not its own by their name.
+#[test]
+fn descriptions_say_what_is_served() {
+    let scene = &scenes()[0];
+    for subject in subjects() {
+        let described = (tracebench_harness::registry::find(subject.name).unwrap().describe)();
+        let structure = subject.build(&scene.geometry, &scene.viewpoints[0]);
+        for (end, query) in EndPoint::ALL.into_iter().flat_map(|end| Query::ALL.map(|query| (end, query))) {
+            let rays = subject.rays(&scene.rays, query);
+            let mut hits = HitBuffer::for_end(end, rays.host.len(), described.residency, Some(&subject.gpu)).unwrap();
+            hits.poison(Some(&subject.gpu)).unwrap();
+            let mut clock = PhaseClock::new(Some(&subject.gpu));
+            let job = TraceJob { end, ..subject.job(&rays) };
+            let traced = structure.trace(job, &mut hits, &mut clock).and_then(|()| clock.finish().map(drop));
+            let served = described.ends.contains(&end) && described.queries.contains(&query);
+            let refused = matches!(traced, Err(TracerError::Unsupported(_)));
+            assert!(if served { traced.is_ok() } else { refused }, "{}: {end:?}, {query:?}: {traced:?}", subject.name);
+        }
+        let foreign = Parameters::preset(&[], Preset::Published);
+        let mut clock = PhaseClock::new(Some(&subject.gpu));
+        let built = subject.tracer.build(&scene.geometry, &scene.viewpoints[0], &foreign, &mut clock);
+        let shapes = |each: &&ParameterDescription| each.scope == ParameterScope::Build;
+        match (built, described.parameters.iter().find(shapes)) {
+            (Err(TracerError::Parameter(error)), Some(first)) => {
+                assert!(error.to_string().contains(first.name), "{}: {error}", subject.name);
+            }
+            // Nothing shapes its structures, so nothing is asked.
+            (Ok(_), None) => drop(clock.finish().unwrap()),
+            (other, _) => panic!("{}: {:?}", subject.name, other.err()),
         }
     }
 }
@@ -175,7 +211,9 @@ fn structures_live_side_by_side() {
                 description.name == subject.name
                     && description.invalidated_by.contains(&tracebench_api::Invalidation::Viewpoint)
             });
-            assert_eq!(!second.views().is_empty(), depends, "{}", subject.name);
+            // What looks from an eye depends on it; what looks along an axis, or holds the scene, does not.
+            let looks = second.samplings().iter().any(|each| matches!(each.projection, Projection::Perspective(_)));
+            assert_eq!(looks, depends, "{}", subject.name);
             if !depends {
                 assert_eq!(bytes(&from_second), bytes(&before), "{} on {}", subject.name, scene.name);
             }
@@ -202,7 +240,7 @@ fn memory_adds_up() {
             assert_eq!(names.len(), report.structure.len(), "{report:?}");
             let of_trace = |rays: usize| -> u64 {
                 let rays = subject.rays(&scene.rays[..rays], Query::Closest);
-                structure.trace_memory(subject.job(&rays)).iter().map(|entry| entry.allocated_bytes).sum()
+                structure.trace_memory(subject.job(&rays)).unwrap().iter().map(|entry| entry.allocated_bytes).sum()
             };
             assert!(of_trace(0) <= of_trace(scene.rays.len()));
             held.push(sum);

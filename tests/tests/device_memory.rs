@@ -171,7 +171,7 @@ impl Subject {
         let recorded = allocations(&self.gpu, false);
         clock.finish().unwrap();
         assert_eq!(allocations(&self.gpu, true), before, "{}: a trace leaves something", self.name);
-        (added(&before, recorded), structure.trace_memory(job))
+        (added(&before, recorded), structure.trace_memory(job).unwrap())
     }
 }
 

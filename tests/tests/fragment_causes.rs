@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::glam::DVec3;
-use tracebench_api::{Geometry, Hit, Query, Ray, Status, ViewSet, Viewpoint};
+use tracebench_api::{Geometry, Hit, Layers, Projection, Query, Ray, Sampling, Status, Viewpoint};
 use tracebench_harness::judge::Judge;
 use tracebench_harness::progress::Progress;
 use tracebench_harness::results::Judgement;
@@ -13,26 +13,22 @@ use tracebench_tests::{ray, rectangle, soup};
 /// Looks along -z from the origin.
 fn viewpoint() -> Viewpoint {
     let eye = tracebench_api::glam::Vec3::ZERO;
-    Viewpoint {
-        view_set: ViewSet::Frame,
-        ..tracebench_tests::viewpoint(eye, eye - DVec3::Z.as_vec3(), 0.1, 50.0, [64, 64])
-    }
+    Viewpoint { ..tracebench_tests::viewpoint(eye, eye - DVec3::Z.as_vec3(), 0.1, 50.0, [64, 64]) }
 }
 
-/// The causes of misses of every ray, by a tracer that keeps one layer or all.
-fn causes(geometry: &Geometry, rays: &[Ray], keeps_hidden_layers: bool, names_primitives: bool) -> Vec<(String, u64)> {
+/// The causes of misses of every ray, by a tracer that keeps some layers.
+fn causes(geometry: &Geometry, rays: &[Ray], layers: Layers, names_primitives: bool) -> Vec<(String, u64)> {
     let truth = Truth::new(geometry, "causes");
     let rays_of = Arc::new(rays.to_vec());
     let answers = truth.answer(&rays_of, Query::Closest, &Cache::none(), &Progress::new(true)).unwrap();
-    let views = [viewpoint().frame_view()];
+    let samplings = [Sampling { projection: Projection::Perspective(viewpoint().frame_view()), layers }];
     let judge = Judge {
         truth: &truth,
         eye: DVec3::ZERO,
         rays,
         answers: &answers,
         query: Query::Closest,
-        views: &views,
-        keeps_hidden_layers,
+        samplings: &samplings,
         names_primitives,
     };
     let misses = vec![Hit::miss(Status::Miss); rays.len()];
@@ -54,15 +50,15 @@ fn what_is_kept_was_not_hidden() {
         .map(|step| ray(DVec3::new(0.02 * f64::from(step) - 0.513, 0.317, -4.0), DVec3::new(0.3, 0.2, -1.0)))
         .collect();
     let all = |cause: &str| vec![(cause.to_owned(), 50)];
-    assert_eq!(causes(&geometry, &rays, false, false), all("hidden_layer"));
-    assert_eq!(causes(&geometry, &rays, true, false), all("slipped_through"));
-    assert_eq!(causes(&geometry, &rays, true, true), all("unexplained"));
+    assert_eq!(causes(&geometry, &rays, Layers::Nearest, false), all("hidden_layer"));
+    assert_eq!(causes(&geometry, &rays, Layers::All, false), all("slipped_through"));
+    assert_eq!(causes(&geometry, &rays, Layers::All, true), all("unexplained"));
     // A strip 0.004 wide at depth 6, where a pixel is 0.1 or more wide, beside the pixels' centres.
     let strip = rectangle([-2.0, 0.02, -6.0], [4.0, 0.0, 0.0], [0.0, 0.004, 0.0]);
     let geometry = soup(&strip, None);
     let rays: Vec<Ray> =
         (0..50).map(|step| ray(DVec3::new(0.02 * f64::from(step) - 0.513, 0.022, -4.0), DVec3::NEG_Z)).collect();
-    for keeps in [false, true] {
-        assert_eq!(causes(&geometry, &rays, keeps, false), all("between_samples"));
+    for layers in [Layers::Nearest, Layers::All] {
+        assert_eq!(causes(&geometry, &rays, layers, false), all("between_samples"));
     }
 }

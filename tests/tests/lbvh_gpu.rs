@@ -14,8 +14,8 @@ use subject::{Subject, room, total, view};
 
 const NODES: [&str; 2] = ["cwbvh", "bvh2"];
 
-fn statistic(structure: &dyn Structure, name: &str) -> f64 {
-    let statistics = structure.validate().unwrap();
+fn statistic(structure: &dyn Structure, geometry: &Geometry, name: &str) -> f64 {
+    let statistics = structure.validate(geometry).unwrap();
     statistics.iter().find(|(found, _)| *found == name).map(|(_, value)| *value).unwrap()
 }
 
@@ -32,7 +32,7 @@ fn hits_are_those_of_another_hierarchy() {
         for radius in ["1", "8", "16"] {
             let subject = Subject::new("lbvh-gpu", &[("node", node), ("search_radius", radius)], &gpu);
             let structure = subject.try_build(&geometry).unwrap();
-            assert!(statistic(&*structure, "cluster_iterations") > 10.0);
+            assert!(statistic(&*structure, &geometry, "cluster_iterations") > 10.0);
             let (hits, work) = subject.answer(&*structure, &rays, Query::Closest);
             assert_eq!(hits, expected, "{node} {radius}");
             let any = subject.answer(&*structure, &rays, Query::Any).0;
@@ -119,7 +119,7 @@ fn hard_scenes_are_built() {
                 let geometry = soup(&scaled, Some(&gpu));
                 let rays = rays_through(88, f64::from(scale));
                 let structure = subject.try_build(&geometry).unwrap();
-                let depth = statistic(&*structure, "depth");
+                let depth = statistic(&*structure, &geometry, "depth");
                 assert!(depth <= most as f64, "{node} {name}: {depth} levels");
                 // Equal clusters merge as a balanced tree.
                 assert!(name != "equal" || depth <= 16.0, "{node} {name}: {depth} levels");
@@ -141,8 +141,9 @@ fn depths_reach_their_bound() {
     let subject = Subject::new("lbvh-gpu", &[("node", "bvh2")], &gpu);
     let scenes = hard_scenes();
     let (_, triangles) = scenes.iter().find(|(name, _)| *name == "growing").unwrap();
-    let structure = subject.try_build(&soup(triangles, Some(&gpu))).unwrap();
-    let depth = statistic(&*structure, "depth");
+    let geometry = soup(triangles, Some(&gpu));
+    let structure = subject.try_build(&geometry).unwrap();
+    let depth = statistic(&*structure, &geometry, "depth");
     assert!((50.0..=tracebench_bvh::BINARY_STACK as f64).contains(&depth), "{depth} levels");
 }
 
@@ -150,7 +151,7 @@ fn update(subject: &Subject, structure: &mut dyn Structure, update: Update, geom
     let mut clock = PhaseClock::new(Some(&subject.gpu));
     structure.update(update, geometry, &view(), &subject.parameters, &mut clock).unwrap();
     clock.finish().unwrap();
-    structure.validate().unwrap();
+    structure.validate(geometry).unwrap();
 }
 
 /// Proves that refits follow moving vertices by both nodes, there and back, as do rebuilds, and that neither takes more

@@ -80,7 +80,7 @@ fn subjects(geometry: &Geometry, gpu: &Arc<Gpu>) -> Vec<Subject> {
             let mut clock = PhaseClock::new(Some(gpu));
             let structure = tracer.build(geometry, &view, &parameters, &mut clock).unwrap();
             clock.finish().unwrap();
-            let statistics = structure.validate().unwrap();
+            let statistics = structure.validate(geometry).unwrap();
             let Some((_, reported)) = statistics.iter().find(|(name, _)| *name == "sah_cost") else { continue };
             for wanted in ["nodes", "depth", "references"] {
                 assert!(statistics.iter().any(|(name, value)| *name == wanted && *value >= 1.0), "{name}: {wanted}");

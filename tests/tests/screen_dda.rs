@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
     EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency, Status,
-    Structure, TraceJob, Tracer, View, ViewSet, Viewpoint,
+    Structure, TraceJob, Tracer, View, Viewpoint,
 };
 use tracebench_harness::judge::Judge;
 use tracebench_harness::progress::Progress;
@@ -28,7 +28,6 @@ fn camera() -> Viewpoint {
         far: 100.0,
         frame: [64, 64],
         face: 64,
-        view_set: ViewSet::Frame,
     }
 }
 
@@ -210,15 +209,14 @@ fn primary_agreement(image: [u32; 2]) -> f64 {
     let answers = truth.answer(&rays, Query::Closest, &Cache::none(), &Progress::new(true)).unwrap();
     let scene = Scene::new(geometry, &viewpoint);
     let hits = scene.trace(&rays, Query::Closest, &parameters(&[]));
-    let views = scene.structure.views();
+    let samplings = scene.structure.samplings();
     let judge = Judge {
         truth: &truth,
         eye: viewpoint.eye.as_dvec3(),
         rays: &rays,
         answers: &answers,
         query: Query::Closest,
-        views: &views,
-        keeps_hidden_layers: false,
+        samplings: &samplings,
         names_primitives: false,
     };
     match judge.judge(&hits).unwrap() {

@@ -63,6 +63,37 @@ fn layouts_are_those_of_rust() {
     assert!(shared().keys().all(|name| seen.contains_key(*name)), "{seen:?}");
 }
 
+/// The structs of a shader's uniforms, also in arrays, that nobody shares: what host code writes must be held against Rust.
+fn unshared_uniforms(module: &Module) -> Vec<String> {
+    let shared = shared();
+    let of_uniform = |(_, variable): (_, &naga::GlobalVariable)| {
+        let mut inner = &module.types[variable.ty];
+        while let TypeInner::Array { base, .. } = inner.inner {
+            inner = &module.types[base];
+        }
+        let is_struct =
+            variable.space == naga::AddressSpace::Uniform && matches!(inner.inner, TypeInner::Struct { .. });
+        is_struct.then(|| plain(inner.name.as_deref().unwrap_or_default()).to_owned())
+    };
+    let found = module.global_variables.iter().filter_map(of_uniform);
+    found.filter(|name| !shared.contains_key(name.as_str())).collect()
+}
+
+/// Proves that every struct that is a uniform of any shader stands in the layouts of a crate; and, as negative controls, that
+/// one that does not is noticed, by itself and in an array.
+#[test]
+fn every_uniform_is_shared() {
+    for shader in ALL {
+        assert_eq!(unshared_uniforms(&parse(shader.source)), Vec::<String>::new(), "{}", shader.name);
+    }
+    let uniform = |of: &str| {
+        let source = format!("struct Other {{ size: vec4<u32> }} @group(0) @binding(0) var<uniform> given: {of};");
+        unshared_uniforms(&parse(&source))
+    };
+    assert_eq!((uniform("Other"), uniform("array<Other, 4>")), (vec!["Other".to_owned()], vec!["Other".to_owned()]));
+    assert_eq!(uniform("vec4<u32>"), Vec::<String>::new());
+}
+
 /// Negative control: swapped members, another type and a member that is missing are each noticed.
 #[test]
 fn another_layout_is_noticed() {

@@ -66,7 +66,7 @@ fn touched_is_a_part_of_what_is_stored() {
     let rays = &rays[..600];
     for (name, family, subject) in subjects(&gpu) {
         let structure = build(&subject, family, &geometry, &camera([96, 64]));
-        let statistics = structure.validate().unwrap();
+        let statistics = structure.validate(&geometry).unwrap();
         for query in [Query::Closest, Query::Any] {
             let count = |rays: &[Ray]| subject.answer(&*structure, rays, query).1;
             let (first, second) = rays.split_at(300);

@@ -206,7 +206,9 @@ fn refused(known: &[ParameterDescription], of: &str, parameter: &str, error: Par
             let known: Vec<&str> = known.iter().map(|each| each.name).collect();
             unknown(&format!("parameter of {of}"), parameter, &known)
         }
-        ParameterError::Value { .. } => CliError::Argument(format!("--set {of}: {error}")),
+        ParameterError::Value { .. } | ParameterError::Missing { .. } => {
+            CliError::Argument(format!("--set {of}: {error}"))
+        }
     }
 }
 
@@ -275,6 +277,11 @@ mod tests {
         assert!(message(ray_sets("primary,,ao")).contains("empty name"));
     }
 
+    /// The value of `build`.
+    fn build(request: &TracerRequest) -> String {
+        request.parameters.value("build").unwrap().to_string()
+    }
+
     /// Paths are paths, `all` is every tracer without being required, names are required, settings come on top.
     #[test]
     fn lists_mean_what_they_say() {
@@ -284,7 +291,7 @@ mod tests {
         let all = tracers("all:improved", &[]).unwrap();
         assert!(all.len() == TRACERS.len() && all.iter().all(|each| !each.required && each.preset == Preset::Improved));
         let set = tracers("bvh-cpu,bvh-cpu:improved", &["bvh-cpu.build=fastest".to_owned()]).unwrap();
-        assert!(set.iter().all(|each| each.required && each.parameters.choice("build") == "fastest"));
+        assert!(set.iter().all(|each| each.required && build(each) == "fastest"));
         assert_eq!(tracers("all,bvh-cpu", &[]).unwrap().len(), TRACERS.len());
     }
 
@@ -294,7 +301,7 @@ mod tests {
     fn tracers_have_values_of_their_own() {
         let list = "bvh-cpu,bvh-cpu@build=fastest,bvh-cpu:improved@build=fast,bvh-cpu@build=fastest";
         let found = tracers(list, &["bvh-cpu.build=slow".to_owned()]).unwrap();
-        let builds: Vec<&str> = found.iter().map(|request| request.parameters.choice("build")).collect();
+        let builds: Vec<String> = found.iter().map(build).collect();
         assert_eq!(builds, ["slow", "fastest", "fast"]);
         assert!(found.iter().all(|request| request.required && request.changed == ["build"]));
         for (list, part) in [

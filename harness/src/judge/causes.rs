@@ -1,8 +1,9 @@
-//! Why an answer is wrong. The judge finds out by itself: it projects the true and the answered hit into the tracer's
-//! views and asks the f64 truth what those views show. Of the tracer it takes only the status.
+//! Why an answer is wrong. The judge finds out by itself: it projects the true and the answered hit into the images that
+//! the tracer samples the scene by, here called views, and asks the f64 truth what these show. Of the tracer it takes only
+//! the status.
 
 use glam::DVec3;
-use tracebench_api::{Hit, Projected, Status, View};
+use tracebench_api::{Hit, Layers, LineOfSight, Projected, Projection, Sampling, Status};
 
 use super::{Class, Judge, Rule};
 use crate::truth::{Ray64, TrueHit, tight_tolerance};
@@ -63,25 +64,24 @@ impl Judge<'_> {
     /// Why the true hit was not found.
     fn cause_of_loss(&self, ray: &Ray64, truth: TrueHit, hit: &Hit) -> &'static str {
         let capped = hit.status == Status::StepCap as u32;
-        if self.views.is_empty() {
+        if self.samplings.is_empty() {
             return if capped { STEP_CAP } else { UNEXPLAINED };
         }
         let point = ray.at(truth.t);
-        let containing: Vec<&View> = self.views.iter().filter(|view| view.project_inside(point).is_some()).collect();
+        let contains = |view: &&Sampling| view.projection.project_inside(point).is_some();
+        let containing: Vec<&Sampling> = self.samplings.iter().filter(contains).collect();
         if containing.is_empty() {
             return OFF_VIEW;
         }
-        // Where every layer is kept, views show what lies behind others, too.
-        let shows = |view: &&View| self.keeps_hidden_layers || self.shows(view, point);
-        let showing: Vec<&View> = containing.into_iter().filter(shows).collect();
+        let showing: Vec<&Sampling> = containing.into_iter().filter(|view| self.shows(view, point)).collect();
         if showing.is_empty() {
             return HIDDEN_LAYER;
         }
         if capped {
             return STEP_CAP;
         }
-        let within_pixels = |view: &&View, from: DVec3, to: DVec3| {
-            let (from, to) = (view.project(from), view.project(to));
+        let within_pixels = |view: &&Sampling, from: DVec3, to: DVec3| {
+            let (from, to) = (view.projection.project(from), view.projection.project(to));
             from.zip(to).is_some_and(|(from, to)| (from.x - to.x).abs().max((from.y - to.y).abs()) <= VIEW_PIXELS)
         };
         if !showing.iter().any(|view| self.samples(view, point, truth.primitive))
@@ -94,7 +94,9 @@ impl Judge<'_> {
         }
         match hit.status == Status::ThicknessRejected as u32 {
             true => THICKNESS_REJECTED,
-            false if self.keeps_hidden_layers && !self.names_primitives => SLIPPED_THROUGH,
+            false if !self.names_primitives && showing.iter().any(|view| view.layers != Layers::Nearest) => {
+                SLIPPED_THROUGH
+            }
             false => UNEXPLAINED,
         }
     }
@@ -107,33 +109,31 @@ impl Judge<'_> {
         if t * ray.direction.length() <= starts_on_surface.max(tight_tolerance(0.0, self.truth.diagonal())) {
             return SELF_HIT;
         }
-        let containing = self.views.iter().filter_map(|view| view.project_inside(point).map(|at| (view, at.depth)));
-        for (view, depth) in containing {
-            let Some(stored) = self.centre_depth(view, point) else { continue };
+        let containing = self.samplings.iter().filter_map(|Sampling { projection, .. }| {
+            projection.project_inside(point).map(|at| (projection, at.depth))
+        });
+        for (projection, depth) in containing {
+            let Some(stored) = self.centre_depth(projection, point) else { continue };
             return if depth > stored + self.footprint(point) { ASSUMED_THICKNESS } else { BETWEEN_SAMPLES };
         }
         UNEXPLAINED
     }
 
-    /// Whether nothing lies between a view's eye and a point.
-    fn shows(&self, view: &View, point: DVec3) -> bool {
-        let offset = point - view.eye;
-        let distance = offset.length();
-        // Near is an eye depth; along this line of sight it lies farther.
-        let near = (view.near * distance / offset.dot(view.forward)).min(distance);
-        let sight = Ray64 {
-            origin: view.eye,
-            direction: offset / distance,
-            t_min: near,
-            t_max: (distance - self.footprint(point)).max(near),
-        };
-        self.truth.closest(&sight).is_none()
+    /// Whether a view keeps what lies at a point: more layers than lie before it.
+    fn shows(&self, view: &Sampling, point: DVec3) -> bool {
+        if view.layers == Layers::All {
+            return true;
+        }
+        let line = view.projection.line_to(point);
+        let before = LineOfSight { far: (line.far - self.footprint(point)).max(line.near), ..line };
+        let most = view.layers.most();
+        self.along(before).take(most).count() < most
     }
 
     /// Whether the centre of the pixel that a point falls on, moved by a rasterizer's rounding in any direction, shows
     /// the same triangle or one within a footprint in depth, in any layer where all are kept; on a border between pixels, the centres of all of them.
-    fn samples(&self, view: &View, point: DVec3, primitive: u32) -> bool {
-        let Some(at) = view.project_inside(point) else { return false };
+    fn samples(&self, view: &Sampling, point: DVec3, primitive: u32) -> bool {
+        let Some(at) = view.projection.project_inside(point) else { return false };
         let moves = [(0.0, 0.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
         centres(&at).into_iter().all(|centre| {
             moves.into_iter().all(|(across, down)| {
@@ -141,34 +141,27 @@ impl Judge<'_> {
                 let is_it = |found: &TrueHit| {
                     found.primitive == primitive || (found.t - at.depth).abs() <= self.footprint(point)
                 };
-                self.layers(view, x, y).any(|found| is_it(&found))
+                let line = view.projection.line_through(x, y);
+                self.along(line).take(view.layers.most()).any(|found| is_it(&found))
             })
         })
     }
 
-    /// The eye depth at the centre of the pixel that a point falls on; on a border between pixels, to a rasterizer's
+    /// The depth at the centre of the pixel that a point falls on; on a border between pixels, to a rasterizer's
     /// precision, of a neighbour if its own centre shows nothing.
-    fn centre_depth(&self, view: &View, point: DVec3) -> Option<f64> {
-        let at = view.project_inside(point)?;
-        centres(&at).into_iter().find_map(|(x, y)| self.shown(view, x, y)).map(|found| found.t)
+    fn centre_depth(&self, projection: &Projection, point: DVec3) -> Option<f64> {
+        let at = projection.project_inside(point)?;
+        let shown = |(x, y)| self.along(projection.line_through(x, y)).next();
+        centres(&at).into_iter().find_map(shown).map(|found| found.t)
     }
 
-    /// What a view shows at a position in pixels; t is the eye depth.
-    fn shown(&self, view: &View, x: f64, y: f64) -> Option<TrueHit> {
-        self.beyond(view, x, y, view.near)
-    }
-
-    /// The first surface at a position in pixels that is not nearer than an eye depth.
-    fn beyond(&self, view: &View, x: f64, y: f64, depth: f64) -> Option<TrueHit> {
-        let direction = view.direction_through(x, y);
-        self.truth.closest(&Ray64 { origin: view.eye, direction, t_min: depth, t_max: view.far })
-    }
-
-    /// What a view keeps at a position in pixels: what it shows and, where it keeps hidden layers, what lies behind.
-    fn layers<'b>(&'b self, view: &'b View, x: f64, y: f64) -> impl Iterator<Item = TrueHit> + 'b {
-        let next = move |found: &TrueHit| self.beyond(view, x, y, found.t * (1.0 + LAYER_STEP));
-        let most = if self.keeps_hidden_layers { MOST_LAYERS } else { 1 };
-        std::iter::successors(self.shown(view, x, y), next).take(most)
+    /// The surfaces along a line of sight, the nearest first.
+    fn along(&self, line: LineOfSight) -> impl Iterator<Item = TrueHit> {
+        let LineOfSight { origin, direction, near, far } = line;
+        let from = move |t_min: f64| self.truth.closest(&Ray64 { origin, direction, t_min, t_max: far });
+        // A surface at depth 0 is passed, too.
+        let next = move |found: &TrueHit| from((found.t * (1.0 + LAYER_STEP)).max(found.t.next_up()));
+        std::iter::successors(from(near), next).take(MOST_LAYERS)
     }
 }
 

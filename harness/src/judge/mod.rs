@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 use rayon::prelude::*;
-use tracebench_api::{Hit, NO_PRIMITIVE, Query, Ray, Status, Surface, View};
+use tracebench_api::{Hit, NO_PRIMITIVE, Query, Ray, Sampling, Status, Surface};
 
 pub use scores::CURVE_TOLERANCES;
 pub use surfaces::NORMAL_TOLERANCE_DEGREES;
@@ -38,10 +38,8 @@ pub struct Judge<'a> {
     pub answers: &'a [Answer],
     /// What was asked.
     pub query: Query,
-    /// The views that the tracer sees the scene through; empty if it does not depend on any.
-    pub views: &'a [View],
-    /// Whether the views keep what lies behind other surfaces, too.
-    pub keeps_hidden_layers: bool,
+    /// The images that the tracer sees the scene through; empty if it holds the scene itself.
+    pub samplings: &'a [Sampling],
     /// Whether the tracer names the triangle that it hits.
     pub names_primitives: bool,
 }

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use tracebench_api::{
-    Counter, Description, EndPoint, Geometry, Hit, HitBuffer, MemoryReport, NO_PRIMITIVE, Parameters, PhaseClock, Ray,
-    Residency, Status, Structure, Surface, SurfaceStatus, TraceJob, Tracer, TracerError, Update, Viewpoint,
+    Counter, Description, EndPoint, Geometry, Hit, HitBuffer, MemoryReport, NO_PRIMITIVE, Parameters, PhaseClock,
+    Query, Ray, Residency, Status, Structure, Surface, SurfaceStatus, TraceJob, Tracer, TracerError, Update, Viewpoint,
 };
 
 use crate::results::{AnyJudgement, Classes, ClosestJudgement, Judgement, SurfaceJudgement};
@@ -43,7 +43,11 @@ impl Control {
             residency: Residency::Host,
             invalidated_by: &[],
             names_primitives: self == Self::Oracle,
+            ends: &EndPoint::ALL,
+            queries: &Query::ALL,
+            no_refit: None,
             parameters: Vec::new(),
+            layouts: Vec::new(),
         }
     }
 
@@ -231,7 +235,7 @@ impl Structure for Answering {
         MemoryReport::default()
     }
 
-    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+    fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
         Ok(Vec::new())
     }
 }

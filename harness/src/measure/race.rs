@@ -220,15 +220,16 @@ impl<'a> Race<'a> {
         Ok(())
     }
 
-    /// Lets every structure be read back and checked, outside of any time. What is unsound, or says of itself what is no
+    /// Lets every structure be read back and checked against the scene that it was last built over, outside of any time. What is unsound, or says of itself what is no
     /// number, is taken out.
     fn validate(&mut self) {
         let bar = self.progress.bar("validate", self.stalls.len() as u64);
         for stall in 0..self.stalls.len() {
             let begin = Instant::now();
             let before: Vec<bool> = self.lanes.iter().map(|lane| lane.out.is_none()).collect();
+            let session = self.session;
             let statistics = self.attempt(stall, |one| {
-                let found = one.contender.structure()?.validate()?;
+                let found = one.contender.structure()?.validate(session.geometry())?;
                 match found.iter().find(|(_, value)| !value.is_finite()) {
                     Some((name, value)) => {
                         Err(TracerError::Failed(format!("its structure says that {name} is {value}")))

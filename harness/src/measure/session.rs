@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    EndPoint, Geometry, Gpu, Hit, HitBuffer, MemoryEntry, Parameters, PhaseClock, Query, Ray, RayBuffer, Surface,
-    Timing, TraceJob, TracerError, View, Viewpoint,
+    EndPoint, Geometry, Gpu, Hit, HitBuffer, MemoryEntry, Parameters, PhaseClock, Query, Ray, RayBuffer, Sampling,
+    Surface, Timing, TraceJob, TracerError, Viewpoint,
 };
 use tracebench_scenes::CameraPath;
 
@@ -12,7 +12,7 @@ use crate::judge::{Class, Judge, JudgeError, Rule};
 use crate::measure::Contender;
 use crate::measure::controls::{Control, KnownAnswers};
 use crate::progress::Progress;
-use crate::rays::{self, RayError, RayScene, RaySet, Starts};
+use crate::rays::{self, RayError, RayParameters, RayScene, RaySet, Starts};
 use crate::results::{Judgement, Skipped, SurfaceJudgement};
 use crate::truth::{Answer, Cache, Truth, TruthError};
 
@@ -111,6 +111,7 @@ impl Session {
         let answers = Arc::new(truth.answer(&primary, Query::Closest, cache, progress)?);
         let primary = Starts::primary(primary, answers);
         let (mut prepared, mut skipped) = (Vec::new(), Vec::new());
+        let parameters = RayParameters::try_from(request.parameters).map_err(TracerError::from)?;
         let scene = RayScene {
             truth: &truth,
             viewpoint: &viewpoint,
@@ -118,7 +119,7 @@ impl Session {
             mirrors: request.mirrors,
             image: request.image,
             seed: request.seed,
-            parameters: request.parameters,
+            parameters: &parameters,
         };
         let tell = |rays: &Arc<Vec<Ray>>| truth.answer(rays, Query::Closest, cache, progress);
         for set in request.sets {
@@ -275,7 +276,7 @@ impl Session {
     /// # Errors
     /// [`TracerError::Failed`] before the first build.
     pub fn trace_memory(&self, contender: &Contender, rays: &PreparedRays) -> Result<Vec<MemoryEntry>, TracerError> {
-        Ok(contender.structure()?.trace_memory(self.job(contender, rays)))
+        contender.structure()?.trace_memory(self.job(contender, rays))
     }
 
     fn job<'a>(&self, contender: &'a Contender, rays: &'a PreparedRays) -> TraceJob<'a> {
@@ -287,10 +288,9 @@ impl Session {
     /// # Errors
     /// [`SessionError::Judge`] if they are no answers.
     pub fn judge(&self, contender: &Contender, rays: &PreparedRays, hits: &[Hit]) -> Result<Judgement, SessionError> {
-        let structure = contender.structure()?;
-        let (views, keeps_hidden_layers) = (structure.views(), structure.keeps_hidden_layers());
+        let samplings = contender.structure()?.samplings();
         let names_primitives = contender.description.names_primitives;
-        let judge = Judge { keeps_hidden_layers, names_primitives, ..self.judge_of(rays, &views) };
+        let judge = Judge { names_primitives, ..self.judge_of(rays, &samplings) };
         judge.judge(hits).map_err(|error| no_answers(contender.description.name, rays, error))
     }
 
@@ -326,15 +326,14 @@ impl Session {
         self.judge_of(rays, &[]).classes(rule, hits).map_err(|error| no_answers(tracer, rays, error))
     }
 
-    fn judge_of<'a>(&'a self, rays: &'a PreparedRays, views: &'a [View]) -> Judge<'a> {
+    fn judge_of<'a>(&'a self, rays: &'a PreparedRays, samplings: &'a [Sampling]) -> Judge<'a> {
         Judge {
             truth: &self.truth,
             eye: self.viewpoint.eye.as_dvec3(),
             rays: &rays.buffer.host,
             answers: &rays.answers,
             query: rays.set.query,
-            views,
-            keeps_hidden_layers: false,
+            samplings,
             names_primitives: false,
         }
     }

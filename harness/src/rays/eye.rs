@@ -46,7 +46,7 @@ pub(super) fn primary(scene: &RayScene<'_>) -> Vec<(Pixel, Ray)> {
 /// From an eye to the side, looking the same way.
 pub(super) fn stereo(scene: &RayScene<'_>) -> Vec<(Pixel, Ray)> {
     let right = scene.viewpoint.frame_view().right;
-    let eye = scene.viewpoint.eye.as_dvec3() + right * scene.parameters.real("stereo_offset");
+    let eye = scene.viewpoint.eye.as_dvec3() + right * scene.parameters.stereo_offset;
     through_pixels(&Viewpoint { eye: eye.as_vec3(), ..*scene.viewpoint }, scene.image)
 }
 
@@ -56,7 +56,7 @@ pub(super) fn temporal(scene: &RayScene<'_>) -> Vec<(Pixel, Ray)> {
     let Viewpoint { eye, forward, up, vertical_fov, .. } = *scene.viewpoint;
     let (eye_moves, target_moves) = match scene.path {
         Some(path) => {
-            let (start, later) = (path.at(0.0), path.at(scene.parameters.real("temporal_shift_s")));
+            let (start, later) = (path.at(0.0), path.at(scene.parameters.temporal_shift_s));
             (Vec3::from(later.eye) - Vec3::from(start.eye), Vec3::from(later.target) - Vec3::from(start.target))
         }
         None => {
@@ -81,8 +81,8 @@ pub(super) fn temporal(scene: &RayScene<'_>) -> Vec<(Pixel, Ray)> {
 pub(super) fn lens(scene: &RayScene<'_>, primary: &Starts) -> Vec<(Pixel, Ray)> {
     let view = image_view(scene.viewpoint, scene.image);
     let diagonal = scene.truth.diagonal();
-    let radius = scene.parameters.real("lens_aperture") / 2.0 * diagonal;
-    let set = scene.parameters.real("lens_focus") * diagonal;
+    let radius = scene.parameters.lens_aperture / 2.0 * diagonal;
+    let set = scene.parameters.lens_focus * diagonal;
     let focus = if set > 0.0 { set } else { centre_depth(scene, primary, &view).unwrap_or(0.5 * diagonal) };
     each_pixel(scene.image, |pixel, x, y| {
         let (across, upward, _) = Stream::new(scene.seed, LENS_TAG, u64::from(pixel)).disk();
@@ -107,8 +107,8 @@ fn centre_depth(scene: &RayScene<'_>, primary: &Starts, view: &View) -> Option<f
 /// From a square of parallel cameras: the image is a square of smaller images, one for each.
 pub(super) fn light_field(scene: &RayScene<'_>) -> Vec<(Pixel, Ray)> {
     let view = image_view(scene.viewpoint, scene.image);
-    let cameras = scene.parameters.integer("light_field_cameras") as f64;
-    let width = scene.parameters.real("light_field_width") * scene.truth.diagonal();
+    let cameras = f64::from(scene.parameters.light_field_cameras);
+    let width = scene.parameters.light_field_width * scene.truth.diagonal();
     let size = scene.image.map(f64::from);
     // Which camera, from -1/2 to 1/2 over the square, and where in its image.
     let split = |at: f64, size: f64| {

@@ -11,12 +11,12 @@ mod tests;
 use std::sync::Arc;
 
 use glam::DVec3;
-use tracebench_api::{Parameters, Query, Ray, Viewpoint};
+use tracebench_api::{Query, Ray, Viewpoint};
 use tracebench_scenes::CameraPath;
 
 pub use eye::primary_rays;
 pub use order::TILE;
-pub use parameters::{default_parameters, ray_parameters};
+pub use parameters::{Order, RayParameters, Target, default_parameters, ray_parameters};
 
 use crate::truth::{Answer, Truth, TruthError};
 
@@ -156,8 +156,8 @@ pub struct RayScene<'a> {
     pub image: [u32; 2],
     /// Seed.
     pub seed: u64,
-    /// Values of [`ray_parameters`].
-    pub parameters: &'a Parameters,
+    /// What is said about the sets.
+    pub parameters: &'a RayParameters,
 }
 
 /// Rays with their truth, from whose hits other rays start.
@@ -214,12 +214,12 @@ pub fn make(
     primary: &Starts,
     tell: impl Fn(&Arc<Vec<Ray>>) -> Result<Vec<Answer>, TruthError>,
 ) -> Result<Arc<Vec<Ray>>, RayError> {
-    let order = scene.parameters.choice("order");
-    if set.kind == Kind::Primary && order == "scanline" {
+    let order = scene.parameters.order;
+    if set.kind == Kind::Primary && order == Order::Scanline {
         return Ok(Arc::clone(&primary.rays));
     }
     if set.kind == Kind::PixelRandom {
-        let rays = primary.rays.len() as u64 * scene.parameters.integer("pixel_random_count").unsigned_abs();
+        let rays = primary.rays.len() as u64 * u64::from(scene.parameters.pixel_random_count);
         if rays > MOST_RAYS {
             return Err(RayError::TooMany { rays, parameter: "rays.pixel_random_count" });
         }

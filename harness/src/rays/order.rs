@@ -1,22 +1,20 @@
 //! The order in which a set's rays are handed to tracers: coherent or not, the rays are the same.
 
+use super::parameters::Order;
 use super::sampling::Stream;
 
 /// Edge of a tile, pixels.
 pub const TILE: u32 = 8;
 
-/// The orders.
-pub(super) const ORDERS: &[&str] = &["scanline", "tile", "shuffled"];
-
 /// Brings rays with the pixels that they started from, given in scanline order, into another order. Several rays of one
 /// pixel stay together but when shuffled.
-pub(super) fn arrange<R>(order: &str, [width, _]: [u32; 2], seed: u64, mut rays: Vec<(u32, R)>) -> Vec<R> {
+pub(super) fn arrange<R>(order: Order, [width, _]: [u32; 2], seed: u64, mut rays: Vec<(u32, R)>) -> Vec<R> {
     match order {
-        "tile" => rays.sort_by_key(|(pixel, _)| {
+        Order::Tile => rays.sort_by_key(|(pixel, _)| {
             let (x, y) = (pixel % width, pixel / width);
             (y / TILE, x / TILE, y % TILE, x % TILE)
         }),
-        "shuffled" => {
+        Order::Shuffled => {
             // Fisher and Yates.
             let mut stream = Stream::new(seed, SHUFFLE_TAG, 0);
             for last in (1..rays.len()).rev() {
@@ -24,7 +22,7 @@ pub(super) fn arrange<R>(order: &str, [width, _]: [u32; 2], seed: u64, mut rays:
                 rays.swap(last, other);
             }
         }
-        _ => {}
+        Order::Scanline => {}
     }
     rays.into_iter().map(|(_, ray)| ray).collect()
 }
@@ -47,19 +45,19 @@ mod tests {
     fn orders_are_permutations() {
         let (width, height) = (37, 19);
         let rays = pixels(width, height, true);
-        let of = |order: &str, seed: u64| arrange(order, [width, height], seed, rays.clone());
+        let of = |order: Order, seed: u64| arrange(order, [width, height], seed, rays.clone());
         let scanline: Vec<u32> = (0..2 * width * height).collect();
-        assert_eq!(of("scanline", 1), scanline);
-        for order in ["tile", "shuffled"] {
+        assert_eq!(of(Order::Scanline, 1), scanline);
+        for order in [Order::Tile, Order::Shuffled] {
             let mut arranged = of(order, 1);
-            assert_ne!(arranged, scanline, "{order}");
+            assert_ne!(arranged, scanline, "{order:?}");
             arranged.sort_unstable();
-            assert_eq!(arranged, scanline, "{order}");
+            assert_eq!(arranged, scanline, "{order:?}");
         }
-        assert_ne!(of("shuffled", 1), of("shuffled", 2));
-        assert_eq!(of("shuffled", 1), of("shuffled", 1));
+        assert_ne!(of(Order::Shuffled, 1), of(Order::Shuffled, 2));
+        assert_eq!(of(Order::Shuffled, 1), of(Order::Shuffled, 1));
         let moved =
-            of("shuffled", 1).iter().enumerate().map(|(at, ray)| (at as f64 - f64::from(*ray)).abs()).sum::<f64>();
+            of(Order::Shuffled, 1).iter().enumerate().map(|(at, ray)| (at as f64 - f64::from(*ray)).abs()).sum::<f64>();
         let count = f64::from(2 * width * height);
         assert!((moved / count / count - 1.0 / 3.0).abs() < 0.02);
     }
@@ -67,7 +65,7 @@ mod tests {
     /// Sixty-four rays in a row cover one tile, whole.
     #[test]
     fn tiles_are_whole() {
-        let arranged = arrange("tile", [32, 16], 1, pixels(32, 16, false));
+        let arranged = arrange(Order::Tile, [32, 16], 1, pixels(32, 16, false));
         for (tile, rays) in arranged.chunks(64).enumerate() {
             let (left, top) = (tile as u32 % 4 * TILE, tile as u32 / 4 * TILE);
             assert!(rays.iter().all(|ray| (left..left + TILE).contains(&(ray % 32))), "{tile}");

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use tracebench_api::Ray;
 
 use super::sampling::{Stream, reflect, refract};
-use super::{AO_LENGTH_DIAGONALS, Pixel, RayScene, Starts, lift, unbounded};
+use super::{AO_LENGTH_DIAGONALS, Pixel, RayScene, Starts, Target, lift, unbounded};
 use crate::truth::Ray64;
 
 /// Where a ray hit.
@@ -79,10 +79,10 @@ pub(super) fn visibility(scene: &RayScene<'_>, primary: &Starts) -> Vec<(Pixel, 
     let (low, high) = (geometry.bounds_min.as_dvec3(), geometry.bounds_max.as_dvec3());
     let outside = (low + high) / 2.0 + OUTSIDE_TARGET * scene.truth.diagonal();
     let inside = low + (high - low) * INSIDE_TARGET;
-    let targets = match scene.parameters.choice("visibility_target") {
-        "outside" => vec![outside],
-        "inside" => vec![inside],
-        _ => vec![outside, inside],
+    let targets = match scene.parameters.visibility_target {
+        Target::Outside => vec![outside],
+        Target::Inside => vec![inside],
+        Target::Both => vec![outside, inside],
     };
     each_hit(scene, primary, |surface| {
         let towards = |target: &DVec3| {
@@ -111,7 +111,7 @@ pub(super) fn specular(scene: &RayScene<'_>, primary: &Starts) -> Vec<(Pixel, Ra
 
 /// Mirrored at microfacets.
 pub(super) fn glossy(scene: &RayScene<'_>, primary: &Starts) -> Vec<(Pixel, Ray)> {
-    let alpha = scene.parameters.real("glossy_roughness");
+    let alpha = scene.parameters.glossy_roughness;
     each_hit(scene, primary, |surface| {
         let mut stream = Stream::new(scene.seed, 3, u64::from(surface.pixel));
         let mut facets = (0..GLOSSY_TRIES).map(|_| reflect(surface.arriving, stream.ggx(surface.normal, alpha)));
@@ -132,7 +132,7 @@ pub(super) fn refraction<E>(
     primary: &Starts,
     tell: impl FnOnce(Vec<(Pixel, Ray)>) -> Result<Starts, E>,
 ) -> Result<Vec<(Pixel, Ray)>, E> {
-    let index = scene.parameters.real("refractive_index");
+    let index = scene.parameters.refractive_index;
     let entering = each_hit(scene, primary, |surface| {
         let direction = refract(surface.arriving, surface.normal, index).filter(|_| surface.front);
         direction.map(|direction| (surface.pixel, surface.leave(scene, direction)))
@@ -147,7 +147,7 @@ pub(super) fn refraction<E>(
 
 /// Several a pixel, evenly spread over the hemisphere.
 pub(super) fn pixel_random(scene: &RayScene<'_>, primary: &Starts) -> Vec<(Pixel, Ray)> {
-    let count = scene.parameters.integer("pixel_random_count") as u64;
+    let count = u64::from(scene.parameters.pixel_random_count);
     each_hit(scene, primary, |surface| {
         let ray = |copy: u64| {
             let index = u64::from(surface.pixel) * count + copy;

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use glam::Vec3;
-use tracebench_api::Geometry;
+use tracebench_api::{Geometry, Parameters};
 use tracebench_scenes::{Camera, Scene};
 
 use super::*;
@@ -80,7 +80,7 @@ impl Place {
             mirrors: &self.mirrors,
             image: IMAGE,
             seed: self.seed,
-            parameters: &self.parameters,
+            parameters: &RayParameters::try_from(&self.parameters).unwrap(),
         };
         let set = RAY_SETS.iter().find(|set| set.name == name).unwrap();
         make(set, &scene, &self.primary(), |rays| Ok(self.tell(rays))).map(|rays| rays.to_vec())
@@ -328,7 +328,7 @@ fn pixel_random_starts_twenty_a_pixel() {
         mirrors: &[],
         image: [1000, 1000],
         seed: 1,
-        parameters: &floor.parameters,
+        parameters: &RayParameters::try_from(&floor.parameters).unwrap(),
     };
     let ray = floor.primary().rays[0];
     let miss = Answer { hit: None, tie: false };

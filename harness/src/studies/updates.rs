@@ -141,7 +141,7 @@ fn measure_scene(
     context: &Context<'_>,
 ) -> Result<(), RunError> {
     let plan = Plan { time_s: film.scene.time_s, ..plan.clone() };
-    let (mut requests, mut roles) = (Vec::new(), Vec::new());
+    let (mut requests, mut roles, mut unserved) = (Vec::new(), Vec::new(), Vec::new());
     // A tracer's ways stand together.
     for request in &plan.tracers {
         // Not being able to measure one is no error.
@@ -150,6 +150,10 @@ fn measure_scene(
         roles.push(Role { request, way: None });
         for way in WAYS {
             let Some(going) = way.taken_by(request) else { continue };
+            if let Err(error) = (request.registration.describe)().serves(way.update) {
+                unserved.push((request.name(), way.name, error.to_string()));
+                continue;
+            }
             requests.push(Request { tracer: optional(going), follows: Some(way.update) });
             roles.push(Role { request, way: Some(way) });
         }
@@ -175,6 +179,10 @@ fn measure_scene(
             *row = row_of(row.clone(), role);
         }
     }
+    for (tracer, way, reason) in unserved {
+        let (tracer, scene) = (Some(format!("{tracer} ({way})")), found.scene.name.clone());
+        run.skipped.push(Skipped { tracer, scene, rays: None, reason });
+    }
     for (place, refused) in measure::add(run, found) {
         measure::refuse(run, roles[place].request.name(), Some(roles[place].way()), refused);
     }
@@ -195,7 +203,7 @@ fn row_of(run: TracerRun, role: &Role<'_>) -> TracerRun {
 
 #[cfg(test)]
 mod tests {
-    use tracebench_api::Preset;
+    use tracebench_api::{Preset, Value};
 
     use super::*;
     use crate::registry::TRACERS;
@@ -215,7 +223,8 @@ mod tests {
         }
         let request = TracerRequest::of(&TRACERS[0], Preset::Published);
         let build = Way { name: "other", update: Update::Refit, setting: Some(("build", "fastest")) };
-        assert_eq!(build.taken_by(&request).unwrap().parameters.choice("build"), "fastest");
+        let fastest = Value::Choice("fastest".to_owned());
+        assert_eq!(build.taken_by(&request).unwrap().parameters.value("build"), Some(&fastest));
         let wrong = Way { setting: Some(("build", "no such")), ..build };
         assert!(wrong.taken_by(&request).is_none());
     }

@@ -14,7 +14,6 @@ fn view() -> View {
         far: 50.0,
         frame: [64, 64],
         face: 64,
-        view_set: ViewSet::Frame,
     }
     .frame_view()
 }
@@ -22,7 +21,7 @@ fn view() -> View {
 fn seen(triangles: Vec<[[f32; 3]; 3]>, ray: Ray) -> Case {
     let mut case = Case::new(framed(triangles), vec![ray], Query::Closest);
     assert!(!case.answers[0].tie);
-    case.views = vec![view()];
+    case.samplings = vec![Sampling { projection: Projection::Perspective(view()), layers: Layers::Nearest }];
     case
 }
 
@@ -81,7 +80,7 @@ fn cause_step_cap() {
     assert_eq!(case.cause("tight", &[status(Status::StepCap)]), "step_cap");
     // The same without any view, for methods that have steps and no views.
     let mut case = case;
-    case.views.clear();
+    case.samplings.clear();
     assert_eq!(case.cause("tight", &[status(Status::StepCap)]), "step_cap");
     assert_eq!(case.cause("tight", &[miss()]), "unexplained");
 }

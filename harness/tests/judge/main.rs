@@ -4,12 +4,13 @@
 mod causes;
 mod classes;
 mod controls;
+mod orthographic;
 mod surfaces;
 
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use tracebench_api::{Geometry, Hit, NO_PRIMITIVE, Query, Ray, Status, View, ViewSet, Viewpoint};
+use tracebench_api::{Geometry, Hit, Layers, NO_PRIMITIVE, Projection, Query, Ray, Sampling, Status, View, Viewpoint};
 use tracebench_harness::judge::{CURVE_TOLERANCES, Class, Judge, JudgeError, MOST_WRONG_RAYS, Rule};
 use tracebench_harness::measure::controls::Control;
 use tracebench_harness::progress::Progress;
@@ -54,14 +55,14 @@ struct Case {
     rays: Arc<Vec<Ray>>,
     answers: Vec<Answer>,
     query: Query,
-    views: Vec<View>,
+    samplings: Vec<Sampling>,
 }
 
 impl Case {
     fn new(truth: Truth, rays: Vec<Ray>, query: Query) -> Self {
         let rays = Arc::new(rays);
         let answers = truth.answer(&rays, query, &Cache::none(), &Progress::new(true)).unwrap();
-        Self { truth, eye: DVec3::new(0.0, 0.0, 2.0), rays, answers, query, views: Vec::new() }
+        Self { truth, eye: DVec3::new(0.0, 0.0, 2.0), rays, answers, query, samplings: Vec::new() }
     }
 
     fn judge(&self) -> Judge<'_> {
@@ -71,8 +72,7 @@ impl Case {
             rays: &self.rays,
             answers: &self.answers,
             query: self.query,
-            views: &self.views,
-            keeps_hidden_layers: false,
+            samplings: &self.samplings,
             names_primitives: true,
         }
     }

@@ -141,7 +141,7 @@ fn equal_triangles_make_hierarchies_deep() {
     let setup = (case.make)(*case.knob.values.last().unwrap()).unwrap();
     let session = prepare(case, &setup, None).unwrap();
     let contender = built(&session);
-    let statistics = contender.structure().unwrap().validate().unwrap();
+    let statistics = contender.structure().unwrap().validate(session.geometry()).unwrap();
     let depth = statistics.iter().find(|(name, _)| *name == "depth").unwrap().1;
     assert!(depth > 32.0, "{depth}");
 }

@@ -1,7 +1,7 @@
 //! Views beside one another: a ray along their seams is lost by none of them.
 
 use tracebench_api::glam::{DVec3, Vec3};
-use tracebench_api::{Ray, ViewSet, Viewpoint};
+use tracebench_api::{Ray, Viewpoint};
 use tracebench_kit::ViewUniform;
 use tracebench_tests::Numbers;
 
@@ -21,7 +21,6 @@ fn faces(pulled_back: f64) -> [ViewUniform; 6] {
         far: FAR as f32,
         frame: [16, 16],
         face: 16,
-        view_set: ViewSet::Faces,
     };
     viewpoint.face_views(pulled_back).map(|view| ViewUniform::from(&view))
 }

@@ -65,7 +65,7 @@ pub fn run(entry_point: &str, count: usize, inputs: &[(u32, &[u8])], output: (u3
 }
 
 fn run_tasks<Found: Pod>(entry_point: &str, tasks: &[Task], binding: u32) -> Vec<Found> {
-    let bytes = std::mem::size_of_val(tasks) / size_of::<Task>() * size_of::<Found>();
+    let bytes = size_of_val(tasks) / size_of::<Task>() * size_of::<Found>();
     let found = run(entry_point, tasks.len(), &[(0, bytemuck::cast_slice(tasks))], (binding, bytes));
     bytemuck::pod_collect_to_vec(&found)
 }

@@ -1,5 +1,7 @@
 //! Why a tracer could not build or trace.
 
+use crate::ParameterError;
+
 /// A tracer's refusal or failure. Every message says what is wrong and, where the user can do something, what.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum TracerError {
@@ -21,6 +23,9 @@ pub enum TracerError {
     /// The query or end point is one that this tracer does not serve.
     #[error("not supported: {0}")]
     Unsupported(String),
+    /// It was told what it cannot be told, or not all.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
     /// The device reported an error, or the structure cannot be used.
     #[error("{0}")]
     Failed(String),

@@ -9,27 +9,33 @@
 
 mod allocations;
 mod clock;
+mod declared;
 mod error;
 mod geometry;
 mod gpu;
+mod layout;
 mod memory;
 mod parameters;
 mod ray;
+mod sampling;
 mod tracer;
 mod transfer;
 mod viewpoint;
 
 pub use allocations::Allocations;
 pub use clock::{ClockKind, PhaseClock, PhaseSample, Timing};
+pub use declared::{Choice, Parameter, ParameterType};
 pub use error::TracerError;
 pub use geometry::{DeviceGeometry, Geometry};
 pub use gpu::{AdapterChoice, AdapterListing, Gpu, list_adapters};
+pub use layout::{SharedLayout, layouts};
 pub use memory::{Ledger, MemoryEntry, MemoryReport};
 pub use parameters::{Domain, ParameterDescription, ParameterError, ParameterScope, Parameters, Preset, Value};
 pub use ray::{EndPoint, Hit, NO_PRIMITIVE, Query, Ray, Status, Surface, SurfaceStatus};
+pub use sampling::{Layers, LineOfSight, Orthographic, Projection, Sampling};
 pub use tracer::{Counter, Description, Invalidation, Residency, Structure, TraceJob, Tracer, Update};
 pub use transfer::{HitBuffer, RayBuffer};
-pub use viewpoint::{Projected, View, ViewSet, Viewpoint};
+pub use viewpoint::{Projected, View, Viewpoint};
 
 // Re-exported so that every tracer and the harness speak of the same version.
 pub use glam;

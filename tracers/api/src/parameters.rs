@@ -113,6 +113,12 @@ pub enum ParameterError {
         /// The names that exist.
         known: String,
     },
+    /// No value for a parameter that a tracer has.
+    #[error("there is no value of the parameter '{name}'")]
+    Missing {
+        /// The parameter.
+        name: &'static str,
+    },
     /// A value that does not parse or lies out of range.
     #[error("{name} = '{given}' is not allowed: {expected}")]
     Value {
@@ -125,7 +131,7 @@ pub enum ParameterError {
     },
 }
 
-/// A tracer's parameters with their values; always complete and in range.
+/// A tracer's parameters with their values: complete and in range for the tracer whose descriptions they are made from.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
 pub struct Parameters {
@@ -161,28 +167,18 @@ impl Parameters {
         self.values.iter().map(|(name, value)| (name.as_str(), value))
     }
 
-    /// A whole number; 0 if the tracer asks for a parameter that it did not describe.
-    pub fn integer(&self, name: &str) -> i64 {
-        match self.values.get(name) {
-            Some(Value::Integer(value)) => *value,
-            _ => 0,
-        }
+    /// One parameter's value; none of a name that is not among them.
+    pub fn value(&self, name: &str) -> Option<&Value> {
+        self.values.get(name)
     }
 
-    /// A real number; NaN if the tracer asks for a parameter that it did not describe.
-    pub fn real(&self, name: &str) -> f64 {
-        match self.values.get(name) {
-            Some(Value::Real(value)) => *value,
-            _ => f64::NAN,
-        }
-    }
-
-    /// A choice; empty if the tracer asks for a parameter that it did not describe.
-    pub fn choice(&self, name: &str) -> &str {
-        match self.values.get(name) {
-            Some(Value::Choice(value)) => value,
-            _ => "",
-        }
+    /// That there are no others than those of these names.
+    ///
+    /// # Errors
+    /// [`ParameterError::Unknown`] with the first that is.
+    pub fn has_only(&self, names: &[&str]) -> Result<(), ParameterError> {
+        let other = self.values.keys().find(|name| !names.contains(&name.as_str()));
+        other.map_or(Ok(()), |name| Err(ParameterError::Unknown { name: name.clone(), known: names.join(", ") }))
     }
 }
 
@@ -192,22 +188,32 @@ impl ParameterDescription {
     /// # Errors
     /// [`ParameterError::Value`] with what is allowed.
     pub fn parse(&self, text: &str) -> Result<Value, ParameterError> {
-        let fail =
-            |expected: String| ParameterError::Value { name: self.name.to_owned(), given: text.to_owned(), expected };
-        match self.domain {
-            Domain::Integer { least, greatest } => match text.parse::<i64>() {
-                Ok(value) if (least..=greatest).contains(&value) => Ok(Value::Integer(value)),
-                _ => Err(fail(format!("a whole number from {least} to {greatest}"))),
-            },
-            Domain::Real { least, greatest } => match text.parse::<f64>() {
-                Ok(value) if (least..=greatest).contains(&value) => Ok(Value::Real(value)),
-                _ => Err(fail(format!("a number from {least} to {greatest}"))),
-            },
-            Domain::Choice(names) => match names.iter().find(|name| **name == text) {
-                Some(name) => Ok(Value::Choice((*name).to_owned())),
-                None => Err(fail(format!("one of {}", names.join(", ")))),
-            },
+        let value = match self.domain {
+            Domain::Integer { .. } => text.parse().ok().map(Value::Integer),
+            Domain::Real { .. } => text.parse().ok().map(Value::Real),
+            Domain::Choice(_) => Some(Value::Choice(text.to_owned())),
+        };
+        value.filter(|value| self.allows(value)).ok_or_else(|| self.refusal(text))
+    }
+
+    /// Whether it may have a value.
+    pub(crate) fn allows(&self, value: &Value) -> bool {
+        match (self.domain, value) {
+            (Domain::Integer { least, greatest }, Value::Integer(value)) => (least..=greatest).contains(value),
+            (Domain::Real { least, greatest }, Value::Real(value)) => (least..=greatest).contains(value),
+            (Domain::Choice(names), Value::Choice(value)) => names.contains(&value.as_str()),
+            _ => false,
         }
+    }
+
+    /// That a value is not allowed, with what is.
+    pub(crate) fn refusal(&self, given: &str) -> ParameterError {
+        let expected = match self.domain {
+            Domain::Integer { least, greatest } => format!("a whole number from {least} to {greatest}"),
+            Domain::Real { least, greatest } => format!("a number from {least} to {greatest}"),
+            Domain::Choice(names) => format!("one of {}", names.join(", ")),
+        };
+        ParameterError::Value { name: self.name.to_owned(), given: given.to_owned(), expected }
     }
 }
 
@@ -233,10 +239,11 @@ mod tests {
     fn values_are_checked() {
         let descriptions = descriptions();
         let mut parameters = Parameters::preset(&descriptions, Preset::Published);
-        assert_eq!(parameters.integer("stride"), 1);
-        assert_eq!(Parameters::preset(&descriptions, Preset::Improved).integer("stride"), 2);
+        assert_eq!(parameters.value("stride"), Some(&Value::Integer(1)));
+        let improved = Parameters::preset(&descriptions, Preset::Improved);
+        assert_eq!(improved.value("stride"), Some(&Value::Integer(2)));
         parameters.set(&descriptions, "stride", "8").unwrap();
-        assert_eq!(parameters.integer("stride"), 8);
+        assert_eq!(parameters.value("stride"), Some(&Value::Integer(8)));
         for bad in ["0", "65", "x", "1.5", "NaN", ""] {
             assert!(parameters.set(&descriptions, "stride", bad).unwrap_err().to_string().contains("1 to 64"));
         }

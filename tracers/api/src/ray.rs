@@ -105,6 +105,11 @@ pub enum Query {
     Any,
 }
 
+impl Query {
+    /// Every query.
+    pub const ALL: [Query; 2] = [Self::Closest, Self::Any];
+}
+
 /// How far a trace goes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]

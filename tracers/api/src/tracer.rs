@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use crate::{
-    EndPoint, Geometry, HitBuffer, MemoryEntry, MemoryReport, ParameterDescription, Parameters, PhaseClock, RayBuffer,
-    TracerError, View, Viewpoint,
+    EndPoint, Geometry, HitBuffer, MemoryEntry, MemoryReport, ParameterDescription, Parameters, PhaseClock, Query,
+    RayBuffer, Sampling, SharedLayout, TracerError, Viewpoint,
 };
 
 /// Where a tracer's triangles, rays and hits live.
@@ -44,8 +44,30 @@ pub struct Description {
     pub invalidated_by: &'static [Invalidation],
     /// Whether its hits name the triangle.
     pub names_primitives: bool,
+    /// The ends that it traces to.
+    pub ends: &'static [EndPoint],
+    /// The queries that it answers.
+    pub queries: &'static [Query],
+    /// Why its structures cannot be fitted to moved vertices ([`Update::Refit`]); none where they can.
+    pub no_refit: Option<&'static str>,
     /// Its parameters.
     pub parameters: Vec<ParameterDescription>,
+    /// The structs that it shares with its shaders.
+    #[serde(skip)]
+    pub layouts: Vec<SharedLayout>,
+}
+
+impl Description {
+    /// That a structure follows changes in a way: what [`Structure::update`] says of the way itself, before there is one.
+    ///
+    /// # Errors
+    /// [`TracerError::Unsupported`] for a refit where the method has none.
+    pub fn serves(&self, update: Update) -> Result<(), TracerError> {
+        match (update, self.no_refit) {
+            (Update::Refit, Some(reason)) => Err(TracerError::Unsupported(reason.to_owned())),
+            (Update::Rebuild | Update::Refit | Update::Reuse, _) => Ok(()),
+        }
+    }
 }
 
 /// One trace of one ray set.
@@ -135,8 +157,8 @@ pub trait Structure {
     /// structure is as it was.
     ///
     /// # Errors
-    /// [`TracerError::Unsupported`] for a refit where the method has none, [`TracerError::Failed`] for a refit to other
-    /// triangles, others as [`Tracer::build`].
+    /// [`TracerError::Unsupported`] for a refit where the method has none ([`Description::no_refit`]),
+    /// [`TracerError::Failed`] for a refit to other triangles, others as [`Tracer::build`].
     fn update(
         &mut self,
         update: Update,
@@ -159,7 +181,8 @@ pub trait Structure {
     /// the clock has been finished.
     ///
     /// # Errors
-    /// [`TracerError::Unsupported`] for a query or end that the method does not serve, others as they say.
+    /// [`TracerError::Unsupported`] for a query or end that the method does not serve ([`Description::queries`],
+    /// [`Description::ends`]), others as they say.
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError>;
 
     /// The same as [`Structure::trace`], by a variant that counts; never timed. Gives the same hits.
@@ -173,24 +196,23 @@ pub trait Structure {
 
     /// A trace's own buffers and textures, beside rays, hits and surfaces: what the job takes while it runs, each by its
     /// name. Of textures, which drivers pad as they like, what the last such job took.
-    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
+    ///
+    /// # Errors
+    /// [`TracerError::Parameter`] for a job with other parameters than the tracer's.
+    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
         let _ = job;
+        Ok(Vec::new())
+    }
+
+    /// The images that the structure sees the scene through; empty for one that holds the scene itself.
+    fn samplings(&self) -> Vec<Sampling> {
         Vec::new()
     }
 
-    /// The views that the structure sees the scene through; empty for one that does not depend on a view.
-    fn views(&self) -> Vec<View> {
-        Vec::new()
-    }
-
-    /// Whether the views keep what lies behind other surfaces, too; of no meaning without views.
-    fn keeps_hidden_layers(&self) -> bool {
-        false
-    }
-
-    /// Reads the structure back and checks it; gives printable statistics.
+    /// Reads the structure back and checks it against the scene; gives printable statistics. `geometry` is what it was last
+    /// built over, rebuilt over or fitted to: after [`Update::Reuse`] over a moved scene that is the scene before.
     ///
     /// # Errors
     /// [`TracerError::Failed`] with what is inconsistent.
-    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError>;
+    fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError>;
 }

@@ -2,18 +2,6 @@
 
 use glam::{DVec3, Vec3};
 
-/// Which views a structure is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ViewSet {
-    /// The camera's view.
-    Frame,
-    /// Six axis-aligned cube faces round the eye.
-    Faces,
-    /// The camera's view and the six faces.
-    FrameAndFaces,
-}
-
 /// The pose and resolutions from which structures take their views.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viewpoint {
@@ -33,8 +21,6 @@ pub struct Viewpoint {
     pub frame: [u32; 2],
     /// Edge of a cube face, pixels.
     pub face: u32,
-    /// The views that a structure may hold.
-    pub view_set: ViewSet,
 }
 
 impl Viewpoint {
@@ -160,7 +146,6 @@ mod tests {
             far: 100.0,
             frame: [200, 100],
             face: 64,
-            view_set: ViewSet::Frame,
         }
         .frame_view()
     }
@@ -196,7 +181,6 @@ mod tests {
             far: 100.0,
             frame: [200, 100],
             face: 64,
-            view_set: ViewSet::Faces,
         };
         let eye = viewpoint.eye.as_dvec3();
         for step in 0..200 {

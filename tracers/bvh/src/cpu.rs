@@ -12,13 +12,13 @@ use obvhs::rt_triangle::RtTriangle;
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 use tracebench_api::{
-    Counter, Description, Domain, EndPoint, Geometry, Hit, HitBuffer, Invalidation, Ledger, MemoryReport,
-    ParameterDescription, ParameterScope, Parameters, PhaseClock, Query, Ray, Residency, Status, Structure, Surface,
-    TraceJob, Tracer, TracerError, Update, Value, Viewpoint,
+    Counter, Description, EndPoint, Geometry, Hit, HitBuffer, Invalidation, Ledger, MemoryReport, Parameter,
+    ParameterScope, Parameters, PhaseClock, Query, Ray, Residency, Status, Structure, Surface, TraceJob, Tracer,
+    TracerError, Update, Viewpoint, parameters,
 };
 
 use crate::hierarchy;
-use crate::input::{build_description, build_parameters, check_fits, gather, scale_for};
+use crate::input::{BuildPreset, build_parameter, check_fits, gather, scale_for};
 use crate::refit::refit;
 use crate::sah;
 use crate::wide::{check_references, depth};
@@ -40,22 +40,27 @@ pub fn description() -> Description {
         residency: Residency::Host,
         invalidated_by: &[Invalidation::Geometry],
         names_primitives: true,
-        parameters: vec![build_description(), rebuild_description()],
+        ends: &EndPoint::ALL,
+        queries: &Query::ALL,
+        no_refit: None,
+        parameters: CpuParameters::describe(),
+        layouts: Vec::new(),
     }
 }
 
-/// The parameter `rebuild_every`.
-fn rebuild_description() -> ParameterDescription {
-    ParameterDescription {
-        name: "rebuild_every",
-        unit: "frames",
-        scope: ParameterScope::Build,
-        domain: Domain::Integer { least: 0, greatest: 1_000_000 },
-        published: Value::Integer(0),
-        improved: Value::Integer(0),
-        effect: "of the refits that follow a build every so many is a rebuild, because boxes grow as triangles drift \
-                 apart: 1 makes all rebuilds, 0 none",
-        sweep: [0, 1, 2, 4, 8, 16, 32].map(Value::Integer).to_vec(),
+parameters! {
+    /// What `bvh-cpu` is told.
+    pub(crate) struct CpuParameters {
+        build: BuildPreset = build_parameter(),
+        rebuild_every: u32 = Parameter::integer(
+            ParameterScope::Build,
+            0..=1_000_000,
+            0,
+            "of the refits that follow a build every so many is a rebuild, because boxes grow as triangles drift \
+             apart: 1 makes all rebuilds, 0 none",
+        )
+        .unit("frames")
+        .sweep([0, 1, 2, 4, 8, 16, 32]),
     }
 }
 
@@ -88,7 +93,7 @@ impl Tracer for BvhCpu {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Box<dyn Structure>, TracerError> {
-        Ok(Box::new(BvhCpuStructure::build(geometry, parameters, clock)?))
+        Ok(Box::new(BvhCpuStructure::build(geometry, &CpuParameters::try_from(parameters)?, clock)?))
     }
 }
 
@@ -102,15 +107,14 @@ fn order(bvh: &CwBvh, triangles: &[Triangle], clock: &mut PhaseClock<'_>) -> Vec
 impl BvhCpuStructure {
     fn build(
         geometry: &Geometry,
-        parameters: &Parameters,
+        parameters: &CpuParameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<BvhCpuStructure, TracerError> {
-        let config = build_parameters(parameters.choice("build"));
         let scale = scale_for(geometry.diagonal());
         let triangles = gather(geometry, scale, clock);
         let mut ledger = Ledger::new();
         ledger.borrow_transient(size_of_val(triangles.as_slice()) as u64);
-        let bvh = hierarchy::build_wide(&triangles, config, &mut ledger, clock);
+        let bvh = hierarchy::build_wide(&triangles, parameters.build.values(), &mut ledger, clock);
         let ordered = order(&bvh, &triangles, clock);
 
         let mut keep = |name: &str, element: usize, capacity: usize, used: usize| {
@@ -137,11 +141,11 @@ impl BvhCpuStructure {
     fn refit(
         &mut self,
         geometry: &Geometry,
-        parameters: &Parameters,
+        parameters: &CpuParameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         check_fits(self.triangle_count, geometry)?;
-        let rebuild_every = parameters.integer("rebuild_every").unsigned_abs();
+        let rebuild_every = u64::from(parameters.rebuild_every);
         if rebuild_every > 0 && self.refits + 1 >= rebuild_every {
             *self = Self::build(geometry, parameters, clock)?;
             return Ok(());
@@ -312,6 +316,7 @@ impl Structure for BvhCpuStructure {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
+        let parameters = &CpuParameters::try_from(parameters)?;
         match update {
             Update::Rebuild => *self = Self::build(geometry, parameters, clock)?,
             Update::Refit => self.refit(geometry, parameters, clock)?,
@@ -371,7 +376,7 @@ impl Structure for BvhCpuStructure {
         self.memory.clone()
     }
 
-    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+    fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
         let depth = depth(&self.bvh)?;
         check_references(&self.bvh.primitive_indices, self.triangle_count, self.bvh.uses_spatial_splits)?;
         Ok(vec![

@@ -6,10 +6,19 @@ use glam::Vec3A;
 use obvhs::BvhBuildParams;
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
-use tracebench_api::{Domain, Geometry, ParameterDescription, ParameterScope, PhaseClock, TracerError, Value};
+use tracebench_api::{Geometry, Parameter, ParameterScope, PhaseClock, TracerError, choice};
 
-/// Values of `build`.
-pub(crate) const BUILDS: &[&str] = &["fastest", "very_fast", "fast", "medium", "slow", "very_slow"];
+choice! {
+    /// obvhs's build presets.
+    pub(crate) enum BuildPreset {
+        Fastest = "fastest",
+        VeryFast = "very_fast",
+        Fast = "fast",
+        Medium = "medium",
+        Slow = "slow",
+        VerySlow = "very_slow",
+    }
+}
 
 /// Power of two to which a scene's diagonal is scaled; powers of two lose no bit. obvhs's CWBVH nodes drop everything
 /// nearer than 1e-4 whatever the scene's size (at this size that is less than 1e-9 of the diagonal), its boxes have a
@@ -17,29 +26,22 @@ pub(crate) const BUILDS: &[&str] = &["fastest", "very_fast", "fast", "medium", "
 const DIAGONAL_EXPONENT: i32 = 17;
 
 /// The parameter `build`.
-pub(crate) fn build_description() -> ParameterDescription {
-    let choice = |name: &str| Value::Choice(name.to_owned());
-    ParameterDescription {
-        name: "build",
-        unit: "",
-        scope: ParameterScope::Build,
-        domain: Domain::Choice(BUILDS),
-        published: choice("medium"),
-        improved: choice("slow"),
-        effect: "obvhs's build preset: slower builds trace faster; slow and very_slow split large triangles",
-        sweep: BUILDS.iter().map(|name| choice(name)).collect(),
-    }
+pub(crate) fn build_parameter() -> Parameter<BuildPreset> {
+    let effect = "obvhs's build preset: slower builds trace faster; slow and very_slow split large triangles";
+    Parameter::choice(ParameterScope::Build, BuildPreset::Medium, effect).improved(BuildPreset::Slow)
 }
 
-/// obvhs's values for a value of `build`.
-pub(crate) fn build_parameters(name: &str) -> BvhBuildParams {
-    match name {
-        "fastest" => BvhBuildParams::fastest_build(),
-        "very_fast" => BvhBuildParams::very_fast_build(),
-        "fast" => BvhBuildParams::fast_build(),
-        "slow" => BvhBuildParams::slow_build(),
-        "very_slow" => BvhBuildParams::very_slow_build(),
-        _ => BvhBuildParams::medium_build(),
+impl BuildPreset {
+    /// obvhs's values.
+    pub(crate) fn values(self) -> BvhBuildParams {
+        match self {
+            Self::Fastest => BvhBuildParams::fastest_build(),
+            Self::VeryFast => BvhBuildParams::very_fast_build(),
+            Self::Fast => BvhBuildParams::fast_build(),
+            Self::Medium => BvhBuildParams::medium_build(),
+            Self::Slow => BvhBuildParams::slow_build(),
+            Self::VerySlow => BvhBuildParams::very_slow_build(),
+        }
     }
 }
 

@@ -16,6 +16,7 @@ mod cpu;
 mod gpu;
 mod hierarchy;
 mod input;
+mod layouts;
 mod lbvh;
 mod ray_query;
 mod refit;
@@ -24,12 +25,7 @@ mod sah;
 mod touched;
 mod wide;
 
-pub use binary::BinaryNode;
 pub use cpu::{BvhCpu, description};
-pub use gpu::{
-    BINARY_STACK, BvhGpu, DeviceTriangle, ROW_BITS, SearchSettings, WIDE_STACK, description as gpu_description,
-};
-pub use lbvh::{
-    BuildSettings, ClusterIteration, ConversionLevel, LbvhGpu, RefitStage, description as lbvh_description,
-};
-pub use ray_query::{QuerySettings, RayQuery, description as ray_query_description};
+pub use gpu::{BINARY_STACK, BvhGpu, ROW_BITS, WIDE_STACK, description as gpu_description};
+pub use lbvh::{LbvhGpu, description as lbvh_description};
+pub use ray_query::{RayQuery, description as ray_query_description};

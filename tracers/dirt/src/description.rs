@@ -1,52 +1,152 @@
 //! The parameters of `dirt`.
 
-use tracebench_api::{Description, Domain, Invalidation, ParameterDescription, ParameterScope, Residency, Value};
+use tracebench_api::ParameterScope::{Build, Trace};
+use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
 
-const TILE_SIZES: &[&str] = &["1", "2", "4", "8"];
-const VIEWS: &[&str] = &["six", "frame"];
-const CENTRES: &[&str] = &["pulled_back", "eye"];
-const NEARS: &[&str] = &["viewpoint", "none"];
-const COVERAGES: &[&str] = &["conservative", "standard"];
-const CLIPS: &[&str] = &["polygon", "plane"];
-const ACCEPTS: &[&str] = &["tile", "distance"];
-const CENTRE_RAYS: &[&str] = &["whole", "split"];
-const FETCHES: &[&str] = &["raster", "gather"];
-const SEARCHED: &[&str] = &["until_hit", "all"];
+use crate::layout::layouts;
+
+choice! {
+    /// Pixels along a tile's edge.
+    pub(crate) enum TileSize { One = "1", Two = "2", Four = "4", Eight = "8" }
+}
+
+choice! {
+    /// Which views there are.
+    pub(crate) enum Views { Six = "six", Frame = "frame" }
+}
+
+choice! {
+    /// Where the faces' centres lie.
+    pub(crate) enum Centre { PulledBack = "pulled_back", Eye = "eye" }
+}
+
+choice! {
+    /// Where the near plane is.
+    pub(crate) enum Near { Viewpoint = "viewpoint", None = "none" }
+}
+
+choice! {
+    /// Which tiles keep a triangle.
+    pub(crate) enum Coverage { Conservative = "conservative", Standard = "standard" }
+}
+
+choice! {
+    /// What gives a triangle's depths in a tile.
+    pub(crate) enum Clip { Polygon = "polygon", Plane = "plane" }
+}
+
+choice! {
+    /// Whether the camera's frame is drawn, too.
+    pub(crate) enum DirectVisibility { Off = "off", On = "on" }
+}
+
+choice! {
+    /// When a hit counts.
+    pub(crate) enum Accept { Tile = "tile", Distance = "distance" }
+}
+
+choice! {
+    /// Which buckets of a tile are searched.
+    pub(crate) enum Searched { UntilHit = "until_hit", All = "all" }
+}
+
+choice! {
+    /// How rays are walked that pass near a view's centre.
+    pub(crate) enum CentreRays { Whole = "whole", Split = "split" }
+}
+
+choice! {
+    /// How surfaces are fetched.
+    pub(crate) enum Fetching { Raster = "raster", Gather = "gather" }
+}
+
+parameters! {
+    /// What `dirt` is told.
+    pub(crate) struct DirtParameters {
+        tile_size: TileSize = Parameter::choice(
+            Build,
+            TileSize::Two,
+            "S, pixels of a view along a tile's edge: larger tiles store and build less and have longer lists",
+        )
+        .unit("pixels"),
+        buckets: u32 = Parameter::integer(
+            Build,
+            1..=256,
+            24,
+            "B, depth buckets of a tile: more have shorter lists, and more heads and copies",
+        )
+        .sweep([1, 4, 8, 16, 24, 32, 40]),
+        views: Views =
+            Parameter::choice(Build, Views::Six, "six cube faces, or the camera's view alone (Figure 9)"),
+        centre: Centre = Parameter::choice(
+            Build,
+            Centre::PulledBack,
+            "where the faces' centres lie: pulled back by the near distance (VVP16, section 3.2), or in the eye, which \
+             loses what lies before near",
+        ),
+        near: Near = Parameter::choice(
+            Build,
+            Near::Viewpoint,
+            "the near plane: the viewpoint's, or as good as none (a proof's aid: 1e-15 of far)",
+        ),
+        coverage: Coverage = Parameter::choice(
+            Build,
+            Coverage::Conservative,
+            "which tiles keep a triangle: all that it touches (section 4.1), or those whose centres it covers, which \
+             is meant for tile_size=1 and loses what lies between centres",
+        ),
+        clip: Clip = Parameter::choice(
+            Build,
+            Clip::Polygon,
+            "a triangle's depths in a tile: those of the clipped polygon (section 4.1.1), or of its plane at the \
+             tile's corners, as in the released code: larger",
+        ),
+        direct_visibility: DirectVisibility = Parameter::choice(
+            Build,
+            DirectVisibility::Off,
+            "whether the build also draws the surfaces that the camera's frame shows (section 4.1.3), where paths would \
+             begin; traces take rays from anywhere and do not use them",
+        ),
+        accept: Accept = Parameter::choice(
+            Trace,
+            Accept::Tile,
+            "when a hit counts: where its tile is the one searched (Algorithm 1, line 14), which loses hits on borders, \
+             or by its distance alone (a proof's aid)",
+        ),
+        searched: Searched = Parameter::choice(
+            Trace,
+            Searched::UntilHit,
+            "buckets of a tile: up to the first with a hit (Algorithm 1, line 18), or all (a proof's aid)",
+        ),
+        centre_rays: CentreRays = Parameter::choice(
+            Trace,
+            CentreRays::Whole,
+            "rays that pass near a view's centre, where rounding hides their tile: walked like any other, or split \
+             there, with all that lies near the centre tested (a proof's aid)",
+        ),
+        fetch: Fetching = Parameter::choice(
+            Trace,
+            Fetching::Raster,
+            "how surfaces are fetched where a trace ends at them: by drawing the scene into every view once more and looking \
+             hits up at their pixels (sections 4.2.1, 4.2.2), which may lose some, or from the vertices by triangle",
+        ),
+        max_steps: u32 = Parameter::integer(
+            Trace,
+            1..=1 << 20,
+            1 << 14,
+            "cells of the pyramid after which a ray is given up with status step_cap, as one is that the driver's own limit of \
+             loops cuts off",
+        )
+        .unit("cells")
+        .sweep([64, 256, 1024, 4096, 16_384]),
+    }
+}
+
+/// Why there is no refit.
+pub(crate) const NO_REFIT: &str = "dirt has no shape to keep: its lists are rebuilt or reused";
 
 /// What `dirt` is and takes.
 pub fn description() -> Description {
-    use ParameterScope::{Build, Trace};
-    let integers = |values: &[i64]| values.iter().copied().map(Value::Integer).collect::<Vec<_>>();
-    let choice = |name, scope, names: &'static [&'static str], published: &str, effect| ParameterDescription {
-        name,
-        unit: "",
-        scope,
-        domain: Domain::Choice(names),
-        published: Value::Choice(published.to_owned()),
-        improved: Value::Choice(published.to_owned()),
-        effect,
-        sweep: names.iter().map(|name| Value::Choice((*name).to_owned())).collect(),
-    };
-    let integer = |name, unit, scope, least, greatest, published, effect, sweep: &[i64]| ParameterDescription {
-        name,
-        unit,
-        scope,
-        domain: Domain::Integer { least, greatest },
-        published: Value::Integer(published),
-        improved: Value::Integer(published),
-        effect,
-        sweep: integers(sweep),
-    };
-    let tile_size = ParameterDescription {
-        unit: "pixels",
-        ..choice(
-            "tile_size",
-            Build,
-            TILE_SIZES,
-            "2",
-            "S, pixels of a view along a tile's edge: larger tiles store and build less and have longer lists",
-        )
-    };
     Description {
         name: "dirt",
         citation: "Vardis, Vasilakis, Papaioannou: DIRT: Deferred Image-based Ray Tracing, HPG 2016",
@@ -54,105 +154,22 @@ pub fn description() -> Description {
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry, Invalidation::Viewpoint, Invalidation::Resolution],
         names_primitives: true,
-        parameters: vec![
-            tile_size,
-            integer(
-                "buckets",
-                "",
-                Build,
-                1,
-                256,
-                24,
-                "B, depth buckets of a tile: more have shorter lists, and more heads and copies",
-                &[1, 4, 8, 16, 24, 32, 40],
-            ),
-            choice("views", Build, VIEWS, "six", "six cube faces, or the camera's view alone (Figure 9)"),
-            choice(
-                "centre",
-                Build,
-                CENTRES,
-                "pulled_back",
-                "where the faces' centres lie: pulled back by the near distance (VVP16, section 3.2), or in the eye, which \
-                 loses what lies before near",
-            ),
-            choice(
-                "near",
-                Build,
-                NEARS,
-                "viewpoint",
-                "the near plane: the viewpoint's, or as good as none (a proof's aid: 1e-15 of far)",
-            ),
-            choice(
-                "coverage",
-                Build,
-                COVERAGES,
-                "conservative",
-                "which tiles keep a triangle: all that it touches (section 4.1), or those whose centres it covers, which \
-                 is meant for tile_size=1 and loses what lies between centres",
-            ),
-            choice(
-                "clip",
-                Build,
-                CLIPS,
-                "polygon",
-                "a triangle's depths in a tile: those of the clipped polygon (section 4.1.1), or of its plane at the \
-                 tile's corners, as in the released code: larger",
-            ),
-            choice(
-                "direct_visibility",
-                Build,
-                &["off", "on"],
-                "off",
-                "whether the build also draws the surfaces that the camera's frame shows (section 4.1.3), where paths would \
-                 begin; traces take rays from anywhere and do not use them",
-            ),
-            choice(
-                "accept",
-                Trace,
-                ACCEPTS,
-                "tile",
-                "when a hit counts: where its tile is the one searched (Algorithm 1, line 14), which loses hits on borders, \
-                 or by its distance alone (a proof's aid)",
-            ),
-            choice(
-                "searched",
-                Trace,
-                SEARCHED,
-                "until_hit",
-                "buckets of a tile: up to the first with a hit (Algorithm 1, line 18), or all (a proof's aid)",
-            ),
-            choice(
-                "centre_rays",
-                Trace,
-                CENTRE_RAYS,
-                "whole",
-                "rays that pass near a view's centre, where rounding hides their tile: walked like any other, or split \
-                 there, with all that lies near the centre tested (a proof's aid)",
-            ),
-            choice(
-                "fetch",
-                Trace,
-                FETCHES,
-                "raster",
-                "how surfaces are fetched where a trace ends at them: by drawing the scene into every view once more and looking \
-                 hits up at their pixels (sections 4.2.1, 4.2.2), which may lose some, or from the vertices by triangle",
-            ),
-            integer(
-                "max_steps",
-                "cells",
-                Trace,
-                1,
-                1 << 20,
-                1 << 14,
-                "cells of the pyramid after which a ray is given up with status step_cap, as one is that the driver's own limit of \
-                 loops cuts off",
-                &[64, 256, 1024, 4096, 16_384],
-            ),
-        ],
+        ends: &EndPoint::ALL,
+        queries: &Query::ALL,
+        no_refit: Some(NO_REFIT),
+        parameters: DirtParameters::describe(),
+        layouts: layouts(),
     }
 }
 
-/// The value of `tile_size`, pixels.
-pub(crate) fn tile_size(parameters: &tracebench_api::Parameters) -> u32 {
-    parameters.choice("tile_size").parse().unwrap_or(1)
+impl TileSize {
+    /// Pixels.
+    pub(crate) fn pixels(self) -> u32 {
+        match self {
+            Self::One => 1,
+            Self::Two => 2,
+            Self::Four => 4,
+            Self::Eight => 8,
+        }
+    }
 }

@@ -30,6 +30,7 @@ use tracebench_kit::{
 };
 use tracebench_shaders::{Shader, dirt};
 
+use crate::description::Fetching;
 use crate::layout::{Layout, MOST_VIEWS};
 use crate::structure::DirtStructure;
 
@@ -273,16 +274,17 @@ impl DirtStructure {
     pub(crate) fn record_surfaces(
         &self,
         job: &TraceJob<'_>,
+        fetching: Fetching,
         hits: &HitBuffer,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let gpu = &*self.pipelines.gpu;
-        match (job.end, by_raster(job)) {
+        match (job.end, fetching) {
             (EndPoint::Hit, _) => Ok(()),
-            (EndPoint::Surface, false) => {
+            (EndPoint::Surface, Fetching::Gather) => {
                 self.pipelines.gather.record(gpu, &self.geometry.surfaces, job.rays, hits, None, clock)
             }
-            (EndPoint::Surface, true) => {
+            (EndPoint::Surface, Fetching::Raster) => {
                 let fetch = &self.pipelines.fetch;
                 let taken = fetch.take(self, job, hits)?;
                 fetch.record(self, job, &taken, clock)
@@ -291,17 +293,15 @@ impl DirtStructure {
     }
 
     /// What that takes while it runs, by name.
-    pub(crate) fn surface_memory(&self, job: &TraceJob<'_>) -> Vec<MemoryEntry> {
-        match (job.end, by_raster(job)) {
+    pub(crate) fn surface_memory(&self, job: &TraceJob<'_>, fetching: Fetching) -> Vec<MemoryEntry> {
+        match (job.end, fetching) {
             (EndPoint::Hit, _) => Vec::new(),
-            (EndPoint::Surface, false) => vec![Gather::memory()],
-            (EndPoint::Surface, true) => Fetch::memory(&self.layout, job.rays.host.len(), &self.mask_memory),
+            (EndPoint::Surface, Fetching::Gather) => vec![Gather::memory()],
+            (EndPoint::Surface, Fetching::Raster) => {
+                Fetch::memory(&self.layout, job.rays.host.len(), &self.mask_memory)
+            }
         }
     }
-}
-
-fn by_raster(job: &TraceJob<'_>) -> bool {
-    job.parameters.choice("fetch") == "raster"
 }
 
 /// Surfaces that were lost.

@@ -56,7 +56,7 @@ fn has(surface: &Surface, status: SurfaceStatus) -> bool {
 /// Whether a hit lies well within a view, by f64: between near and far, and on a pixel beyond rounding.
 fn well_within_a_view(structure: &DirtStructure, ray: &Ray, hit: &Hit) -> bool {
     let point = Vec3::from(ray.origin).as_dvec3() + Vec3::from(ray.direction).as_dvec3() * f64::from(hit.t);
-    structure.views().iter().any(|view| {
+    structure.layout.views.iter().any(|view| {
         view.project(point).is_some_and(|at| {
             let within = |at: f64, size: u32| (1e-3..f64::from(size) - 1e-3).contains(&at);
             within(at.x, view.size[0])
@@ -135,7 +135,7 @@ fn memory_of_a_trace_is_that_of_table_3() {
     let rays = RayBuffer::new(Arc::new(rays), Query::Closest, Some(&gpu));
     let parameters = parameters(&[]);
     let job = TraceJob { rays: &rays, end: EndPoint::Surface, parameters: &parameters };
-    let mut parts = structure.trace_memory(job);
+    let mut parts = structure.trace_memory(job).unwrap();
     parts.extend(HitBuffer::memory(EndPoint::Surface, rays.host.len()));
     let used = |name: &str| {
         let of_name: Vec<u64> = parts.iter().filter(|part| part.name == name).map(|part| part.used_bytes).collect();

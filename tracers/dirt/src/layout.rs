@@ -1,10 +1,11 @@
 //! Views, tiles and buffers' sizes, and the uniforms that tell shaders of them.
 
 use bytemuck::{Pod, Zeroable};
-use tracebench_api::{Parameters, View, Viewpoint};
+use tracebench_api::{SharedLayout, View, Viewpoint};
 use tracebench_kit::{MOST_LEVELS, Pyramid, ViewUniform};
 
-use crate::description::tile_size;
+use crate::description::{Centre, DirtParameters, Near, Views};
+use crate::fetch::{FetchPass, HitNode, MaskSettings, StoreSettings};
 
 /// Views at most.
 pub(crate) const MOST_VIEWS: usize = 6;
@@ -85,6 +86,20 @@ pub struct TraceSettings {
     pub padding: [u32; 2],
 }
 
+/// Layouts of all that shaders share with this crate.
+pub(crate) fn layouts() -> Vec<SharedLayout> {
+    tracebench_api::layouts! {
+        TileGrid { tiles, levels, buckets, bounds_stride, heads_stride, node_capacity, nodes_per_part, level_offsets }
+        FillPass { view, by_plane, padding_a, padding_b, padding_c }
+        MipmapLevel { level, views, padding }
+        TraceSettings { ray_count, view_count, any_hit, by_distance, all_buckets, max_steps, padding }
+        HitNode { next, primitive, u, v, position, shading_and_view }
+        StoreSettings { ray_count, view_count, pixels }
+        MaskSettings { pixels, padding }
+        FetchPass { view, view_index, padding, pixels }
+    }
+}
+
 /// What is drawn and how it is stored.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Layout {
@@ -97,22 +112,20 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    pub(crate) fn new(viewpoint: &Viewpoint, parameters: &Parameters) -> Self {
-        let tile_size = tile_size(parameters);
-        let mut views = match parameters.choice("views") {
-            "frame" => vec![viewpoint.frame_view()],
-            _ => {
-                let pulled_back = if parameters.choice("centre") == "eye" { 0.0 } else { f64::from(viewpoint.near) };
-                viewpoint.face_views(pulled_back).to_vec()
-            }
+    pub(crate) fn new(viewpoint: &Viewpoint, parameters: &DirtParameters) -> Self {
+        let tile_size = parameters.tile_size.pixels();
+        let mut views = match (parameters.views, parameters.centre) {
+            (Views::Frame, _) => vec![viewpoint.frame_view()],
+            (Views::Six, Centre::PulledBack) => viewpoint.face_views(f64::from(viewpoint.near)).to_vec(),
+            (Views::Six, Centre::Eye) => viewpoint.face_views(0.0).to_vec(),
         };
-        if parameters.choice("near") == "none" {
+        if parameters.near == Near::None {
             for view in &mut views {
                 view.near = view.far * NO_NEAR;
             }
         }
         let tiles = views[0].size.map(|edge| edge.div_ceil(tile_size));
-        Self { views, tile_size, tiles, buckets: parameters.integer("buckets") as u32 }
+        Self { views, tile_size, tiles, buckets: parameters.buckets }
     }
 
     fn pyramid(&self) -> Pyramid {

@@ -29,6 +29,4 @@ mod visibility;
 mod visibility_tests;
 
 pub use description::description;
-pub use fetch::{FetchPass, HitNode, MaskSettings, StoreSettings};
-pub use layout::{FillPass, MipmapLevel, TileGrid, TraceSettings};
 pub use structure::Dirt;

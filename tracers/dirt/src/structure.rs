@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
-    Tracer, TracerError, Update, View, Viewpoint,
+    Counter, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection,
+    Sampling, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_kit::{LastCount, SurfaceGeometry, ViewUniform, grow};
 
 use crate::build::{Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, Pipelines, nodes_name};
+use crate::description::{Clip, Coverage, DirtParameters, NO_REFIT};
 use crate::fetch::MaskMemory;
 use crate::layout::{Layout, MOST_VIEWS, TileGrid, TraceSettings};
 use crate::visibility::Frame;
@@ -26,9 +26,6 @@ pub(crate) struct Resident {
     pub surfaces: SurfaceGeometry,
     pub triangle_count: u32,
     pub bytes: u64,
-    /// What was drawn, for validation.
-    pub positions: Arc<Vec<[f32; 3]>>,
-    pub triangles: Arc<Vec<[u32; 3]>>,
 }
 
 impl Resident {
@@ -37,15 +34,7 @@ impl Resident {
             surfaces: SurfaceGeometry::of(geometry)?,
             triangle_count: geometry.triangles.len() as u32,
             bytes: geometry.bytes(),
-            positions: Arc::clone(&geometry.positions),
-            triangles: Arc::clone(&geometry.triangles),
         })
-    }
-
-    /// The corners of a triangle, scene units.
-    pub(crate) fn corners(&self, primitive: u32) -> [DVec3; 3] {
-        let corner = |vertex: u32| Vec3::from(self.positions[vertex as usize]).as_dvec3();
-        self.triangles[primitive as usize].map(corner)
     }
 }
 
@@ -95,11 +84,8 @@ pub(crate) fn taken(gpu: &Gpu, buffers: &Buffers) -> Result<[u32; 2], TracerErro
     Ok(bytemuck::pod_collect_to_vec::<u8, [u32; 2]>(&read)[0])
 }
 
-fn filling(parameters: &Parameters) -> Filling {
-    Filling {
-        conservative: parameters.choice("coverage") == "conservative",
-        by_plane: parameters.choice("clip") == "plane",
-    }
+fn filling(parameters: &DirtParameters) -> Filling {
+    Filling { conservative: parameters.coverage == Coverage::Conservative, by_plane: parameters.clip == Clip::Plane }
 }
 
 impl Dirt {
@@ -111,6 +97,7 @@ impl Dirt {
         clock: &mut PhaseClock<'_>,
     ) -> Result<DirtStructure, TracerError> {
         let gpu = &*self.pipelines.gpu;
+        let parameters = &DirtParameters::try_from(parameters)?;
         let (layout, filling) = (Layout::new(viewpoint, parameters), filling(parameters));
         let resident = Resident::of(geometry)?;
         let mut buffers = Buffers::new(gpu, &layout, 0)?;
@@ -153,6 +140,7 @@ impl Structure for DirtStructure {
     ) -> Result<(), TracerError> {
         match update {
             Update::Rebuild => {
+                let parameters = &DirtParameters::try_from(parameters)?;
                 let layout = Layout::new(viewpoint, parameters);
                 let resident = Resident::of(geometry)?;
                 let same_size = layout.tiles == self.layout.tiles
@@ -169,9 +157,7 @@ impl Structure for DirtStructure {
                 (self.layout, self.geometry) = (layout, resident);
                 Ok(())
             }
-            Update::Refit => {
-                Err(TracerError::Unsupported("dirt has no shape to keep: its lists are rebuilt or reused".to_owned()))
-            }
+            Update::Refit => Err(TracerError::Unsupported(NO_REFIT.to_owned())),
             Update::Reuse => Ok(()),
         }
     }
@@ -216,26 +202,24 @@ impl Structure for DirtStructure {
         ledger.report(self.geometry.bytes).with_surface_geometry(self.geometry.surfaces.bytes)
     }
 
-    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
+    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+        let parameters = DirtParameters::try_from(job.parameters)?;
         let uniforms = [
             ("grid", size_of::<TileGrid>()),
             ("search", size_of::<TraceSettings>()),
             ("views", MOST_VIEWS * size_of::<ViewUniform>()),
         ];
         let mut parts = uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec();
-        parts.extend(self.surface_memory(&job));
-        parts
+        parts.extend(self.surface_memory(&job, parameters.fetch));
+        Ok(parts)
     }
 
-    fn views(&self) -> Vec<View> {
-        self.layout.views.clone()
+    fn samplings(&self) -> Vec<Sampling> {
+        let of = |view: &View| Sampling { projection: Projection::Perspective(*view), layers: Layers::All };
+        self.layout.views.iter().map(of).collect()
     }
 
-    fn keeps_hidden_layers(&self) -> bool {
-        true
-    }
-
-    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
-        self.check()
+    fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        self.check(geometry)
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
     AdapterChoice, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer,
-    Residency, Structure, TraceJob, Update, ViewSet, Viewpoint,
+    Residency, Structure, TraceJob, Update, Viewpoint,
 };
 use tracebench_tests::{Numbers, gpu, ray, rectangle, soup};
 
@@ -23,7 +23,6 @@ pub(crate) fn viewpoint() -> Viewpoint {
         far: 5e3,
         frame: [63, 41],
         face: 48,
-        view_set: ViewSet::Faces,
     }
 }
 
@@ -104,7 +103,7 @@ fn what_is_stored_is_what_brute_force_finds() {
         &[("coverage", "standard"), ("views", "frame"), ("buckets", "7")],
         &[("clip", "plane")],
     ] {
-        let statistics = built(&gpu, &geometry, settings).check();
+        let statistics = built(&gpu, &geometry, settings).check(&geometry);
         let statistics = statistics.unwrap_or_else(|error| panic!("{settings:?}: {error}"));
         assert!(statistics.iter().any(|(name, value)| *name == "references" && *value > 1000.0), "{settings:?}");
     }
@@ -138,7 +137,7 @@ fn what_a_binding_does_not_hold_is_split() {
         let geometry = soup(&hostile(), Some(&small));
         let split = built(&small, &geometry, &settings);
         assert!(split.buffers.is_split() && split.buffers.by_view == by_view, "{limit} of {bytes}, {heads}");
-        split.check().unwrap();
+        split.check(&geometry).unwrap();
         assert_eq!(hits, answer(&small, &split, &rays));
         assert_eq!(hits, answer_by(&small, &split, &rays, &[("centre_rays", "split")]), "splitting rays loses some");
     }
@@ -166,11 +165,11 @@ fn a_structure_that_overflows_grows() {
         clock.finish().unwrap();
     };
     rebuild(&mut structure);
-    assert!(structure.check().is_err(), "an overflow passes as sound");
+    assert!(structure.check(&all).is_err(), "an overflow passes as sound");
     assert!(structure.make_room().unwrap());
     rebuild(&mut structure);
     assert!(!structure.make_room().unwrap());
-    structure.check().unwrap();
+    structure.check(&all).unwrap();
     let mut numbers = Numbers::new(5);
     let rays: Vec<Ray> = (0..600).map(|_| ray(numbers.point() * 5.0, numbers.direction())).collect();
     assert_eq!(answer(&gpu, &structure, &rays), answer(&gpu, &built(&gpu, &all, &[]), &rays));
@@ -184,7 +183,7 @@ fn memory_is_that_of_table_3() {
     let geometry = soup(&hostile(), Some(&gpu));
     for (tile_size, buckets, tiles) in [("1", 24, 48), ("2", 4, 24), ("4", 40, 12), ("8", 1, 6)] {
         let structure = built(&gpu, &geometry, &[("tile_size", tile_size), ("buckets", &buckets.to_string())]);
-        let statistics = structure.check().unwrap();
+        let statistics = structure.check(&geometry).unwrap();
         let count = |wanted: &str| statistics.iter().find(|(name, _)| *name == wanted).unwrap().1 as u64;
         let report = structure.memory();
         let used = |wanted: &str| {
@@ -305,7 +304,9 @@ fn a_spoilt_structure_is_noticed() {
     let gpu = gpu();
     let geometry = soup(&hostile(), Some(&gpu));
     let structure = built(&gpu, &geometry, &[("tile_size", "4"), ("buckets", "6")]);
-    structure.check().unwrap();
+    structure.check(&geometry).unwrap();
+    let aside = hostile().iter().map(|corners| corners.map(|[x, y, z]| [x + 0.5, y, z])).collect::<Vec<_>>();
+    assert!(structure.check(&soup(&aside, Some(&gpu))).is_err(), "another scene is not noticed");
     let heads: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&structure.buffers.heads, 16_000).unwrap());
     let list = heads.iter().position(|head| *head > 2).unwrap() as u64;
     let node = u64::from(heads[list as usize] - 1);
@@ -323,8 +324,8 @@ fn a_spoilt_structure_is_noticed() {
         let before = gpu.read(buffer, offset + 4).unwrap()[offset as usize..].to_vec();
         assert_ne!(before, value.to_le_bytes(), "{name} spoils nothing");
         gpu.queue.write_buffer(buffer, offset, &value.to_le_bytes());
-        assert!(structure.check().is_err(), "{name} is not noticed");
+        assert!(structure.check(&geometry).is_err(), "{name} is not noticed");
         gpu.queue.write_buffer(buffer, offset, &before);
     }
-    structure.check().unwrap();
+    structure.check(&geometry).unwrap();
 }

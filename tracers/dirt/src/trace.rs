@@ -5,6 +5,7 @@ use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, Query, TraceJob, 
 use tracebench_kit::{RayCounts, TouchedBits, ViewUniform, bind_group, dispatch_linear_groups, uniform_buffer};
 use tracebench_shaders::dirt::Trace;
 
+use crate::description::{Accept, CentreRays, DirtParameters, Searched};
 use crate::fetch::lost;
 use crate::layout::{MOST_VIEWS, TraceSettings};
 use crate::structure::DirtStructure;
@@ -23,15 +24,14 @@ struct Counting {
 const COUNTERS: [&str; 4] = ["pyramid_steps", "buckets_opened", "triangle_tests", "views_entered"];
 
 impl DirtStructure {
-    fn search(&self, job: &TraceJob<'_>) -> TraceSettings {
-        let is = |name: &str, value: &str| u32::from(job.parameters.choice(name) == value);
+    fn search(&self, job: &TraceJob<'_>, parameters: &DirtParameters) -> TraceSettings {
         TraceSettings {
             ray_count: job.rays.host.len() as u32,
             view_count: self.layout.views.len() as u32,
             any_hit: u32::from(job.rays.query == Query::Any),
-            by_distance: is("accept", "distance"),
-            all_buckets: is("searched", "all"),
-            max_steps: job.parameters.integer("max_steps") as u32,
+            by_distance: u32::from(parameters.accept == Accept::Distance),
+            all_buckets: u32::from(parameters.searched == Searched::All),
+            max_steps: parameters.max_steps,
             padding: [0; 2],
         }
     }
@@ -45,8 +45,9 @@ impl DirtStructure {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let gpu = &*self.pipelines.gpu;
-        let search = self.search(job);
-        let (centres, counters) = (job.parameters.choice("centre_rays") == "split", counting.is_some());
+        let parameters = DirtParameters::try_from(job.parameters)?;
+        let search = self.search(job, &parameters);
+        let (centres, counters) = (parameters.centre_rays == CentreRays::Split, counting.is_some());
         // What lies near views' centres is searched for by a variant over split buffers alone.
         let split = centres || self.buffers.is_split();
         let variant = if split { Trace::Split { centres, counters } } else { Trace::Plain { counters } };
@@ -76,7 +77,7 @@ impl DirtStructure {
         clock.device_phase("trace", |encoder| {
             dispatch_linear_groups(encoder, pipeline, &bindings, search.ray_count, WORKGROUP_SIZE);
         })?;
-        self.record_surfaces(job, hits, clock)
+        self.record_surfaces(job, parameters.fetch, hits, clock)
     }
 
     pub(crate) fn trace_hits(

@@ -6,7 +6,7 @@
 //! Of large scenes every n-th triangle is looked at.
 
 use tracebench_api::glam::{DVec2, DVec3};
-use tracebench_api::{TracerError, View};
+use tracebench_api::{Geometry, TracerError, View};
 use tracebench_kit::{TileBounds, clipped_depths, eye_space, touched_tiles};
 
 use crate::layout::Layout;
@@ -94,12 +94,12 @@ impl DirtStructure {
         Ok(nodes)
     }
 
-    pub(crate) fn check(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+    pub(crate) fn check(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
         let read = self.read_back()?;
         check_pyramid(&self.layout, &read.codes)?;
         let step = (read.parts / COMPARED_PARTS).max(1);
         let (stored, longest) = walk_lists(&self.layout, &read, step)?;
-        self.compare(&read, &stored, step)?;
+        self.compare(geometry, &read, &stored, step)?;
         let tiles = self.layout.tiles[0] as usize * self.layout.tiles[1] as usize;
         let stride = self.layout.grid(0, 1).bounds_stride as usize;
         let level_zero = read.codes.chunks(stride).flat_map(|view| &view[..tiles]);
@@ -117,15 +117,15 @@ impl DirtStructure {
     }
 
     /// The stored parts of every `step`-th triangle against brute force.
-    fn compare(&self, read: &ReadBack, stored: &[Stored], step: u32) -> Result<(), TracerError> {
+    fn compare(&self, geometry: &Geometry, read: &ReadBack, stored: &[Stored], step: u32) -> Result<(), TracerError> {
         let layout = &self.layout;
         let stride = layout.grid(0, 1).bounds_stride as usize;
         let edge = f64::from(layout.tile_size);
-        for primitive in (0..self.geometry.triangles.len() as u32).step_by(step as usize) {
+        for primitive in (0..geometry.triangles.len() as u32).step_by(step as usize) {
             let begin = stored.partition_point(|each| each.primitive < primitive);
             let end = stored.partition_point(|each| each.primitive <= primitive);
             let mut rest = &stored[begin..end];
-            let corners = self.geometry.corners(primitive);
+            let corners = geometry.corners(primitive).map(|corner| corner.as_dvec3());
             for (index, view) in layout.views.iter().enumerate() {
                 let count = rest.partition_point(|each| each.view as usize <= index);
                 let (of_view, after) = rest.split_at(count);

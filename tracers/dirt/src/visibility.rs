@@ -6,7 +6,7 @@
 //! makes the surfaces of these.
 
 use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline, TextureUsages, TextureView};
-use tracebench_api::{Gpu, Ledger, MemoryEntry, Parameters, PhaseClock, Surface, TracerError, View, Viewpoint};
+use tracebench_api::{Gpu, Ledger, MemoryEntry, PhaseClock, Surface, TracerError, View, Viewpoint};
 use tracebench_kit::{
     DEPTH_TEST_FORMAT, PrimitiveRaster, PrimitiveTexture, SurfaceGeometry, ViewUniform, bind_group, compute_pipeline,
     create_texture, dispatch_linear,
@@ -14,6 +14,7 @@ use tracebench_kit::{
 use tracebench_shaders::dirt::VISIBILITY;
 
 use crate::build::Pipelines;
+use crate::description::{DirectVisibility, DirtParameters};
 use crate::structure::Resident;
 
 /// As `WORKGROUP_SIZE` in shaders/dirt/visibility.wgsl.
@@ -131,12 +132,12 @@ impl Pipelines {
     pub(crate) fn show(
         &self,
         viewpoint: &Viewpoint,
-        parameters: &Parameters,
+        parameters: &DirtParameters,
         scene: &Resident,
         there: Option<&Frame>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Option<Frame>, TracerError> {
-        if parameters.choice("direct_visibility") != "on" {
+        if parameters.direct_visibility == DirectVisibility::Off {
             return Ok(None);
         }
         let (view, triangles) = (viewpoint.frame_view(), scene.triangle_count);

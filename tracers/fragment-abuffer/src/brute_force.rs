@@ -1,10 +1,9 @@
 //! The fragments that pixels may and must have, by a rasterizer on the host, in f64, triangle by triangle.
 
-use tracebench_api::View;
 use tracebench_api::glam::{DVec2, DVec3, Vec3};
+use tracebench_api::{Geometry, View};
 use tracebench_kit::{TileBounds, clipped_polygon, eye_space};
 
-use crate::structure::Shown;
 use crate::validate::Fragment;
 
 /// Within which distance of a triangle's border the device may decide either way, pixels: it snaps corners to a grid of 1/256
@@ -113,10 +112,10 @@ impl Drawn {
 }
 
 /// What every `step`-th pixel of a view may and must have of a scene.
-pub(crate) fn allowed_fragments(view: &View, scene: &Shown, step: u32) -> AllowedFragments {
+pub(crate) fn allowed_fragments(view: &View, scene: &Geometry, step: u32) -> AllowedFragments {
     let [width, height] = view.size.map(|edge| edge.div_ceil(step));
     let mut pixels = vec![Vec::new(); (width * height) as usize];
-    for (triangle, material) in scene.triangles.iter().zip(scene.materials.iter()) {
+    for (triangle, material) in scene.triangles.iter().zip(scene.triangle_materials.iter()) {
         let corners = triangle.map(|vertex| Vec3::from(scene.positions[vertex as usize]).as_dvec3());
         let Some(drawn) = draw(view, corners.map(|corner| eye_space(view, corner))) else { continue };
         let (first, second) = (corners[1] - corners[0], corners[2] - corners[0]);

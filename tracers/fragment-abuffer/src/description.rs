@@ -1,239 +1,198 @@
 //! The parameters of `fragment-abuffer`.
 
-use tracebench_api::{Description, Domain, Invalidation, ParameterDescription, ParameterScope, Residency, Value};
+use tracebench_api::ParameterScope::{Build, Trace};
+use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
 
-const ON_OFF: &[&str] = &["on", "off"];
-const STORAGES: &[&str] = &["s-buffer", "ll", "dll", "llb", "dllb"];
-const VIEWS: &[&str] = &["seven", "six", "frame"];
-const LAYERS: &[&str] = &["all", "one"];
-const BOUNDS: &[&str] = &["geometry", "boxes"];
-const CENTRES: &[&str] = &["pulled_back", "eye"];
-const MARCHES: &[&str] = &["steps", "pixels", "hi-z"];
-const SPANS: &[&str] = &["step", "pixel"];
-const THICK: &[&str] = &["behind", "before"];
-const UNITS: &[&str] = &["diagonals", "pixels"];
+use crate::layout::layouts;
 
-fn choice(
-    name: &'static str,
-    scope: ParameterScope,
-    names: &'static [&'static str],
-    published: &str,
-    effect: &'static str,
-) -> ParameterDescription {
-    ParameterDescription {
-        name,
-        unit: "",
-        scope,
-        domain: Domain::Choice(names),
-        published: Value::Choice(published.to_owned()),
-        improved: Value::Choice(published.to_owned()),
-        effect,
-        sweep: names.iter().map(|name| Value::Choice((*name).to_owned())).collect(),
+choice! {
+    /// Whether something is done.
+    pub(crate) enum Switch { On = "on", Off = "off" }
+}
+
+choice! {
+    /// How a pixel keeps its fragments (VVP16, section 4.3).
+    pub(crate) enum Kind {
+        /// A contiguous piece of the nodes, by count and prefix sum:
+        SBuffer = "s-buffer",
+        /// A list linked forwards:
+        Ll = "ll",
+        /// A list linked both ways:
+        Dll = "dll",
+        /// Lists linked forwards, in depth buckets:
+        Llb = "llb",
+        /// Lists linked both ways, in depth buckets:
+        Dllb = "dllb",
     }
 }
 
-fn integer(
-    name: &'static str,
-    scope: ParameterScope,
-    range: [i64; 2],
-    published: i64,
-    effect: &'static str,
-    sweep: &[i64],
-) -> ParameterDescription {
-    ParameterDescription {
-        name,
-        unit: "",
-        scope,
-        domain: Domain::Integer { least: range[0], greatest: range[1] },
-        published: Value::Integer(published),
-        improved: Value::Integer(published),
-        effect,
-        sweep: sweep.iter().copied().map(Value::Integer).collect(),
-    }
+choice! {
+    /// Which views there are.
+    pub(crate) enum Views { Seven = "seven", Six = "six", Frame = "frame" }
 }
 
-fn real(
-    name: &'static str,
-    unit: &'static str,
-    greatest: f64,
-    published: f64,
-    effect: &'static str,
-    sweep: &[f64],
-) -> ParameterDescription {
-    ParameterDescription {
-        name,
-        unit,
-        scope: ParameterScope::Trace,
-        domain: Domain::Real { least: 0.0, greatest },
-        published: Value::Real(published),
-        improved: Value::Real(published),
-        effect,
-        sweep: sweep.iter().copied().map(Value::Real).collect(),
-    }
+choice! {
+    /// Which fragments of a pixel are kept.
+    pub(crate) enum Layers { All = "all", One = "one" }
 }
 
-/// What shapes the structure.
-fn of_builds() -> Vec<ParameterDescription> {
-    use ParameterScope::Build;
-    vec![
-        choice(
-            "storage",
+choice! {
+    /// What draws the depth bounds.
+    pub(crate) enum Bounds { Geometry = "geometry", Boxes = "boxes" }
+}
+
+choice! {
+    /// Where the faces' centres lie.
+    pub(crate) enum Centre { PulledBack = "pulled_back", Eye = "eye" }
+}
+
+choice! {
+    /// How a ray goes over a view; in the order of the shader's codes.
+    pub(crate) enum March { Steps = "steps", Pixels = "pixels", HiZ = "hi-z" }
+}
+
+choice! {
+    /// The depths that a step asks for.
+    pub(crate) enum Span { Step = "step", Pixel = "pixel" }
+}
+
+choice! {
+    /// The unit of thickness.
+    pub(crate) enum ThicknessUnit { Diagonals = "diagonals", Pixels = "pixels" }
+}
+
+choice! {
+    /// Where fragments are thick.
+    pub(crate) enum ThicknessSide { Behind = "behind", Before = "before" }
+}
+
+parameters! {
+    /// What `fragment-abuffer` is told.
+    pub(crate) struct FragmentParameters {
+        storage: Kind = Parameter::choice(
             Build,
-            STORAGES,
-            "dllb",
+            Kind::Dllb,
             "how a pixel keeps its fragments (section 4.3): s-buffer, a contiguous piece by count and prefix sum; ll and dll, a \
              list linked one way or both; llb and dllb, such lists in depth buckets",
         ),
-        integer(
-            "buckets",
+        buckets: u32 = Parameter::integer(
             Build,
-            [1, 64],
+            1..=64,
             4,
             "B, depth buckets of a pixel, uniform in eye depth, of llb and dllb: more have shorter lists and more pointers",
-            &[1, 2, 4, 8, 12, 16],
-        ),
-        choice(
-            "decoupled",
+        )
+        .sweep([1, 2, 4, 8, 12, 16]),
+        decoupled: Switch = Parameter::choice(
             Build,
-            ON_OFF,
-            "on",
+            Switch::On,
             "whether what shading needs lies in a buffer of its own (section 3.3), or in the nodes that searches read",
         ),
-        choice(
-            "views",
+        views: Views = Parameter::choice(
             Build,
-            VIEWS,
-            "seven",
+            Views::Seven,
             "the camera's view and six cube faces, the faces alone, or the camera's view alone (Figures 7 to 9)",
         ),
-        choice("layers", Build, LAYERS, "all", "every fragment of a pixel, or the nearest alone (Figures 8 and 9)"),
-        choice(
-            "bounds",
+        layers: Layers = Parameter::choice(
             Build,
-            BOUNDS,
-            "geometry",
+            Layers::All,
+            "every fragment of a pixel, or the nearest alone (Figures 8 and 9)",
+        ),
+        bounds: Bounds = Parameter::choice(
+            Build,
+            Bounds::Geometry,
             "what draws the depth bounds that buckets divide (section 3.3): the scene, or the bounding boxes of its objects, \
              which are looser",
         ),
-        choice(
-            "centre",
+        centre: Centre = Parameter::choice(
             Build,
-            CENTRES,
-            "pulled_back",
+            Centre::PulledBack,
             "where the faces' centres lie: pulled back by the near distance (section 3.2), or in the eye, which loses what \
              lies before near",
         ),
-        choice(
-            "march",
+        march: March = Parameter::choice(
             Build,
-            MARCHES,
-            "steps",
+            March::Steps,
             "how a ray goes over the pixels of a view: in a fixed number of steps, over each that it crosses, or up and down a \
              pyramid of depth bounds, which is built for it (section 3.4)",
         ),
-    ]
-}
-
-/// What shapes the search.
-fn of_traces() -> Vec<ParameterDescription> {
-    use ParameterScope::Trace;
-    vec![
-        ParameterDescription {
-            unit: "steps a view",
-            ..integer(
-                "view_steps",
-                Trace,
-                [1, 65_536],
-                100,
-                "steps of a ray in a view where march is steps, fewer where it crosses fewer pixels: fewer are faster and miss more",
-                &[12, 25, 50, 100, 200, 400, 800],
-            )
-        },
-        choice(
-            "jitter",
+        view_steps: u32 = Parameter::integer(
             Trace,
-            ON_OFF,
-            "on",
+            1..=65_536,
+            100,
+            "steps of a ray in a view where march is steps, fewer where it crosses fewer pixels: fewer are faster and miss more",
+        )
+        .unit("steps a view")
+        .sweep([12, 25, 50, 100, 200, 400, 800]),
+        jitter: Switch = Parameter::choice(
+            Trace,
+            Switch::On,
             "where in its steps a ray looks at the image: at an offset that is fixed for the ray, or in their middles",
         ),
-        choice(
-            "span",
+        span: Span = Parameter::choice(
             Trace,
-            SPANS,
-            "step",
+            Span::Step,
             "the depths that a step asks for: those that the ray has along the step, or within the pixel that is looked at, which \
              leaves out what lies between pixels looked at",
         ),
-        choice(
-            "skipping",
+        skipping: Switch = Parameter::choice(
             Trace,
-            ON_OFF,
-            "on",
+            Switch::On,
             "whether pixels, buckets and rest of lists that cannot hold a hit are skipped (section 3.4); the hits are the same",
         ),
-        real(
-            "thickness",
-            "scene diagonals, or pixels",
-            1e4,
+        thickness: f64 = Parameter::real(
+            Trace,
+            0.0..=1e4,
             0.0,
             "depth beyond a ray's own within which a fragment still counts: 0 as section 3.4 has it, which lets rays through \
              between fragments; more closes gaps and invents hits",
-            &[0.0, 0.0001, 0.0003, 0.001, 0.003, 0.01, 0.02, 0.05, 0.1],
-        ),
-        choice(
-            "thickness_in",
+        )
+        .unit("scene diagonals, or pixels")
+        .sweep([0.0, 0.0001, 0.0003, 0.001, 0.003, 0.01, 0.02, 0.05, 0.1]),
+        thickness_in: ThicknessUnit = Parameter::choice(
             Trace,
-            UNITS,
-            "diagonals",
+            ThicknessUnit::Diagonals,
             "the unit of thickness: diagonals of the scene's bounds, or widths of a pixel where the ray is",
         ),
-        choice(
-            "thickness_side",
+        thickness_side: ThicknessSide = Parameter::choice(
             Trace,
-            THICK,
-            "behind",
+            ThicknessSide::Behind,
             "where fragments are thick: behind their depth, so that each is a voxel that begins at the surface, or before it, so \
              that a ray finds what lies ahead of it",
         ),
-        real(
-            "start_bias",
-            "pixels",
-            64.0,
+        start_bias: f64 = Parameter::real(
+            Trace,
+            0.0..=64.0,
             1.0,
             "pixels along the major axis skipped by rays that start in a view: small finds the surface that a ray starts on, \
              large misses what lies close to it",
-            &[0.0, 0.5, 1.0, 2.0, 4.0],
-        ),
-        ParameterDescription {
-            unit: "fragments",
-            ..integer(
-                "binary_search_above",
-                Trace,
-                [0, 1 << 20],
-                16,
-                "fragments of a pixel of the s-buffer beyond which they are searched by halving (section 4.3), up to which one by one",
-                &[0, 4, 16, 64, 1 << 20],
-            )
-        },
-        ParameterDescription {
-            unit: "pixels",
-            ..integer(
-                "max_steps",
-                Trace,
-                [1, 1 << 20],
-                1 << 14,
-                "pixels, or cells of the pyramid, after which a ray is given up with status step_cap, as one is that the driver's \
-                 own limit of loops cuts off",
-                &[64, 256, 1024, 4096, 16_384],
-            )
-        },
-    ]
+        )
+        .unit("pixels")
+        .sweep([0.0, 0.5, 1.0, 2.0, 4.0]),
+        binary_search_above: u32 = Parameter::integer(
+            Trace,
+            0..=1 << 20,
+            16,
+            "fragments of a pixel of the s-buffer beyond which they are searched by halving (section 4.3), up to which one by one",
+        )
+        .unit("fragments")
+        .sweep([0, 4, 16, 64, 1 << 20]),
+        max_steps: u32 = Parameter::integer(
+            Trace,
+            1..=1 << 20,
+            1 << 14,
+            "pixels, or cells of the pyramid, after which a ray is given up with status step_cap, as one is that the driver's \
+             own limit of loops cuts off",
+        )
+        .unit("pixels")
+        .sweep([64, 256, 1024, 4096, 16_384]),
+    }
 }
+
+/// Why there is no refit.
+pub(crate) const NO_REFIT: &str = "fragment-abuffer has no shape to keep: its fragments are drawn again or reused";
 
 /// What `fragment-abuffer` is and takes.
 pub fn description() -> Description {
-    let mut parameters = of_builds();
-    parameters.extend(of_traces());
     Description {
         name: "fragment-abuffer",
         citation: "Vardis, Vasilakis, Papaioannou: A Multiview and Multilayer Approach for Interactive Ray Tracing, I3D 2016",
@@ -241,6 +200,10 @@ pub fn description() -> Description {
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry, Invalidation::Viewpoint, Invalidation::Resolution],
         names_primitives: false,
-        parameters,
+        ends: &EndPoint::ALL,
+        queries: &Query::ALL,
+        no_refit: Some(NO_REFIT),
+        parameters: FragmentParameters::describe(),
+        layouts: layouts(),
     }
 }

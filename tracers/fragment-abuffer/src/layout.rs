@@ -1,8 +1,11 @@
 //! How fragments are stored: views, words of a pixel, words of a node, and the uniforms that tell shaders of them.
 
 use bytemuck::{Pod, Zeroable};
-use tracebench_api::{Parameters, View, Viewpoint};
+use tracebench_api::{SharedLayout, View, Viewpoint};
 use tracebench_kit::{MOST_LEVELS, Pyramid, ViewUniform};
+
+use crate::description::{Bounds, Centre, FragmentParameters, Kind, Layers, March, Switch, Views};
+use crate::trace::MarchSettings;
 
 /// Views at most: the camera's and six faces.
 pub(crate) const MOST_VIEWS: usize = 7;
@@ -80,6 +83,24 @@ pub struct TracedView {
     pub level_offsets: [u32; MOST_LEVELS],
 }
 
+/// Layouts of all that shaders share with this crate.
+pub(crate) fn layouts() -> Vec<SharedLayout> {
+    tracebench_api::layouts! {
+        Storage {
+            pixel_stride, word_stride, buckets, double, bounds_word, node_words, data_words, data_offset, node_capacity,
+            one_layer, pixel_count, contiguous,
+        }
+        DrawnView { view, first_pixel, width, padding }
+        TracedView {
+            view, first_pixel, first_node, levels, is_face, beyond, word_stride, node_capacity, padding, level_offsets,
+        }
+        MarchSettings {
+            ray_count, view_count, march, steps, max_steps, centred, span_by_pixel, skipping, binary_search_above,
+            thickness, thickness_in_pixels, start_bias, thick_before, padding_a, padding_b, padding_c,
+        }
+    }
+}
+
 /// Where a view lies in the buffers.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Placed {
@@ -91,32 +112,7 @@ pub(crate) struct Placed {
     pub node_capacity: u32,
 }
 
-/// How a pixel keeps its fragments (VVP16, section 4.3).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
-    /// A contiguous piece of the nodes, by count and prefix sum.
-    SBuffer,
-    /// A list linked forwards.
-    Ll,
-    /// A list linked both ways.
-    Dll,
-    /// Lists linked forwards, in depth buckets.
-    Llb,
-    /// Lists linked both ways, in depth buckets.
-    Dllb,
-}
-
 impl Kind {
-    fn named(name: &str) -> Self {
-        match name {
-            "s-buffer" => Self::SBuffer,
-            "ll" => Self::Ll,
-            "dll" => Self::Dll,
-            "llb" => Self::Llb,
-            _ => Self::Dllb,
-        }
-    }
-
     pub(crate) fn is_contiguous(self) -> bool {
         self == Self::SBuffer
     }
@@ -152,29 +148,30 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    pub(crate) fn new(viewpoint: &Viewpoint, parameters: &Parameters) -> Self {
-        let is = |name: &str, value: &str| parameters.choice(name) == value;
-        let pulled_back = if is("centre", "eye") { 0.0 } else { f64::from(viewpoint.near) };
-        let has_camera = !is("views", "six");
+    pub(crate) fn new(viewpoint: &Viewpoint, parameters: &FragmentParameters) -> Self {
+        let pulled_back = match parameters.centre {
+            Centre::PulledBack => f64::from(viewpoint.near),
+            Centre::Eye => 0.0,
+        };
+        let has_camera = parameters.views != Views::Six;
         let mut views = Vec::with_capacity(MOST_VIEWS);
         if has_camera {
             views.push(viewpoint.frame_view());
         }
-        if !is("views", "frame") {
+        if parameters.views != Views::Frame {
             views.extend(viewpoint.face_views(pulled_back));
         }
-        let kind = Kind::named(parameters.choice("storage"));
-        let one_layer = is("layers", "one");
+        let (kind, one_layer) = (parameters.storage, parameters.layers == Layers::One);
         Self {
             views,
             has_camera,
             kind,
-            buckets: if kind.is_bucketed() { parameters.integer("buckets") as u32 } else { 1 },
-            decoupled: is("decoupled", "on"),
+            buckets: if kind.is_bucketed() { parameters.buckets } else { 1 },
+            decoupled: parameters.decoupled == Switch::On,
             one_layer,
             // Which fragment is the nearest the boxes do not tell.
-            by_boxes: is("bounds", "boxes") && !one_layer,
-            hi_z: is("march", "hi-z"),
+            by_boxes: parameters.bounds == Bounds::Boxes && !one_layer,
+            hi_z: parameters.march == March::HiZ,
         }
     }
 
@@ -304,8 +301,8 @@ impl Layout {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tracebench_api::Preset;
     use tracebench_api::glam::Vec3;
+    use tracebench_api::{Parameters, Preset};
 
     fn layout(settings: &[(&str, &str)]) -> Layout {
         let descriptions = crate::description().parameters;
@@ -322,9 +319,8 @@ mod tests {
             far: 100.0,
             frame: [20, 10],
             face: 8,
-            view_set: tracebench_api::ViewSet::FrameAndFaces,
         };
-        Layout::new(&viewpoint, &parameters)
+        Layout::new(&viewpoint, &FragmentParameters::try_from(&parameters).unwrap())
     }
 
     /// Bytes a pixel and a fragment are those of Table 2 for all five storages, at B = 4 and at B = 12.

@@ -17,6 +17,4 @@ mod trace;
 mod validate;
 
 pub use description::description;
-pub use layout::{DrawnView, Storage, TracedView};
 pub use structure::FragmentAbuffer;
-pub use trace::MarchSettings;

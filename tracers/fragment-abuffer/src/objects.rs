@@ -1,6 +1,6 @@
 //! Objects, whose bounding boxes stand for them in the depth bounds stage (VVP16, section 3.3).
 
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
 use tracebench_api::wgpu::{Buffer, BufferUsages};
 use tracebench_api::{Geometry, Gpu, Ledger, TracerError};
@@ -56,6 +56,8 @@ pub(crate) struct Objects {
     /// The boxes, made by every build.
     pub boxes: Buffer,
     pub count: u32,
+    /// The triangles that they are of, while these are there.
+    triangles: Weak<Vec<[u32; 3]>>,
 }
 
 impl Objects {
@@ -71,7 +73,13 @@ impl Objects {
             of_triangles: gpu.buffer_with(OBJECTS, numbers, BufferUsages::STORAGE, turn_down)?,
             boxes: gpu.buffer(BOXES, bytes, BufferUsages::STORAGE | BufferUsages::COPY_DST, turn_down)?,
             count: *count,
+            triangles: Arc::downgrade(&geometry.triangles),
         })
+    }
+
+    /// Whether they are those of a scene's triangles.
+    pub(crate) fn are_of(&self, geometry: &Geometry) -> bool {
+        self.triangles.upgrade().is_some_and(|triangles| Arc::ptr_eq(&triangles, &geometry.triangles))
     }
 
     pub(crate) fn enter(&self, ledger: &mut Ledger) {

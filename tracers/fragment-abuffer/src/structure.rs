@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
-    Tracer, TracerError, Update, View, Viewpoint,
+    Counter, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection,
+    Sampling, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_kit::{LastCount, grow};
 
 use crate::build::{Pipelines, build_uniform_bytes};
+use crate::description::{FragmentParameters, NO_REFIT};
 use crate::layout::{Layout, MOST_VIEWS, Storage, TracedView};
 use crate::objects::{LastObjects, Objects};
 use crate::parts::{Parts, Taken};
@@ -27,29 +28,10 @@ pub(crate) struct FragmentStructure {
     pub pipelines: Arc<Pipelines>,
     pub layout: Layout,
     pub parts: Parts,
-    pub geometry: Shown,
+    /// Of the scene's bounds, scene units.
+    pub diagonal: f64,
     objects: Option<Objects>,
     last_objects: Arc<LastObjects>,
-}
-
-/// What was drawn, for validation, and its size.
-pub(crate) struct Shown {
-    pub positions: Arc<Vec<[f32; 3]>>,
-    pub triangles: Arc<Vec<[u32; 3]>>,
-    pub materials: Arc<Vec<u32>>,
-    /// Of the bounds, scene units.
-    pub diagonal: f64,
-}
-
-impl Shown {
-    fn of(geometry: &Geometry) -> Self {
-        Self {
-            positions: Arc::clone(&geometry.positions),
-            triangles: Arc::clone(&geometry.triangles),
-            materials: Arc::clone(&geometry.triangle_materials),
-            diagonal: geometry.diagonal(),
-        }
-    }
 }
 
 impl FragmentAbuffer {
@@ -97,7 +79,7 @@ impl FragmentAbuffer {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<FragmentStructure, TracerError> {
-        let layout = Layout::new(viewpoint, parameters);
+        let layout = Layout::new(viewpoint, &FragmentParameters::try_from(parameters)?);
         let objects = objects_for(&self.pipelines.gpu, &layout, geometry, &self.objects)?;
         // One buffer of a kind where the device can bind it, else one a view.
         let counts = self.count(geometry, &layout)?;
@@ -110,7 +92,7 @@ impl FragmentAbuffer {
             pipelines: Arc::clone(&self.pipelines),
             layout,
             parts,
-            geometry: Shown::of(geometry),
+            diagonal: geometry.diagonal(),
             objects,
             last_objects: Arc::clone(&self.objects),
         })
@@ -142,8 +124,7 @@ impl Tracer for FragmentAbuffer {
 impl FragmentStructure {
     fn rebuild(&mut self, geometry: &Geometry, layout: Layout, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
         let gpu = &*self.pipelines.gpu;
-        let same_triangles = Arc::ptr_eq(&geometry.triangles, &self.geometry.triangles);
-        let new_objects = match same_triangles && self.objects.is_some() {
+        let new_objects = match self.objects.as_ref().is_some_and(|objects| objects.are_of(geometry)) {
             true => None,
             false => objects_for(gpu, &layout, geometry, &self.last_objects)?,
         };
@@ -167,7 +148,7 @@ impl FragmentStructure {
         if new_objects.is_some() {
             self.objects = new_objects;
         }
-        (self.layout, self.geometry) = (layout, Shown::of(geometry));
+        (self.layout, self.diagonal) = (layout, geometry.diagonal());
         Ok(())
     }
 }
@@ -182,10 +163,11 @@ impl Structure for FragmentStructure {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         match update {
-            Update::Rebuild => self.rebuild(geometry, Layout::new(viewpoint, parameters), clock),
-            Update::Refit => Err(TracerError::Unsupported(
-                "fragment-abuffer has no shape to keep: its fragments are drawn again or reused".to_owned(),
-            )),
+            Update::Rebuild => {
+                let layout = Layout::new(viewpoint, &FragmentParameters::try_from(parameters)?);
+                self.rebuild(geometry, layout, clock)
+            }
+            Update::Refit => Err(TracerError::Unsupported(NO_REFIT.to_owned())),
             Update::Reuse => Ok(()),
         }
     }
@@ -225,25 +207,23 @@ impl Structure for FragmentStructure {
         ledger.report(0)
     }
 
-    fn trace_memory(&self, _job: TraceJob<'_>) -> Vec<MemoryEntry> {
+    fn trace_memory(&self, _job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
         let uniforms = [
             ("storage", size_of::<Storage>()),
             ("search", size_of::<MarchSettings>()),
             ("views", MOST_VIEWS * size_of::<TracedView>()),
         ];
-        uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec()
+        Ok(uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec())
     }
 
-    fn views(&self) -> Vec<View> {
-        self.layout.views.clone()
+    fn samplings(&self) -> Vec<Sampling> {
+        let layers = if self.layout.one_layer { Layers::Nearest } else { Layers::All };
+        let of = |view: &View| Sampling { projection: Projection::Perspective(*view), layers };
+        self.layout.views.iter().map(of).collect()
     }
 
-    fn keeps_hidden_layers(&self) -> bool {
-        !self.layout.one_layer
-    }
-
-    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
-        self.check()
+    fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        self.check(geometry)
     }
 }
 

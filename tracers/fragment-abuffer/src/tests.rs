@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
     AdapterChoice, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer,
-    Residency, Structure, Surface, TraceJob, TracerError, Update, ViewSet, Viewpoint,
+    Residency, Structure, Surface, TraceJob, TracerError, Update, Viewpoint,
 };
 use tracebench_tests::{Numbers, gpu, ray, rectangle as rectangle_of, soup};
 
@@ -25,7 +25,6 @@ fn viewpoint() -> Viewpoint {
         far: 2e3,
         frame: [63, 41],
         face: 40,
-        view_set: ViewSet::FrameAndFaces,
     }
 }
 
@@ -145,7 +144,7 @@ fn what_is_stored_is_what_a_rasterizer_draws() {
         vec![("centre", "eye")],
     ]);
     for settings in all {
-        let statistics = built_by(&tracer, &gpu, &geometry, &settings).check();
+        let statistics = built_by(&tracer, &gpu, &geometry, &settings).check(&geometry);
         let statistics = statistics.unwrap_or_else(|error| panic!("{settings:?}: {error}"));
         let of = |name: &str| statistics.iter().find(|(each, _)| *each == name).unwrap().1;
         let least = if settings.contains(&("layers", "one")) { 1.0 } else { 5.0 };
@@ -173,7 +172,7 @@ fn every_variant_gives_the_same_bits() {
                 let shape = [("storage", storage), ("decoupled", decoupled), ("bounds", bounds), ("march", march)];
                 let structure = built_by(&tracers[device], gpu, &geometries[device], &shape);
                 assert_eq!(structure.parts.is_by_view(), device == 1, "{shape:?}");
-                structure.check().unwrap();
+                structure.check(&geometries[device]).unwrap();
                 let searches = [("0", "on", "16"), ("0.02", "off", "0"), ("2", "on", "1000")];
                 for (index, (thickness, skipping, above)) in searches.into_iter().enumerate() {
                     let unit = if index == 2 { "pixels" } else { "diagonals" };
@@ -240,11 +239,11 @@ fn a_structure_that_overflows_grows() {
         update(&mut structure);
         // Before it has grown it is whole as far as it goes.
         answer(&gpu, &structure, &rays, &settings, EndPoint::Surface);
-        assert!(structure.check().is_err());
+        assert!(structure.check(&many).is_err());
         assert!(structure.make_room().unwrap());
         update(&mut structure);
         assert!(!structure.make_room().unwrap());
-        structure.check().unwrap();
+        structure.check(&many).unwrap();
         let fresh = built(&gpu, &many, &settings);
         let of = |structure| answer(&gpu, structure, &rays, &settings, EndPoint::Surface);
         assert_eq!(of(&structure), of(&fresh), "{storage}");
@@ -263,7 +262,8 @@ fn memory_is_that_of_table_2() {
         [("s-buffer", 8, 8), ("ll", 4, 8), ("dll", 8, 12), ("llb", 8 + 4 * 5, 8), ("dllb", 8 + 8 * 5, 12)]
     {
         let structure = built(&gpu, &geometry, &[("storage", storage), ("buckets", "5")]);
-        let fragments = structure.check().unwrap().iter().find(|(name, _)| *name == "fragments").unwrap().1 as u64;
+        let fragments =
+            structure.check(&geometry).unwrap().iter().find(|(name, _)| *name == "fragments").unwrap().1 as u64;
         let report = structure.memory();
         let used = |name: &str| report.structure.iter().find(|entry| entry.name == name).unwrap().used_bytes;
         assert_eq!(used("pixel records"), pixels * per_pixel, "{storage}");
@@ -347,11 +347,14 @@ fn a_spoilt_structure_is_noticed() {
     let gpu = gpu();
     let geometry = soup(&hostile(), Some(&gpu));
     let tracer = FragmentAbuffer::new(Arc::clone(&gpu)).unwrap();
+    let aside = hostile().iter().map(|corners| corners.map(|[x, y, z]| [x + 0.5, y, z])).collect::<Vec<_>>();
+    let other = soup(&aside, Some(&gpu));
     let spoils = |settings: &[(&str, &str)], what: &str, spoil: &dyn Fn(&FragmentStructure)| {
         let structure = built_by(&tracer, &gpu, &geometry, settings);
-        structure.check().unwrap();
+        structure.check(&geometry).unwrap();
+        assert!(structure.check(&other).is_err(), "another scene is not noticed");
         spoil(&structure);
-        assert!(structure.check().is_err(), "{what} is not noticed");
+        assert!(structure.check(&geometry).is_err(), "{what} is not noticed");
     };
     let write = |buffer: &tracebench_api::wgpu::Buffer, word: usize, value: u32| {
         gpu.queue.write_buffer(buffer, word as u64 * 4, &value.to_le_bytes());

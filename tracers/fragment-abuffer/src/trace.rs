@@ -7,6 +7,7 @@ use tracebench_kit::{RayCounts, TouchedBits, bind_group, bind_group_at, dispatch
 use tracebench_shaders::fragment_abuffer::Trace;
 
 use crate::build::WORKGROUP_SIZE;
+use crate::description::{FragmentParameters, Span, Switch, ThicknessSide, ThicknessUnit};
 use crate::layout::MOST_VIEWS;
 use crate::structure::FragmentStructure;
 
@@ -59,25 +60,23 @@ pub(crate) struct Counting {
 }
 
 impl FragmentStructure {
-    fn search(&self, job: &TraceJob<'_>) -> MarchSettings {
-        let TraceJob { parameters, rays, .. } = job;
-        let is = |name: &str, value: &str| u32::from(parameters.choice(name) == value);
-        let thickness = parameters.real("thickness");
-        let by_pixels = is("thickness_in", "pixels") == 1;
+    fn search(&self, job: &TraceJob<'_>, parameters: &FragmentParameters) -> MarchSettings {
+        let by_pixels = parameters.thickness_in == ThicknessUnit::Pixels;
+        let thickness = parameters.thickness;
         MarchSettings {
-            ray_count: rays.host.len() as u32,
+            ray_count: job.rays.host.len() as u32,
             view_count: self.layout.views.len() as u32,
-            march: is("march", "pixels") + 2 * is("march", "hi-z"),
-            steps: parameters.integer("view_steps") as u32,
-            max_steps: parameters.integer("max_steps") as u32,
-            centred: is("jitter", "off"),
-            span_by_pixel: is("span", "pixel"),
-            skipping: is("skipping", "on"),
-            binary_search_above: parameters.integer("binary_search_above") as u32,
-            thickness: if by_pixels { 0.0 } else { (thickness * self.geometry.diagonal) as f32 },
+            march: parameters.march as u32,
+            steps: parameters.view_steps,
+            max_steps: parameters.max_steps,
+            centred: u32::from(parameters.jitter == Switch::Off),
+            span_by_pixel: u32::from(parameters.span == Span::Pixel),
+            skipping: u32::from(parameters.skipping == Switch::On),
+            binary_search_above: parameters.binary_search_above,
+            thickness: if by_pixels { 0.0 } else { (thickness * self.diagonal) as f32 },
             thickness_in_pixels: if by_pixels { thickness as f32 } else { 0.0 },
-            start_bias: parameters.real("start_bias") as f32,
-            thick_before: is("thickness_side", "before"),
+            start_bias: parameters.start_bias as f32,
+            thick_before: u32::from(parameters.thickness_side == ThicknessSide::Before),
             padding_a: 0,
             padding_b: 0,
             padding_c: 0,
@@ -102,7 +101,7 @@ impl FragmentStructure {
             counters: counting.is_some(),
         };
         let pipeline = pipelines.traces.of(gpu, variant)?;
-        let search = self.search(job);
+        let search = self.search(job, &FragmentParameters::try_from(job.parameters)?);
         let first = parts.of_view(0);
         let [storage, settings, views] = [
             uniform_buffer(gpu, "storage", &self.layout.storage(first.pixel_count, first.capacity))?,

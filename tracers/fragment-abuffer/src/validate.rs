@@ -1,7 +1,7 @@
 //! The structure read back: its lists followed from both ends, and the fragments of pixels held against a rasterizer on the host.
 
-use tracebench_api::TracerError;
 use tracebench_api::glam::Vec3;
+use tracebench_api::{Geometry, TracerError};
 
 use crate::brute_force::{Allowed, allowed_fragments};
 use crate::layout::{Layout, Storage};
@@ -187,7 +187,7 @@ struct Layers {
 }
 
 impl FragmentStructure {
-    pub(crate) fn check(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+    pub(crate) fn check(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
         let gpu = &*self.pipelines.gpu;
         let taken = self.parts.taken(gpu)?;
         check_order(&taken)?;
@@ -209,7 +209,7 @@ impl FragmentStructure {
                 stored: taken.fragments,
                 met: vec![0; taken.fragments as usize],
             };
-            self.check_part(part, &mut back, &mut layers)?;
+            self.check_part(geometry, part, &mut back, &mut layers)?;
             if let Some(node) = back.met.iter().position(|met| *met == 0) {
                 return fail(format!("node {node} lies in no list"));
             }
@@ -225,12 +225,18 @@ impl FragmentStructure {
         ])
     }
 
-    fn check_part(&self, part: &Part, back: &mut ReadBack<'_>, layers: &mut Layers) -> Result<(), TracerError> {
+    fn check_part(
+        &self,
+        geometry: &Geometry,
+        part: &Part,
+        back: &mut ReadBack<'_>,
+        layers: &mut Layers,
+    ) -> Result<(), TracerError> {
         for (view, first_pixel) in part.views.clone().zip(&part.first_pixels) {
             let [width, height] = self.layout.views[view].size;
             let step = (1..).find(|step| self.layout.pixels_of(view) / (step * step) <= MOST_COMPARED).unwrap_or(1);
             let step = step as u32;
-            let allowed = allowed_fragments(&self.layout.views[view], &self.geometry, step);
+            let allowed = allowed_fragments(&self.layout.views[view], geometry, step);
             for y in 0..height {
                 for x in 0..width {
                     let nodes = back.nodes_of(first_pixel + y * width + x)?;

@@ -27,13 +27,28 @@ pub use compute::{
 pub use counts::RayCounts;
 pub use empty_target::EmptyTarget;
 pub use eye_depth::{EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
-pub use gather::{Gather, GatherSettings, SurfaceGeometry};
+pub use gather::{Gather, SurfaceGeometry};
 pub use last_count::LastCount;
 pub use prefix_sum::{PrefixSum, PrefixSumPlan};
 pub use primitive_raster::{DEPTH_TEST_FORMAT, PrimitiveRaster, PrimitiveTexture, create_texture};
 pub use pyramid::{MOST_LEVELS, Pyramid};
-pub use radix_sort::{RadixSort, RadixSortPlan, SortPass};
+pub use radix_sort::{RadixSort, RadixSortPlan};
 pub use raster::{RasterTargets, raster_pipeline};
 pub use room::{Room, grow, storage_buffer, uniform_buffer};
 pub use touched::TouchedBits;
 pub use view_uniform::ViewUniform;
+
+use gather::GatherSettings;
+use radix_sort::SortPass;
+use tracebench_api::SharedLayout;
+
+/// Layouts of all that shaders share with this crate.
+pub fn layouts() -> Vec<SharedLayout> {
+    tracebench_api::layouts! {
+        ViewUniform as View {
+            eye, tan_half_width, right, tan_half_height, up, near, forward, far, size, padding,
+        }
+        GatherSettings { ray_count, padding_a, padding_b, padding_c }
+        SortPass { count, blocks, shift }
+    }
+}

@@ -1,25 +1,65 @@
 //! The parameters of `screen-dda`.
 
-use tracebench_api::{Description, Domain, Invalidation, ParameterDescription, ParameterScope, Residency, Value};
+use tracebench_api::ParameterScope::Trace;
+use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
 
-/// The names of the ways to place a hit, in the order of the shader's codes.
-pub(crate) const HIT_POINTS: &[&str] = &["step", "depth"];
+use crate::structure::layouts;
+
+choice! {
+    /// Where in its step a hit is placed; in the order of the shader's codes.
+    pub(crate) enum HitPoint { Step = "step", Depth = "depth" }
+}
+
+parameters! {
+    /// What `screen-dda` is told.
+    pub(crate) struct DdaParameters {
+        stride: u32 = Parameter::integer(
+            Trace,
+            1..=256,
+            1,
+            "pixels along the major axis between depth samples: larger is faster and skips thin things",
+        )
+        .unit("pixels")
+        .sweep([1, 2, 4, 8, 16]),
+        max_steps: u32 = Parameter::integer(
+            Trace,
+            1..=65_536,
+            4096,
+            "depth samples after which a ray is given up with status step_cap",
+        )
+        .unit("samples")
+        .sweep([16, 64, 256, 1024, 4096]),
+        thickness: f64 = Parameter::real(
+            Trace,
+            0.0..=10.0,
+            0.005,
+            "depth that every stored surface is taken to have: small loses hits, large invents them",
+        )
+        .unit("scene diagonals")
+        .sweep([0.0, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05]),
+        start_bias: f64 = Parameter::real(
+            Trace,
+            0.0..=64.0,
+            1.0,
+            "pixels along the major axis skipped by rays that start in the view: small finds the surface that a \
+             ray starts on, large misses what lies close to it",
+        )
+        .unit("pixels")
+        .sweep([0.0, 0.5, 1.0, 2.0, 4.0]),
+        hit_point: HitPoint = Parameter::choice(
+            Trace,
+            HitPoint::Step,
+            "where in its step a hit is placed: at the step's position (listing 1), or at the stored eye depth; rays that \
+             fall on one pixel always at the stored depth",
+        ),
+    }
+}
+
+/// Why there is no refit.
+pub(crate) const NO_REFIT: &str = "screen-dda has no shape to keep: its depth buffer is rebuilt or reused";
 
 /// What `screen-dda` is and takes.
 pub fn description() -> Description {
-    let reals = |values: &[f64]| values.iter().copied().map(Value::Real).collect();
-    let integers = |values: &[i64]| values.iter().copied().map(Value::Integer).collect();
-    let choice = |name: &str| Value::Choice(name.to_owned());
-    let parameter = |name, unit, domain, value: Value, effect, sweep| ParameterDescription {
-        name,
-        unit,
-        scope: ParameterScope::Trace,
-        domain,
-        published: value.clone(),
-        improved: value,
-        effect,
-        sweep,
-    };
     Description {
         name: "screen-dda",
         citation: "McGuire, Mara: Efficient GPU Screen-Space Ray Tracing, JCGT 3(4), 2014",
@@ -27,49 +67,10 @@ pub fn description() -> Description {
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry, Invalidation::Viewpoint, Invalidation::Resolution],
         names_primitives: false,
-        parameters: vec![
-            parameter(
-                "stride",
-                "pixels",
-                Domain::Integer { least: 1, greatest: 256 },
-                Value::Integer(1),
-                "pixels along the major axis between depth samples: larger is faster and skips thin things",
-                integers(&[1, 2, 4, 8, 16]),
-            ),
-            parameter(
-                "max_steps",
-                "samples",
-                Domain::Integer { least: 1, greatest: 65_536 },
-                Value::Integer(4096),
-                "depth samples after which a ray is given up with status step_cap",
-                integers(&[16, 64, 256, 1024, 4096]),
-            ),
-            parameter(
-                "thickness",
-                "scene diagonals",
-                Domain::Real { least: 0.0, greatest: 10.0 },
-                Value::Real(0.005),
-                "depth that every stored surface is taken to have: small loses hits, large invents them",
-                reals(&[0.0, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05]),
-            ),
-            parameter(
-                "start_bias",
-                "pixels",
-                Domain::Real { least: 0.0, greatest: 64.0 },
-                Value::Real(1.0),
-                "pixels along the major axis skipped by rays that start in the view: small finds the surface that a \
-                 ray starts on, large misses what lies close to it",
-                reals(&[0.0, 0.5, 1.0, 2.0, 4.0]),
-            ),
-            parameter(
-                "hit_point",
-                "",
-                Domain::Choice(HIT_POINTS),
-                choice("step"),
-                "where in its step a hit is placed: at the step's position (listing 1), or at the stored eye depth; rays that \
-                 fall on one pixel always at the stored depth",
-                HIT_POINTS.iter().map(|name| choice(name)).collect(),
-            ),
-        ],
+        ends: &EndPoint::ALL,
+        queries: &Query::ALL,
+        no_refit: Some(NO_REFIT),
+        parameters: DdaParameters::describe(),
+        layouts: layouts(),
     }
 }

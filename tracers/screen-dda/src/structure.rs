@@ -7,8 +7,8 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline, TextureView};
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure,
-    TraceJob, Tracer, TracerError, Update, View, Viewpoint,
+    Counter, EndPoint, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock,
+    Projection, Sampling, SharedLayout, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_kit::{
     EyeDepthRaster, EyeDepthTarget, Gather, NO_SURFACE, PrimitiveRaster, PrimitiveTexture, RayCounts, SurfaceGeometry,
@@ -16,7 +16,7 @@ use tracebench_kit::{
 };
 use tracebench_shaders::screen_dda::Trace;
 
-use crate::description::HIT_POINTS;
+use crate::description::{DdaParameters, NO_REFIT};
 
 /// As `WORKGROUP_SIZE` in shaders/screen-dda/trace.wgsl.
 const WORKGROUP_SIZE: u32 = 64;
@@ -31,6 +31,13 @@ struct Settings {
     stride: f32,
     thickness: f32,
     start_bias: f32,
+}
+
+/// Layouts of all that shaders share with this crate.
+pub(crate) fn layouts() -> Vec<SharedLayout> {
+    tracebench_api::layouts! {
+        Settings { ray_count, max_steps, hit_point, stride, thickness, start_bias }
+    }
 }
 
 /// The pipelines.
@@ -119,17 +126,16 @@ impl Pipelines {
 }
 
 impl ScreenDdaStructure {
-    fn settings(&self, job: &TraceJob<'_>) -> Settings {
-        let TraceJob { parameters, rays, .. } = job;
-        let hit_point = HIT_POINTS.iter().position(|name| *name == parameters.choice("hit_point")).unwrap_or(0);
-        Settings {
-            ray_count: rays.host.len() as u32,
-            max_steps: parameters.integer("max_steps") as u32,
-            hit_point: hit_point as u32,
-            stride: parameters.integer("stride") as f32,
-            thickness: (parameters.real("thickness") * self.diagonal) as f32,
-            start_bias: parameters.real("start_bias") as f32,
-        }
+    fn settings(&self, job: &TraceJob<'_>) -> Result<Settings, TracerError> {
+        let parameters = DdaParameters::try_from(job.parameters)?;
+        Ok(Settings {
+            ray_count: job.rays.host.len() as u32,
+            max_steps: parameters.max_steps,
+            hit_point: parameters.hit_point as u32,
+            stride: parameters.stride as f32,
+            thickness: (parameters.thickness * self.diagonal) as f32,
+            start_bias: parameters.start_bias as f32,
+        })
     }
 
     /// Records the trace, by the counting variant where there is something to count into.
@@ -179,7 +185,7 @@ impl ScreenDdaStructure {
         let variant = Trace { surfaces: surfaces.is_some(), counters: counting.is_some() };
         let pipeline = &self.pipelines.trace[&variant];
         let view = uniform_buffer(gpu, "view", &ViewUniform::from(&self.view))?;
-        let settings = self.settings(job);
+        let settings = self.settings(job)?;
         let settings_buffer = uniform_buffer(gpu, "settings", &settings)?;
         let mut resources = vec![
             (0, view.as_entire_binding()),
@@ -236,9 +242,7 @@ impl Structure for ScreenDdaStructure {
                 (self.geometry, self.triangle_count) = (surfaces, geometry.triangles.len() as u32);
                 Ok(())
             }
-            Update::Refit => Err(TracerError::Unsupported(
-                "screen-dda has no shape to keep: its depth buffer is rebuilt or reused".to_owned(),
-            )),
+            Update::Refit => Err(TracerError::Unsupported(NO_REFIT.to_owned())),
             Update::Reuse => Ok(()),
         }
     }
@@ -269,7 +273,7 @@ impl Structure for ScreenDdaStructure {
         ledger.report(0).with_surface_geometry(self.geometry.bytes)
     }
 
-    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
+    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
         let uniforms = [("view", size_of::<ViewUniform>()), ("settings", size_of::<Settings>())];
         let mut parts = uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec();
         if job.end == EndPoint::Surface {
@@ -278,14 +282,14 @@ impl Structure for ScreenDdaStructure {
             parts.push(MemoryEntry::whole(SEEN, job.rays.host.len().max(1) as u64 * 4));
             parts.extend([PrimitiveRaster::memory(), Gather::memory()]);
         }
-        parts
+        Ok(parts)
     }
 
-    fn views(&self) -> Vec<View> {
-        vec![self.view]
+    fn samplings(&self) -> Vec<Sampling> {
+        vec![Sampling { projection: Projection::Perspective(self.view), layers: Layers::Nearest }]
     }
 
-    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+    fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
         let depths = self.target.read(&self.pipelines.gpu)?;
         // Depth is interpolated in f32, so a surface at near or far may be stored a little beyond it.
         let (near, far) = (self.view.near * (1.0 - 1e-4), self.view.far * (1.0 + 1e-4));

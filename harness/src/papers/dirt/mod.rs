@@ -43,11 +43,12 @@ fn row(experiment: &Experiment, request: &TracerRequest) -> bool {
     if request.name() != "dirt" {
         return request.name() != "bvh-gpu";
     }
-    let buckets = request.parameters.integer("buckets");
-    let edge = ["1", "4"].contains(&request.parameters.choice("tile_size"));
+    let value = |name: &str| request.parameters.value(name).map(ToString::to_string).unwrap_or_default();
+    let buckets = value("buckets");
+    let edge = ["1", "4"].contains(&&*value("tile_size"));
     match experiment.name {
-        "dirt-table3" => edge && buckets == 4,
-        "dirt-figure10" => edge && [8, 24].contains(&buckets),
+        "dirt-table3" => edge && buckets == "4",
+        "dirt-figure10" => edge && ["8", "24"].contains(&&*buckets),
         _ => true,
     }
 }

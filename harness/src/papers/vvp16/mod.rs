@@ -56,15 +56,16 @@ fn in_part(experiment: &Experiment, request: &TracerRequest) -> bool {
     if request.name() != ABUFFER {
         return true;
     }
-    let choice = |name: &str| request.parameters.choice(name);
+    let value = |name: &str| request.parameters.value(name).map(ToString::to_string).unwrap_or_default();
     match experiment.name {
-        "vvp16-figure11" => request.parameters.real("thickness") == 0.0,
-        "vvp16-figure12" => ["ll", "dllb"].contains(&choice("storage")),
+        "vvp16-figure11" => value("thickness") == "0",
+        "vvp16-figure12" => ["ll", "dllb"].contains(&&*value("storage")),
         "vvp16-views" => {
             let of_figures = request.changed.iter().any(|name| name == "layers");
             of_figures
-                && [["seven", "all"], ["seven", "one"], ["frame", "all"]].contains(&[choice("views"), choice("layers")])
+                && [["seven", "all"], ["seven", "one"], ["frame", "all"]]
+                    .contains(&[&*value("views"), &*value("layers")])
         }
-        _ => request.parameters.integer("buckets") == 4,
+        _ => value("buckets") == "4",
     }
 }

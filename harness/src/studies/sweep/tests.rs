@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use tracebench_api::{
     Counter, Description, Geometry, HitBuffer, MemoryReport, Parameters, PhaseClock, Preset, Structure, TraceJob,
-    Tracer, TracerError, Update, Viewpoint,
+    Tracer, TracerError, Update, Value, Viewpoint,
 };
 use tracebench_bvh::BvhCpu;
 
@@ -46,7 +46,7 @@ impl Tracer for Roomless {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Box<dyn Structure>, TracerError> {
-        if HELD.get() == ROOM || parameters.choice("build") == "slow" {
+        if HELD.get() == ROOM || parameters.value("build") == Some(&Value::Choice("slow".to_owned())) {
             return Err(too_large());
         }
         let built = BvhCpu.build(geometry, viewpoint, parameters, clock)?;
@@ -79,8 +79,8 @@ impl Structure for Held {
         self.0.memory()
     }
 
-    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
-        self.0.validate()
+    fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        self.0.validate(geometry)
     }
 }
 

@@ -1,11 +1,10 @@
 //! Refits that become rebuilds.
 
 use tracebench_api::glam::Vec3;
-use tracebench_api::{Preset, ViewSet};
+use tracebench_api::{Choice, Preset};
 
 use super::*;
 use crate::gpu::layout::Tree;
-use crate::input::BUILDS;
 use crate::touched::{assert_touched, scene};
 
 /// A grid of triangles that a wave runs through: at another time other triangles lie close together.
@@ -32,7 +31,7 @@ fn parameters(build: &str, rebuild_every: u64) -> Parameters {
 }
 
 fn built(geometry: &Geometry, parameters: &Parameters) -> BvhCpuStructure {
-    BvhCpuStructure::build(geometry, parameters, &mut PhaseClock::new(None)).unwrap()
+    BvhCpuStructure::build(geometry, &CpuParameters::try_from(parameters).unwrap(), &mut PhaseClock::new(None)).unwrap()
 }
 
 /// Refits, and gives the names of the phases.
@@ -46,7 +45,6 @@ fn refit(structure: &mut BvhCpuStructure, geometry: &Geometry, parameters: &Para
         far: 100.0,
         frame: [8, 8],
         face: 8,
-        view_set: ViewSet::Frame,
     };
     let mut clock = PhaseClock::new(None);
     structure.update(Update::Refit, geometry, &view, parameters, &mut clock).unwrap();
@@ -69,7 +67,7 @@ fn everything(structure: &BvhCpuStructure) -> (Vec<u8>, Vec<u32>, Vec<[u32; 9]>,
 /// keep the order that the build gave, and are not what a fresh build leaves (the negative control).
 #[test]
 fn every_nth_refit_is_a_rebuild() {
-    for build in BUILDS {
+    for build in BuildPreset::NAMES {
         for every in [1_u64, 2, 3] {
             let parameters = parameters(build, every);
             let mut structure = built(&waving(0.0), &parameters);
@@ -82,7 +80,7 @@ fn every_nth_refit_is_a_rebuild() {
                 assert_eq!((named("build binary hierarchy (PLOC)"), named("refit boxes")), (rebuilt, !rebuilt));
                 assert_eq!(found == fresh, rebuilt, "{build}, frame {frame} of {every}");
                 assert_eq!(found.1 == before.1, !rebuilt, "{build}, frame {frame} of {every}");
-                structure.validate().unwrap();
+                structure.validate(&geometry).unwrap();
             }
         }
     }
@@ -115,7 +113,9 @@ fn counting_starts_again_and_others_are_refused() {
     let whole = waving(3.0);
     let fewer = Geometry::new(whole.positions.to_vec(), whole.triangles[1..].to_vec(), None).unwrap();
     let before = everything(&structure);
-    assert!(structure.refit(&fewer, &every_second, &mut PhaseClock::new(None)).is_err());
+    assert!(
+        structure.refit(&fewer, &CpuParameters::try_from(&every_second).unwrap(), &mut PhaseClock::new(None)).is_err()
+    );
     assert!(everything(&structure) == before);
     assert!(!named(refit(&mut structure, &whole, &every_second)));
 }

@@ -1,11 +1,25 @@
 //! The parameters of `bvh-gpu`.
 
-use tracebench_api::{Description, Domain, Invalidation, ParameterDescription, ParameterScope, Residency, Value};
+use tracebench_api::{
+    Description, EndPoint, Invalidation, Parameter, ParameterScope, Query, Residency, choice, parameters,
+};
 
-use crate::input::build_description;
+use crate::input::{BuildPreset, build_parameter};
+use crate::layouts::layouts;
 
-/// Values of `node`.
-const NODES: &[&str] = &["cwbvh", "bvh2"];
+choice! {
+    /// The two kinds of node.
+    pub(crate) enum NodeKind { Wide = "cwbvh", Binary = "bvh2" }
+}
+
+parameters! {
+    /// What `bvh-gpu` is told.
+    pub(crate) struct GpuParameters {
+        build: BuildPreset = build_parameter(),
+        node: NodeKind = node_parameter(),
+        rays_per_lane: u32 = rays_per_lane_parameter(),
+    }
+}
 
 /// What `bvh-gpu` is and takes.
 pub fn description() -> Description {
@@ -17,37 +31,30 @@ pub fn description() -> Description {
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry],
         names_primitives: true,
-        parameters: vec![build_description(), node_description(), rays_per_lane_description()],
+        ends: &EndPoint::ALL,
+        queries: &Query::ALL,
+        no_refit: None,
+        parameters: GpuParameters::describe(),
+        layouts: layouts(),
     }
 }
 
 /// The parameter `node`.
-pub(crate) fn node_description() -> ParameterDescription {
-    let choice = |name: &str| Value::Choice(name.to_owned());
-    ParameterDescription {
-        name: "node",
-        unit: "",
-        scope: ParameterScope::Build,
-        domain: Domain::Choice(NODES),
-        published: choice("cwbvh"),
-        improved: choice("cwbvh"),
-        effect: "kind of node: compressed with eight children, or binary",
-        sweep: NODES.iter().map(|name| choice(name)).collect(),
-    }
+pub(crate) fn node_parameter() -> Parameter<NodeKind> {
+    let effect = "kind of node: compressed with eight children, or binary";
+    Parameter::choice(ParameterScope::Build, NodeKind::Wide, effect)
 }
 
 /// The parameter `rays_per_lane`.
-pub(crate) fn rays_per_lane_description() -> ParameterDescription {
-    ParameterDescription {
-        name: "rays_per_lane",
-        unit: "rays",
-        scope: ParameterScope::Trace,
-        domain: Domain::Integer { least: 1, greatest: 256 },
-        published: Value::Integer(32),
-        improved: Value::Integer(32),
-        effect: "rays that a lane answers one after the other (persistent lanes), so that lanes with short searches \
-                 need not wait for others: many suit incoherent rays and few cores, few suit coherent rays and \
-                 many cores; hierarchies too deep for private stacks take one",
-        sweep: [1, 2, 4, 8, 16, 32, 64].map(Value::Integer).to_vec(),
-    }
+pub(crate) fn rays_per_lane_parameter() -> Parameter<u32> {
+    Parameter::integer(
+        ParameterScope::Trace,
+        1..=256,
+        32,
+        "rays that a lane answers one after the other (persistent lanes), so that lanes with short searches \
+         need not wait for others: many suit incoherent rays and few cores, few suit coherent rays and \
+         many cores; hierarchies too deep for private stacks take one",
+    )
+    .unit("rays")
+    .sweep([1, 2, 4, 8, 16, 32, 64])
 }

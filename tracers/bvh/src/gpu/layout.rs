@@ -7,12 +7,13 @@ use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::node::CwBvhNode;
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
-use tracebench_api::{Ledger, Parameters, PhaseClock, TracerError};
+use tracebench_api::{Ledger, PhaseClock, TracerError};
 
 use crate::binary::{Binary, BinaryNode};
-use crate::input::build_parameters;
 use crate::wide::{check_boxes, check_references, depth};
 use crate::{hierarchy, refit, sah};
+
+use super::description::{GpuParameters, NodeKind};
 
 /// `Triangle` of shaders/bvh/search.wgsl.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -50,19 +51,7 @@ impl DeviceTriangle {
     }
 }
 
-/// The two kinds of node.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum NodeKind {
-    Wide,
-    Binary,
-}
-
 impl NodeKind {
-    /// The value of the parameter `node`.
-    pub(crate) fn of(parameters: &Parameters) -> Self {
-        if parameters.choice("node") == "bvh2" { Self::Binary } else { Self::Wide }
-    }
-
     /// Bytes of a node.
     pub(crate) fn node_bytes(self) -> u64 {
         match self {
@@ -90,12 +79,12 @@ impl Tree {
     /// Builds one over triangles in the scene's order.
     pub(crate) fn build(
         triangles: &[Triangle],
-        parameters: &Parameters,
+        parameters: &GpuParameters,
         ledger: &mut Ledger,
         clock: &mut PhaseClock<'_>,
     ) -> Self {
-        let config = build_parameters(parameters.choice("build"));
-        match NodeKind::of(parameters) {
+        let config = parameters.build.values();
+        match parameters.node {
             NodeKind::Wide => Self::Wide(hierarchy::build_wide(triangles, config, ledger, clock)),
             NodeKind::Binary => {
                 let binary = hierarchy::build_binary(triangles, config, ledger, clock);

@@ -22,6 +22,7 @@ use tracebench_api::{
 
 use tracebench_kit::SurfaceGeometry;
 
+use description::GpuParameters;
 pub use description::description;
 pub use layout::DeviceTriangle;
 pub use search::{BINARY_STACK, SearchSettings, WIDE_STACK};
@@ -68,20 +69,22 @@ impl Tracer for BvhGpu {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Box<dyn Structure>, TracerError> {
-        Ok(Box::new(BvhGpuStructure::build(&self.searches, geometry, parameters, None, clock)?))
+        let parameters = GpuParameters::try_from(parameters)?;
+        Ok(Box::new(BvhGpuStructure::build(&self.searches, geometry, &parameters, None, clock)?))
     }
 }
 
 impl BvhGpuStructure {
-    fn searched(&self) -> Searched<'_> {
-        Searched { resident: &self.resident, geometry: &self.geometry, scale: self.scale }
+    fn searched(&self, job: &TraceJob<'_>) -> Result<Searched<'_>, TracerError> {
+        let GpuParameters { rays_per_lane, .. } = GpuParameters::try_from(job.parameters)?;
+        Ok(Searched { resident: &self.resident, geometry: &self.geometry, scale: self.scale, rays_per_lane })
     }
 
     /// Builds, into the textures of `there` where these are large enough.
     fn build(
         searches: &Arc<Searches>,
         geometry: &Geometry,
-        parameters: &Parameters,
+        parameters: &GpuParameters,
         there: Option<&Resident>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Self, TracerError> {
@@ -152,7 +155,10 @@ impl Structure for BvhGpuStructure {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         match update {
-            Update::Rebuild => *self = Self::build(&self.searches, geometry, parameters, Some(&self.resident), clock)?,
+            Update::Rebuild => {
+                let parameters = GpuParameters::try_from(parameters)?;
+                *self = Self::build(&self.searches, geometry, &parameters, Some(&self.resident), clock)?;
+            }
             Update::Refit => self.refit(geometry, clock)?,
             Update::Reuse => {}
         }
@@ -160,11 +166,11 @@ impl Structure for BvhGpuStructure {
     }
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        self.searches.record(self.searched(), &job, hits, None, clock)
+        self.searches.record(self.searched(&job)?, &job, hits, None, clock)
     }
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        self.searches.count(self.searched(), &job, hits)
+        self.searches.count(self.searched(&job)?, &job, hits)
     }
 
     fn memory(&self) -> MemoryReport {
@@ -178,11 +184,11 @@ impl Structure for BvhGpuStructure {
         report
     }
 
-    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
-        search::trace_memory(&self.resident, &job)
+    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+        Ok(search::trace_memory(&self.resident, &job))
     }
 
-    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+    fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
         let (tree, ordered) = self.resident.read(&self.searches.gpu)?;
         tree.check(&ordered, self.triangle_count, self.fitted.is_some())?;
         let depth = tree.depth()?;

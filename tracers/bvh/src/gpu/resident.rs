@@ -3,7 +3,8 @@
 use tracebench_api::wgpu::{Buffer, BufferUsages, TextureView};
 use tracebench_api::{Gpu, Ledger, TracerError};
 
-use super::layout::{DeviceTriangle, NodeKind, Tree};
+use super::description::NodeKind;
+use super::layout::{DeviceTriangle, Tree};
 use super::search::{WORKGROUP_SIZE, private_stack, stack_entry_bytes};
 use super::texels::Texels;
 

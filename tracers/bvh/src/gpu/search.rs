@@ -12,7 +12,7 @@ use tracebench_kit::{
 };
 use tracebench_shaders::bvh::{Binary, Cwbvh};
 
-use super::layout::NodeKind;
+use super::description::NodeKind;
 use super::resident::Resident;
 
 /// As `WORKGROUP_SIZE` in shaders/bvh.
@@ -67,12 +67,13 @@ pub struct SearchSettings {
 impl SearchSettings {
     /// What each dispatch is told. Private stacks take one dispatch; stacks in device memory take as many as there are
     /// rays for all of them, a ray a lane.
-    fn of_dispatches(job: &TraceJob<'_>, resident: &Resident, scale: f32) -> Vec<Self> {
+    fn of_dispatches(job: &TraceJob<'_>, searched: Searched<'_>) -> Vec<Self> {
+        let Searched { resident, scale, rays_per_lane, .. } = searched;
         let all_rays = job.rays.host.len() as u32;
         let all = Self {
             first_ray: 0,
             ray_count: all_rays,
-            rays_per_lane: job.parameters.integer("rays_per_lane").max(1) as u32,
+            rays_per_lane,
             any_hit: u32::from(job.rays.query == Query::Any),
             stack_entries: 0,
             scale,
@@ -135,6 +136,8 @@ pub(crate) struct Searched<'a> {
     pub(crate) geometry: &'a SurfaceGeometry,
     /// From scene units to those of the hierarchy, a power of two.
     pub(crate) scale: f32,
+    /// Rays that a lane answers one after the other, >= 1.
+    pub(crate) rays_per_lane: u32,
 }
 
 /// The device with every variant.
@@ -165,7 +168,7 @@ impl Searches {
         counting: Option<&Counting>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        let Searched { resident, geometry, scale } = searched;
+        let Searched { resident, geometry, .. } = searched;
         let gpu = &*self.gpu;
         let (deep, counters) = (resident.stacks().is_some(), counting.is_some());
         let pipeline = match resident.kind {
@@ -173,7 +176,7 @@ impl Searches {
             NodeKind::Binary => &self.binary[&Binary { deep, counters }],
         };
         let mut dispatches = Vec::new();
-        for settings in SearchSettings::of_dispatches(job, resident, scale) {
+        for settings in SearchSettings::of_dispatches(job, searched) {
             let uniform = uniform_buffer(gpu, SETTINGS, &settings)?;
             let mut resources = vec![
                 uniform.as_entire_binding(),

@@ -7,11 +7,12 @@ use obvhs::ray::{Ray, RayHit};
 use obvhs::triangle::Triangle;
 use tracebench_api::{Ledger, Parameters, PhaseClock, Preset};
 
+use super::description::GpuParameters;
 use super::layout::{DeviceTriangle, Tree};
 use super::{BvhGpu, BvhGpuStructure, description};
 use crate::binary::{Binary, INNER};
 use crate::hierarchy;
-use crate::input::build_parameters;
+use crate::input::BuildPreset;
 use crate::touched::{assert_touched, gpu, scene};
 
 /// A field of triangles, no two of which share a box.
@@ -29,6 +30,7 @@ fn built(node: &str) -> (Tree, Vec<DeviceTriangle>) {
     let mut parameters = Parameters::preset(&described, Preset::Published);
     parameters.set(&described, "node", node).unwrap();
     let triangles = field();
+    let parameters = GpuParameters::try_from(&parameters).unwrap();
     let tree = Tree::build(&triangles, &parameters, &mut Ledger::new(), &mut PhaseClock::new(None));
     let ordered = tree.order(&triangles);
     (tree, ordered)
@@ -91,7 +93,7 @@ fn unsound_hierarchies_are_noticed() {
 #[test]
 fn binary_nodes_are_those_of_obvhs() {
     let triangles = field();
-    let config = build_parameters("medium");
+    let config = BuildPreset::Medium.values();
     let from = hierarchy::build_binary(&triangles, config, &mut Ledger::new(), &mut PhaseClock::new(None));
     let stored = Binary::new(&from);
     // A root over the stored pairs makes it one that obvhs traverses.
@@ -131,8 +133,9 @@ fn touched_is_what_rays_meet() {
     for node in ["cwbvh", "bvh2"] {
         let mut parameters = Parameters::preset(&described, Preset::Published);
         parameters.set(&described, "node", node).unwrap();
+        let told = GpuParameters::try_from(&parameters).unwrap();
         let mut clock = PhaseClock::new(Some(&gpu));
-        let structure = BvhGpuStructure::build(&tracer.searches, &geometry, &parameters, None, &mut clock).unwrap();
+        let structure = BvhGpuStructure::build(&tracer.searches, &geometry, &told, None, &mut clock).unwrap();
         clock.finish().unwrap();
         let (tree, _) = structure.resident.read(&gpu).unwrap();
         let units = (structure.scale, &parameters);

@@ -1,12 +1,41 @@
 //! The parameters of `lbvh-gpu`.
 
-use tracebench_api::{Description, Domain, Invalidation, ParameterDescription, ParameterScope, Residency, Value};
+use tracebench_api::ParameterScope::Build;
+use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, parameters};
 
-use crate::gpu::description::{node_description, rays_per_lane_description};
+use crate::gpu::description::{NodeKind, node_parameter, rays_per_lane_parameter};
+use crate::layouts::layouts;
 
 /// Most neighbours on each side. One workgroup merges the last clusters, 8 a lane, and Mesa's software driver ends a lane's
 /// loops after 65,535 rounds in all: with these it gets through 256 iterations, twice as many as the deepest scene takes.
-const MOST_NEIGHBOURS: i64 = 16;
+const MOST_NEIGHBOURS: u32 = 16;
+
+parameters! {
+    /// What `lbvh-gpu` is told.
+    pub(crate) struct LbvhParameters {
+        node: NodeKind = node_parameter(),
+        search_radius: u32 = Parameter::integer(
+            Build,
+            1..=MOST_NEIGHBOURS,
+            8,
+            "neighbours along the Morton curve on each side among which a cluster seeks its nearest: more build \
+             slower and trace faster",
+        )
+        .unit("clusters")
+        .sweep([1, 2, 4, 8, 16]),
+        early_search_radius: u32 = Parameter::integer(
+            Build,
+            1..=MOST_NEIGHBOURS,
+            8,
+            "the same in the first two iterations, which have the most clusters, of scenes of more than 2,048 \
+             triangles: few build faster, and often trace faster, too",
+        )
+        .unit("clusters")
+        .improved(2)
+        .sweep([1, 2, 4, 8]),
+        rays_per_lane: u32 = rays_per_lane_parameter(),
+    }
+}
 
 /// What `lbvh-gpu` is and takes.
 pub fn description() -> Description {
@@ -18,31 +47,10 @@ pub fn description() -> Description {
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry],
         names_primitives: true,
-        parameters: vec![
-            node_description(),
-            ParameterDescription {
-                name: "search_radius",
-                unit: "clusters",
-                scope: ParameterScope::Build,
-                domain: Domain::Integer { least: 1, greatest: MOST_NEIGHBOURS },
-                published: Value::Integer(8),
-                improved: Value::Integer(8),
-                effect: "neighbours along the Morton curve on each side among which a cluster seeks its nearest: more build \
-                         slower and trace faster",
-                sweep: [1, 2, 4, 8, 16].map(Value::Integer).to_vec(),
-            },
-            ParameterDescription {
-                name: "early_search_radius",
-                unit: "clusters",
-                scope: ParameterScope::Build,
-                domain: Domain::Integer { least: 1, greatest: MOST_NEIGHBOURS },
-                published: Value::Integer(8),
-                improved: Value::Integer(2),
-                effect: "the same in the first two iterations, which have the most clusters, of scenes of more than 2,048 \
-                         triangles: few build faster, and often trace faster, too",
-                sweep: [1, 2, 4, 8].map(Value::Integer).to_vec(),
-            },
-            rays_per_lane_description(),
-        ],
+        ends: &EndPoint::ALL,
+        queries: &Query::ALL,
+        no_refit: None,
+        parameters: LbvhParameters::describe(),
+        layouts: layouts(),
     }
 }

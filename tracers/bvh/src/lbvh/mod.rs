@@ -40,10 +40,12 @@ use tracebench_api::{
 
 use tracebench_kit::SurfaceGeometry;
 
+use description::LbvhParameters;
 pub use description::description;
 pub use kernels::{BuildSettings, ClusterIteration, ConversionLevel, RefitStage};
 
-use crate::gpu::layout::{DeviceTriangle, NodeKind, Tree};
+use crate::gpu::description::NodeKind;
+use crate::gpu::layout::{DeviceTriangle, Tree};
 use crate::gpu::resident::Resident;
 use crate::gpu::search::{Searched, Searches, private_stack, trace_memory};
 use crate::input::{check_fits, scale_for};
@@ -93,8 +95,10 @@ impl Tracer for LbvhGpu {
 }
 
 impl LbvhStructure {
-    fn searched(&self) -> Searched<'_> {
-        Searched { resident: &self.resident, geometry: &self.geometry, scale: self.scale }
+    fn searched(&self, job: &TraceJob<'_>) -> Result<Searched<'_>, TracerError> {
+        let parameters = LbvhParameters::try_from(job.parameters)?;
+        let rays_per_lane = self.rays_per_lane(parameters.rays_per_lane)?;
+        Ok(Searched { resident: &self.resident, geometry: &self.geometry, scale: self.scale, rays_per_lane })
     }
 
     /// Builds, in the buffers of `there` where these are large enough.
@@ -106,8 +110,8 @@ impl LbvhStructure {
         there: Option<&Plan>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Self, TracerError> {
-        let kind = NodeKind::of(parameters);
-        let radii = ["search_radius", "early_search_radius"].map(|name| parameters.integer(name).max(1) as u32);
+        let parameters = LbvhParameters::try_from(parameters)?;
+        let (kind, radii) = (parameters.node, [parameters.search_radius, parameters.early_search_radius]);
         let plan = Plan::new(kernels, kind, geometry.triangles.len() as u32, radii, there)?;
         let scale = scale_for(geometry.diagonal());
         plan.build(kernels, geometry, scale, clock)?;
@@ -134,9 +138,9 @@ impl LbvhStructure {
         Ok(self.progress()?[LEVELS..].iter().map(|nodes| u64::from(*nodes)).sum())
     }
 
-    /// A job's parameters, with a ray a lane where hundreds of triangles coincide: a ray that meets one tests all, and
-    /// Mesa's software driver ends a lane's loops after 65,535 rounds, which a few such rays reach.
-    fn parameters(&self, job: &TraceJob<'_>) -> Result<Parameters, TracerError> {
+    /// Rays that a lane answers: one where hundreds of triangles coincide: a ray that meets one tests all, and Mesa's
+    /// software driver ends a lane's loops after 65,535 rounds, which a few such rays reach.
+    fn rays_per_lane(&self, asked: u32) -> Result<u32, TracerError> {
         let crowded = match self.crowded.get() {
             Some(crowded) => *crowded,
             None => {
@@ -144,13 +148,7 @@ impl LbvhStructure {
                 *self.crowded.get_or_init(|| crowded)
             }
         };
-        let mut parameters = job.parameters.clone();
-        if crowded {
-            parameters
-                .set(&description().parameters, "rays_per_lane", "1")
-                .map_err(|error| TracerError::Failed(error.to_string()))?;
-        }
-        Ok(parameters)
+        Ok(if crowded { 1 } else { asked })
     }
 
     /// Reads the hierarchy back.
@@ -188,13 +186,11 @@ impl Structure for LbvhStructure {
     }
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        let job = TraceJob { parameters: &self.parameters(&job)?, ..job };
-        self.searches.record(self.searched(), &job, hits, None, clock)
+        self.searches.record(self.searched(&job)?, &job, hits, None, clock)
     }
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        let job = TraceJob { parameters: &self.parameters(&job)?, ..job };
-        self.searches.count(self.searched(), &job, hits)
+        self.searches.count(self.searched(&job)?, &job, hits)
     }
 
     fn memory(&self) -> MemoryReport {
@@ -207,11 +203,11 @@ impl Structure for LbvhStructure {
         ledger.report(0).with_surface_geometry(self.geometry.bytes)
     }
 
-    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
-        trace_memory(&self.resident, &job)
+    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+        Ok(trace_memory(&self.resident, &job))
     }
 
-    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
+    fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
         let (tree, ordered) = self.read()?;
         tree.check(&ordered, self.plan.triangle_count as usize, true)?;
         let depth = tree.depth()?;

@@ -10,7 +10,7 @@ use super::kernels::{
 };
 use super::rooms::{Rooms, TURN_DOWN};
 use crate::gpu::WIDE_STACK;
-use crate::gpu::layout::NodeKind;
+use crate::gpu::description::NodeKind;
 use crate::gpu::resident::TRIANGLES;
 use crate::gpu::texels::Texels;
 

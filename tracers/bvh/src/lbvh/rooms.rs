@@ -6,7 +6,8 @@ use tracebench_kit::{RadixSortPlan, Room};
 use super::kernels::{LEVELS, RUN};
 use crate::binary::BinaryNode;
 use crate::gpu::WIDE_STACK;
-use crate::gpu::layout::{DeviceTriangle, NodeKind};
+use crate::gpu::description::NodeKind;
+use crate::gpu::layout::DeviceTriangle;
 use crate::gpu::texels::whole_rows;
 
 pub(super) const TURN_DOWN: &str = "the scene's triangle count";

@@ -6,8 +6,9 @@ use tracebench_api::wgpu::{
     BlasTriangleGeometrySizeDescriptor, Buffer, BufferUsages, CreateBlasDescriptor, CreateTlasDescriptor, IndexFormat,
     Tlas, TlasInstance, VertexFormat,
 };
-use tracebench_api::{Geometry, Gpu, Ledger, MemoryReport, Parameters, PhaseClock, TracerError};
+use tracebench_api::{Geometry, Gpu, Ledger, MemoryReport, PhaseClock, TracerError};
 
+use super::description::Preference;
 use crate::input::scale_for;
 
 const BOTTOM: &str = "bottom-level acceleration structure";
@@ -39,12 +40,11 @@ pub(super) struct Acceleration {
     memory: MemoryReport,
 }
 
-/// What the parameters ask of the driver.
-fn flags_of(parameters: &Parameters) -> AccelerationStructureFlags {
-    let preference = if parameters.choice("prefer") == "fast_build" {
-        AccelerationStructureFlags::PREFER_FAST_BUILD
-    } else {
-        AccelerationStructureFlags::PREFER_FAST_TRACE
+/// What a preference asks of the driver.
+fn flags_of(prefer: Preference) -> AccelerationStructureFlags {
+    let preference = match prefer {
+        Preference::FastBuild => AccelerationStructureFlags::PREFER_FAST_BUILD,
+        Preference::FastTrace => AccelerationStructureFlags::PREFER_FAST_TRACE,
     };
     preference | AccelerationStructureFlags::USE_TRANSFORM
 }
@@ -76,8 +76,8 @@ impl Acceleration {
     /// # Errors
     /// [`TracerError::Unavailable`] for more triangles than the device takes, [`TracerError::Failed`] if its memory does
     /// not hold them.
-    pub(super) fn new(gpu: &Gpu, geometry: &Geometry, parameters: &Parameters) -> Result<Self, TracerError> {
-        let (size, flags) = (size_of_scene(gpu, geometry)?, flags_of(parameters));
+    pub(super) fn new(gpu: &Gpu, geometry: &Geometry, prefer: Preference) -> Result<Self, TracerError> {
+        let (size, flags) = (size_of_scene(gpu, geometry)?, flags_of(prefer));
         let before = gpu.allocations();
         let update_mode = AccelerationStructureUpdateMode::Build;
         let bottom = gpu.device.create_blas(
@@ -109,8 +109,8 @@ impl Acceleration {
     }
 
     /// Whether a build over a scene fits into what is there.
-    pub(super) fn fits(&self, gpu: &Gpu, geometry: &Geometry, parameters: &Parameters) -> Result<bool, TracerError> {
-        Ok(size_of_scene(gpu, geometry)? == self.size && flags_of(parameters) == self.flags)
+    pub(super) fn fits(&self, gpu: &Gpu, geometry: &Geometry, prefer: Preference) -> Result<bool, TracerError> {
+        Ok(size_of_scene(gpu, geometry)? == self.size && flags_of(prefer) == self.flags)
     }
 
     /// Records the build, both levels, as one phase.

@@ -1,16 +1,44 @@
 //! The parameters of `ray-query`.
 
-use tracebench_api::{Description, Domain, Invalidation, ParameterDescription, ParameterScope, Residency, Value};
+use tracebench_api::{
+    Description, EndPoint, Invalidation, Parameter, ParameterScope, Query, Residency, choice, parameters,
+};
 
-/// Values of `prefer`.
-const PREFERENCES: &[&str] = &["fast_trace", "fast_build"];
+use crate::layouts::layouts;
 
-/// Values of `equal_t`.
-const EQUAL_T: &[&str] = &["lowest", "first_met"];
+choice! {
+    /// What the driver favours.
+    pub(crate) enum Preference { FastTrace = "fast_trace", FastBuild = "fast_build" }
+}
+
+choice! {
+    /// Which of the triangles at equal t a closest hit names.
+    pub(crate) enum EqualT { Lowest = "lowest", FirstMet = "first_met" }
+}
+
+parameters! {
+    /// What `ray-query` is told.
+    pub(crate) struct QueryParameters {
+        prefer: Preference = Parameter::choice(
+            ParameterScope::Build,
+            Preference::FastTrace,
+            "what the driver is asked to favour; it may build the same either way",
+        ),
+        equal_t: EqualT = Parameter::choice(
+            ParameterScope::Trace,
+            EqualT::Lowest,
+            "which of the triangles at equal t a closest hit names: the lowest, as every tracer here, by a second \
+             query close round the hit, or the first that the driver meets, without it",
+        ),
+    }
+}
+
+/// Why there is no refit.
+pub(crate) const NO_REFIT: &str = "wgpu 30 builds an acceleration structure anew where an update in place is asked for \
+     (AccelerationStructureUpdateMode::PreferUpdate): rebuild it";
 
 /// What `ray-query` is and takes.
 pub fn description() -> Description {
-    let choice = |name: &str| Value::Choice(name.to_owned());
     Description {
         name: "ray-query",
         citation: "Khronos Group: VK_KHR_acceleration_structure and VK_KHR_ray_query, 2020; through wgpu",
@@ -18,28 +46,10 @@ pub fn description() -> Description {
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry],
         names_primitives: true,
-        parameters: vec![
-            ParameterDescription {
-                name: "prefer",
-                unit: "",
-                scope: ParameterScope::Build,
-                domain: Domain::Choice(PREFERENCES),
-                published: choice("fast_trace"),
-                improved: choice("fast_trace"),
-                effect: "what the driver is asked to favour; it may build the same either way",
-                sweep: PREFERENCES.iter().map(|name| choice(name)).collect(),
-            },
-            ParameterDescription {
-                name: "equal_t",
-                unit: "",
-                scope: ParameterScope::Trace,
-                domain: Domain::Choice(EQUAL_T),
-                published: choice("lowest"),
-                improved: choice("lowest"),
-                effect: "which of the triangles at equal t a closest hit names: the lowest, as every tracer here, by a second \
-                         query close round the hit, or the first that the driver meets, without it",
-                sweep: EQUAL_T.iter().map(|name| choice(name)).collect(),
-            },
-        ],
+        ends: &EndPoint::ALL,
+        queries: &Query::ALL,
+        no_refit: Some(NO_REFIT),
+        parameters: QueryParameters::describe(),
+        layouts: layouts(),
     }
 }

@@ -29,6 +29,7 @@ use tracebench_kit::{Gather, RayCounts, SurfaceGeometry, TouchedBits};
 
 use acceleration::Acceleration;
 pub use description::description;
+use description::{EqualT, NO_REFIT, QueryParameters};
 pub use search::QuerySettings;
 use search::{Queries, Question};
 
@@ -64,23 +65,16 @@ impl Tracer for RayQuery {
         clock: &mut PhaseClock<'_>,
     ) -> Result<Box<dyn Structure>, TracerError> {
         let gpu = &self.queries.gpu;
-        let mut acceleration = Acceleration::new(gpu, geometry, parameters)?;
+        let mut acceleration = Acceleration::new(gpu, geometry, QueryParameters::try_from(parameters)?.prefer)?;
         acceleration.record_build(gpu, geometry, clock)?;
         let queries = Arc::clone(&self.queries);
         let surfaces = SurfaceGeometry::of(geometry)?;
-        Ok(Box::new(RayQueryStructure { queries, acceleration, built_over: Mesh::of(geometry), geometry: surfaces }))
-    }
-}
-
-/// The triangles that a structure was built over, shared with the scene; for validation.
-struct Mesh {
-    positions: Arc<Vec<[f32; 3]>>,
-    triangles: Arc<Vec<[u32; 3]>>,
-}
-
-impl Mesh {
-    fn of(geometry: &Geometry) -> Self {
-        Self { positions: Arc::clone(&geometry.positions), triangles: Arc::clone(&geometry.triangles) }
+        Ok(Box::new(RayQueryStructure {
+            queries,
+            acceleration,
+            triangle_count: geometry.triangles.len(),
+            geometry: surfaces,
+        }))
     }
 }
 
@@ -88,7 +82,7 @@ impl Mesh {
 struct RayQueryStructure {
     queries: Arc<Queries>,
     acceleration: Acceleration,
-    built_over: Mesh,
+    triangle_count: usize,
     geometry: SurfaceGeometry,
 }
 
@@ -101,14 +95,15 @@ impl RayQueryStructure {
     ) -> Result<(), TracerError> {
         let gpu = &self.queries.gpu;
         let surfaces = SurfaceGeometry::of(geometry)?;
-        if self.acceleration.fits(gpu, geometry, parameters)? {
+        let QueryParameters { prefer, .. } = QueryParameters::try_from(parameters)?;
+        if self.acceleration.fits(gpu, geometry, prefer)? {
             self.acceleration.record_build(gpu, geometry, clock)?;
         } else {
-            let mut acceleration = Acceleration::new(gpu, geometry, parameters)?;
+            let mut acceleration = Acceleration::new(gpu, geometry, prefer)?;
             acceleration.record_build(gpu, geometry, clock)?;
             self.acceleration = acceleration;
         }
-        (self.built_over, self.geometry) = (Mesh::of(geometry), surfaces);
+        (self.triangle_count, self.geometry) = (geometry.triangles.len(), surfaces);
         Ok(())
     }
 
@@ -124,10 +119,10 @@ impl RayQueryStructure {
 
     /// How many triangles were fat enough to be looked for, and that each of them is found. Of large scenes every n-th is
     /// looked at: where triangles overlap, a ray meets many.
-    fn find_all(&self, mesh: &Mesh) -> Result<usize, TracerError> {
+    fn find_all(&self, scene: &Geometry) -> Result<usize, TracerError> {
         let gpu = &self.queries.gpu;
         let (rays, fat): (Vec<Ray>, Vec<bool>) =
-            probes::probes(&mesh.positions, &mesh.triangles, MOST_PROBES).into_iter().unzip();
+            probes::probes(&scene.positions, &scene.triangles, MOST_PROBES).into_iter().unzip();
         let rays = RayBuffer::new(Arc::new(rays), Query::Closest, Some(gpu));
         let mut hits = HitBuffer::new(fat.len(), Residency::Device, Some(gpu))?;
         hits.poison(Some(gpu))?;
@@ -148,8 +143,8 @@ impl RayQueryStructure {
 const MOST_PROBES: usize = 4096;
 
 /// Whether a job wants the lower primitive of equal hits.
-fn wants_lowest(job: &TraceJob<'_>) -> bool {
-    job.parameters.choice("equal_t") == "lowest"
+fn wants_lowest(job: &TraceJob<'_>) -> Result<bool, TracerError> {
+    Ok(QueryParameters::try_from(job.parameters)?.equal_t == EqualT::Lowest)
 }
 
 impl Structure for RayQueryStructure {
@@ -163,27 +158,23 @@ impl Structure for RayQueryStructure {
     ) -> Result<(), TracerError> {
         match update {
             Update::Rebuild => self.rebuild(geometry, parameters, clock),
-            Update::Refit => Err(TracerError::Unsupported(
-                "wgpu 30 builds an acceleration structure anew where an update in place is asked for \
-                 (AccelerationStructureUpdateMode::PreferUpdate): rebuild it"
-                    .to_owned(),
-            )),
+            Update::Refit => Err(TracerError::Unsupported(NO_REFIT.to_owned())),
             Update::Reuse => Ok(()),
         }
     }
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        let lowest_of_equal = wants_lowest(&job);
+        let lowest_of_equal = wants_lowest(&job)?;
         self.queries.record(Question::Trace { lowest_of_equal }, &self.acceleration, job.rays, hits, clock)?;
         self.gather(&job, hits, clock)
     }
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        let lowest_of_equal = wants_lowest(&job);
+        let lowest_of_equal = wants_lowest(&job)?;
         let gpu = &self.queries.gpu;
         let counts = RayCounts::new(gpu, "counts", job.rays.host.len())?;
         let mut clock = PhaseClock::new(Some(gpu));
-        let triangles = self.built_over.triangles.len() as u64;
+        let triangles = self.triangle_count as u64;
         let offered = TouchedBits::new(gpu, "triangles offered", triangles, "the scene's triangle count")?;
         let question = Question::TraceCounted { lowest_of_equal, counts: counts.buffer(), offered: offered.buffer() };
         self.queries.record(question, &self.acceleration, job.rays, hits, &mut clock)?;
@@ -199,14 +190,14 @@ impl Structure for RayQueryStructure {
         self.acceleration.memory().with_surface_geometry(self.geometry.bytes)
     }
 
-    fn trace_memory(&self, job: TraceJob<'_>) -> Vec<MemoryEntry> {
+    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
         let settings = MemoryEntry::whole("settings", size_of::<QuerySettings>() as u64);
         let gather = (job.end == EndPoint::Surface).then(Gather::memory);
-        [settings].into_iter().chain(gather).collect()
+        Ok([settings].into_iter().chain(gather).collect())
     }
 
-    fn validate(&self) -> Result<Vec<(&'static str, f64)>, TracerError> {
-        let found = self.find_all(&self.built_over)?;
-        Ok(vec![("triangles", self.built_over.triangles.len() as f64), ("triangles_looked_for", found as f64)])
+    fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        let found = self.find_all(geometry)?;
+        Ok(vec![("triangles", self.triangle_count as f64), ("triangles_looked_for", found as f64)])
     }
 }

@@ -1,0 +1,191 @@
+//! How a structure samples the scene: through which images, perspective or orthographic, and how much it keeps at a pixel.
+
+use glam::DVec3;
+
+use crate::{Projected, View};
+
+/// One image that a structure sees the scene through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampling {
+    /// Where its pixels look.
+    pub projection: Projection,
+    /// What it keeps at a pixel.
+    pub layers: Layers,
+}
+
+/// Which of the surfaces along a pixel's line of sight are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layers {
+    /// The nearest.
+    Nearest,
+    /// So many, from the nearest on.
+    AtMost(u32),
+    /// Every one.
+    All,
+}
+
+impl Layers {
+    /// How many that are at most.
+    pub fn most(self) -> usize {
+        match self {
+            Self::Nearest => 1,
+            Self::AtMost(most) => most as usize,
+            Self::All => usize::MAX,
+        }
+    }
+}
+
+/// How an image's pixels look at the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// From one eye.
+    Perspective(View),
+    /// Along one axis: of methods that do not depend on a viewpoint.
+    Orthographic(Orthographic),
+}
+
+/// An image whose pixels look along parallel lines, such as a side of a grid of voxels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Orthographic {
+    /// The image's upper left corner, where depth is 0.
+    pub origin: DVec3,
+    /// Unit vector to the right in the image.
+    pub right: DVec3,
+    /// Unit vector up in the image.
+    pub up: DVec3,
+    /// Unit vector along which pixels look.
+    pub axis: DVec3,
+    /// Edge of a pixel, scene units.
+    pub texel: f64,
+    /// How deep the image reaches, scene units.
+    pub far: f64,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+}
+
+/// A line along which an image looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LineOfSight {
+    /// Where it begins.
+    pub origin: DVec3,
+    /// Its direction.
+    pub direction: DVec3,
+    /// From where on surfaces are seen, in lengths of the direction.
+    pub near: f64,
+    /// Up to where.
+    pub far: f64,
+}
+
+impl Orthographic {
+    /// Projects a point.
+    pub fn project(&self, point: DVec3) -> Projected {
+        let offset = point - self.origin;
+        let along = |direction: DVec3| offset.dot(direction) / self.texel;
+        Projected { x: along(self.right), y: -along(self.up), depth: offset.dot(self.axis) }
+    }
+
+    fn begin(&self, x: f64, y: f64) -> DVec3 {
+        self.origin + (self.right * x - self.up * y) * self.texel
+    }
+}
+
+impl Projection {
+    /// Projects a point; `None` behind an eye.
+    pub fn project(&self, point: DVec3) -> Option<Projected> {
+        match self {
+            Self::Perspective(view) => view.project(point),
+            Self::Orthographic(image) => Some(image.project(point)),
+        }
+    }
+
+    /// Projects a point if it lies inside the image: on its pixels, between near and far.
+    pub fn project_inside(&self, point: DVec3) -> Option<Projected> {
+        match self {
+            Self::Perspective(view) => view.project_inside(point),
+            Self::Orthographic(image) => Some(image.project(point)).filter(|at| {
+                (0.0..f64::from(image.size[0])).contains(&at.x)
+                    && (0.0..f64::from(image.size[1])).contains(&at.y)
+                    && (0.0..=image.far).contains(&at.depth)
+            }),
+        }
+    }
+
+    /// The line through a position in pixels; its lengths are depths.
+    pub fn line_through(&self, x: f64, y: f64) -> LineOfSight {
+        match self {
+            Self::Perspective(view) => LineOfSight {
+                origin: view.eye,
+                direction: view.direction_through(x, y),
+                near: view.near,
+                far: view.far,
+            },
+            Self::Orthographic(image) => {
+                LineOfSight { origin: image.begin(x, y), direction: image.axis, near: 0.0, far: image.far }
+            }
+        }
+    }
+
+    /// The line to a point, which ends there; its lengths are scene units.
+    pub fn line_to(&self, point: DVec3) -> LineOfSight {
+        match self {
+            Self::Perspective(view) => {
+                let offset = point - view.eye;
+                let distance = offset.length();
+                // Near is an eye depth; along this line of sight it lies farther.
+                let near = (view.near * distance / offset.dot(view.forward)).min(distance);
+                LineOfSight { origin: view.eye, direction: offset / distance, near, far: distance }
+            }
+            Self::Orthographic(image) => {
+                let depth = image.project(point).depth;
+                let origin = point - image.axis * depth;
+                LineOfSight { origin, direction: image.axis, near: 0.0, far: depth.max(0.0) }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Looks along +y from y = -3 at 10 x 6 pixels of half a unit, x to the right and z up.
+    fn image() -> Orthographic {
+        Orthographic {
+            origin: DVec3::new(1.0, -3.0, 2.0),
+            right: DVec3::X,
+            up: DVec3::Z,
+            axis: DVec3::Y,
+            texel: 0.5,
+            far: 8.0,
+            size: [10, 6],
+        }
+    }
+
+    /// Positions count from the upper left corner in pixels, depths along the axis; lines through positions and lines to
+    /// points lead where projection says.
+    #[test]
+    fn orthographic_lines_invert_projection() {
+        let projection = Projection::Orthographic(image());
+        let at = projection.project(DVec3::new(2.25, 1.0, 0.5)).unwrap();
+        assert_eq!((at.x, at.y, at.depth), (2.5, 3.0, 4.0));
+        for (x, y, depth) in [(0.5, 0.5, 1.0), (9.75, 5.25, 7.5), (3.0, 2.0, 0.25)] {
+            let line = projection.line_through(x, y);
+            let point = line.origin + line.direction * depth;
+            let at = projection.project_inside(point).unwrap();
+            assert!((at.x - x).abs() < 1e-12 && (at.y - y).abs() < 1e-12 && (at.depth - depth).abs() < 1e-12);
+            let to = projection.line_to(point);
+            assert!((to.origin + to.direction * to.far - point).length() < 1e-12 && to.far == at.depth);
+        }
+    }
+
+    /// What lies aside, before the image or deeper than it reaches is outside of it; what lies before it is projected.
+    #[test]
+    fn orthographic_images_end() {
+        let projection = Projection::Orthographic(image());
+        let inside = |x, y, z| projection.project_inside(DVec3::new(x, y, z)).is_some();
+        assert!(inside(1.0, -3.0, 1.9) && inside(5.9, 5.0, -0.9));
+        assert!(!inside(0.9, 0.0, 0.0) && !inside(6.0, 0.0, 0.0) && !inside(2.0, 0.0, 2.1) && !inside(2.0, 0.0, -1.1));
+        assert!(!inside(2.0, -3.1, 0.0) && !inside(2.0, 5.1, 0.0));
+        assert!(projection.project(DVec3::new(2.0, -4.0, 0.0)).is_some());
+    }
+}
