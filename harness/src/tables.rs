@@ -93,11 +93,12 @@ pub fn of_run(run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
 /// If the folder or a file cannot be written, or the run has nothing for the table.
 pub fn write(table: Table, run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
     let made = |reason: &str| ReportError::Made { what: format!("table {}", table.name()), reason: reason.to_owned() };
-    if !run.runs.iter().any(|one| table.holds(&one.tracer.name)) {
-        return Err(made("no tracer of this run belongs into it"));
-    }
+    let run = &*run.aligned();
     let contents = match (table.is_moving(), &run.updates) {
         (true, _) => report::of_updates(run)?,
+        (false, None) if !run.runs.iter().any(|one| table.holds(&one.tracer.name)) => {
+            return Err(made("no tracer of this run belongs into it"));
+        }
         (false, Some(_)) => return Err(made("the run follows animations")),
         (false, None) => table.files(run)?,
     };

@@ -1,4 +1,4 @@
-//! The command line: `tracebench adapters | list | run | sweep | table | claims | compare | report | picture | stability |
+//! The command line: `tracebench adapters | list | run | sweep | table | claims | compare | merge | report | picture | stability |
 //! explain | tune`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
@@ -8,6 +8,7 @@ mod claims;
 mod compare;
 mod explain;
 mod list;
+mod merge;
 mod names;
 mod output;
 mod run;
@@ -56,6 +57,8 @@ enum Verb {
     Claims(claims::ClaimsArguments),
     /// Hold two runs against each other: what got slower or less accurate, what changed, what only one has.
     Compare(compare::CompareArguments),
+    /// Join the shards of a run that was spread over machines by --shard.
+    Merge(merge::MergeArguments),
     /// Make every file that derives from a run.json, of whatever verb, again.
     Report(run::ReportArguments),
     /// Draw what a tracer sees, or gets wrong, as a PNG.
@@ -122,6 +125,7 @@ pub fn main() -> ExitCode {
         Verb::Table(arguments) => table::table(arguments, &progress),
         Verb::Claims(arguments) => claims::claims(arguments),
         Verb::Compare(arguments) => compare::compare(arguments),
+        Verb::Merge(arguments) => merge::merge_shards(arguments),
         Verb::Report(arguments) => run::report(arguments, &progress),
         Verb::Picture(arguments) => run::picture(arguments, &progress),
         Verb::Stability(arguments) => stability::stability(arguments, &progress),

@@ -130,8 +130,13 @@ impl<'a> Bench<'a> {
         let _turn = (clock == Clock::Timed).then(wait_for_turn);
         let cache = Cache::of_user();
         let context = Context::new(&self.device, &cache, progress, &journal).of_shard(shard);
-        let run = work(&context).inspect_err(|_| {
-            journal.abandon();
+        let run = work(&context).inspect_err(|error| {
+            // Where nothing could run there is nothing to go on with.
+            if matches!(error, RunError::Nothing(_)) {
+                journal.finish();
+            } else {
+                journal.abandon();
+            }
             self.out.abandon();
             if journal.holds() {
                 let folder = self.out.path.display();

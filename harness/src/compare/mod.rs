@@ -186,15 +186,31 @@ pub fn compare(a: (&str, &Run), b: (&str, &Run), threshold: f64) -> Comparison {
         only_in_a: Vec::new(),
         only_in_b: Vec::new(),
     };
+    // Rows of joined shards keep their machines, and times of different machines say nothing of the work.
+    let joined = [a.1, b.1].iter().any(|run| !run.provenance.further_machines.is_empty());
+    let timed = |one: &TracerRun, other: &TracerRun| {
+        !joined || a.1.provenance.machine_of(one.machine) == b.1.provenance.machine_of(other.machine)
+    };
     let (pairs, only_in_a, only_in_b) = pairs(&a.1.runs, &b.1.runs, same_work);
     comparison.only_in_a.extend(only_in_a.into_iter().map(|run| Key::of(run, None)));
     comparison.only_in_b.extend(only_in_b.into_iter().map(|run| Key::of(run, None)));
     for (a, b) in pairs {
-        comparison.builds.push(build_row(a, b, threshold));
+        let mut build = build_row(a, b, threshold);
+        let untimed = |speed: &mut Speed| (speed.ratio, speed.movement) = (None, None);
+        if !timed(a, b) {
+            untimed(&mut build.speed);
+        }
+        comparison.builds.push(build);
         let (traces, only_in_a, only_in_b) = self::pairs(&a.traces, &b.traces, same_rays);
         comparison.only_in_a.extend(only_in_a.into_iter().map(|trace| Key::of(a, Some(trace))));
         comparison.only_in_b.extend(only_in_b.into_iter().map(|trace| Key::of(b, Some(trace))));
-        comparison.traces.extend(traces.into_iter().map(|(one, other)| trace_row(a, one, other, threshold)));
+        for (one, other) in traces {
+            let mut row = trace_row(a, one, other, threshold);
+            if !timed(a, b) {
+                untimed(&mut row.speed);
+            }
+            comparison.traces.push(row);
+        }
     }
     comparison
 }

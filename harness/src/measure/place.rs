@@ -13,7 +13,7 @@ use crate::plan::{Resolution, TracerRequest};
 use crate::results::{SceneRecord, Skipped, TraceRecord, TracerRun, ViewpointRecord};
 
 /// Structures of contenders that are there at a time.
-pub const WINDOW: usize = 16;
+pub const WINDOW: usize = 32;
 
 /// A contender that is asked for.
 pub(crate) struct Request {
@@ -214,7 +214,10 @@ pub(crate) fn measure(place: &Place<'_>, context: &Context<'_>) -> Result<Measur
             .map(|(at, stall)| if at == 0 && anchored { &stalls[*stall][..1] } else { &stalls[*stall][..] })
             .collect();
         let window = here.window(number, &requests)?;
-        found.controls.extend(here.controls(window.controls)?);
+        let controls = here.controls(window.controls)?;
+        if number == 0 {
+            found.controls = controls;
+        }
         let mut left = Vec::new();
         for (at, (request, row)) in window.rows.into_iter().enumerate() {
             if anchored && at == 0 {

@@ -125,8 +125,8 @@ pub(crate) fn counters(run: &TracerRun, trace: &TraceRecord, names: &BTreeSet<&s
 /// The tracer's label, marked if it is a control's.
 pub(super) fn label(role: Role, run: &TracerRun) -> String {
     match role {
-        Role::Control => format!("{} (control)", run.tracer.label()),
-        Role::Contender => run.tracer.label(),
+        Role::Control => format!("{} (control)", run.label()),
+        Role::Contender => run.label(),
     }
 }
 

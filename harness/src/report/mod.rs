@@ -51,7 +51,10 @@ pub const RUN_FILE: &str = "run.json";
 
 /// Makes the files of the table that a run was made for, name and contents; none of one that was made for none. Tables know
 /// reports, reports know no table.
-pub type Tables = fn(&Run) -> Result<Vec<(String, Vec<u8>)>, ReportError>;
+pub type Tables = fn(&Run) -> Result<Contents, ReportError>;
+
+/// Files: name and contents.
+pub type Contents = Vec<(String, Vec<u8>)>;
 
 /// Creates the folder if need be, writes `run.json`, then what is derived from it; gives the paths in that order.
 ///
@@ -72,14 +75,14 @@ pub fn write_run(run: &Run, directory: &Path, tables: Tables) -> Result<Vec<Path
 /// # Errors
 /// If the folder or a file cannot be written, or a chart cannot be drawn.
 pub fn write_derived(run: &Run, directory: &Path, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
-    let (contents, stems) = derived(run, tables)?;
+    let (contents, stems) = derived(&run.aligned(), tables)?;
     let paths = write_all(contents, directory)?;
     remove_stale_charts(directory, &paths, stems);
     Ok(paths)
 }
 
 /// Writes files into a folder, and gives their paths.
-pub(crate) fn write_all(contents: Vec<(String, Vec<u8>)>, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
+pub(crate) fn write_all(contents: Contents, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
     files::create_directory(directory)?;
     let write = |(name, contents): (String, Vec<u8>)| {
         let path = directory.join(name);
@@ -90,7 +93,7 @@ pub(crate) fn write_all(contents: Vec<(String, Vec<u8>)>, directory: &Path) -> R
 }
 
 /// The files that derive from a record, by name, and what the names of its charts begin with.
-fn derived(run: &Run, tables: Tables) -> Result<(Vec<(String, Vec<u8>)>, &'static [&'static str]), ReportError> {
+fn derived(run: &Run, tables: Tables) -> Result<(Contents, &'static [&'static str]), ReportError> {
     if let Some(tuning) = Tuning::of(run) {
         return Ok((tune::files(&tuning)?, &[tune::STEM]));
     }
@@ -111,7 +114,7 @@ fn derived(run: &Run, tables: Tables) -> Result<(Vec<(String, Vec<u8>)>, &'stati
 
 /// The files of a plain run: `summary.md`, `traces.csv`, `wrong_rays.csv`, charts; of one that was made for a table the table;
 /// of a sweep also `sweep.md`, `sweep.csv` and its charts.
-fn of_run(run: &Run, of_table: Tables) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+fn of_run(run: &Run, of_table: Tables) -> Result<Contents, ReportError> {
     let groups = group::groups(run);
     let labelled = sweep::labelled(run);
     let shown = group::groups(&labelled);
@@ -134,7 +137,7 @@ fn of_run(run: &Run, of_table: Tables) -> Result<Vec<(String, Vec<u8>)>, ReportE
 ///
 /// # Errors
 /// If the record follows none.
-pub(crate) fn of_updates(run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+pub(crate) fn of_updates(run: &Run) -> Result<Contents, ReportError> {
     let none = || ReportError::Made {
         what: "a table over animations".to_owned(),
         reason: "the run follows no animation".to_owned(),

@@ -102,7 +102,7 @@ fn structures(table: &Table, group: &Group<'_>) -> String {
     for run in &group.contenders {
         let rate = build_rate(run).map(|(rate, interval)| with_interval(rate, interval, 4));
         rows.row(&[
-            run.tracer.label(),
+            run.label(),
             clock_of(&run.build.times),
             rate.unwrap_or_else(|| NONE.to_owned()),
             optional(ratio(reference.map(|run| &run.build.times), &run.build.times), 3),
@@ -230,7 +230,7 @@ fn structure_cells(run: &TracerRun, reference: Option<&TracerRun>) -> Vec<String
         run.scene.sha256.clone(),
         run.scene.triangles.to_string(),
         run.viewpoint.name.clone(),
-        run.tracer.label(),
+        run.label(),
         run.tracer.name.clone(),
         serde_json::to_string(&run.tracer.parameters).unwrap_or_default(),
         run.tracer.residency.clone(),

@@ -11,7 +11,7 @@ use super::markdown::{Table, inline};
 use super::metrics::{self, Metric};
 use super::surfaces;
 use super::verdict::{self, Verdict};
-use crate::results::{AnyJudgement, Causes, Classes, Judgement, Provenance, Run, Skipped};
+use crate::results::{AnyJudgement, Causes, Classes, Judgement, MARK, Provenance, Run, Skipped};
 
 /// How many causes a row names.
 const TOP_CAUSES: usize = 5;
@@ -39,6 +39,13 @@ pub(crate) fn head(run: &Run, title: &str) -> String {
     if run.provenance.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind == "software") {
         text += "**The adapter is software: accuracy, counters and bytes lead; device times are those of a software \
                  adapter and say little of hardware.**\n\n";
+    }
+    if run.runs.iter().any(|row| row.window > 0) {
+        let _ = writeln!(
+            text,
+            "Not all contenders fit one window, in which they take turns. Rows with{MARK} were measured in a later one; their times \
+             are set as the first contender's of their scene, which every window has, was slower or faster there.\n"
+        );
     }
     text += "Times are medians with an order-statistic interval in brackets; shares have 95 % Wilson intervals. Ties, \
              rays whose truth hangs on rounding, are left out of every share. Each time names its clock; times of \
@@ -154,7 +161,7 @@ fn build_table(group: &Group<'_>) -> String {
             .map(|phase| format!("{} {}", phase.name, significant(phase.median_ms, 3)))
             .collect();
         let mut cells = vec![
-            run.tracer.label(),
+            run.label(),
             run.tracer.residency.clone(),
             format!("{}, {}", size(run.viewpoint.frame), run.viewpoint.face),
             clock_of(&build.times),

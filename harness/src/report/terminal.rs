@@ -20,7 +20,7 @@ const REFUSED: &str = " *";
 pub fn run_table(run: &Run) -> String {
     let groups = groups(run);
     let titles = groups.iter().flat_map(|group| group.ray_sets.iter().map(title));
-    let names = run.runs.iter().map(|one| one.tracer.label()).chain(titles);
+    let names = run.runs.iter().map(|one| one.label()).chain(titles);
     let width = names.map(|name| name.chars().count()).max().unwrap_or(0).min(LONGEST_NAME);
     let mut text = String::new();
     for group in &groups {
@@ -55,7 +55,7 @@ fn ray_set(text: &mut String, group: &Group<'_>, set: &RaySet<'_>, width: usize)
                 share.map_or_else(|| NONE.to_owned(), |share| format!("{} %", percent(share, trials)))
             };
             let cells: Vec<String> = shares.iter().map(share).collect();
-            line(text, width, &one.tracer.label(), &speed, &cells, &clock(trace));
+            line(text, width, &one.label(), &speed, &cells, &clock(trace));
         }
     }
 }

@@ -105,7 +105,7 @@ fn structures(scene: &Followed<'_>) -> String {
         let fresh = fresh_of(scene, row);
         let cost = sah_cost(row);
         markdown.row(&[
-            row.tracer.label(),
+            row.label(),
             way(row).to_owned(),
             clock_of(&row.build.times),
             interval_of(&row.build.times).unwrap_or_else(|| NONE.to_owned()),
@@ -157,7 +157,7 @@ fn traces(scene: &Followed<'_>, rays: &str, sha256: &str) -> String {
         let speed = speed.map(|speed| with_interval(speed, metrics::speed_interval(trace).unwrap_or([speed; 2]), 4));
         let ratio =
             over_fresh(&trace.times, fresh.map(|fresh| &fresh.times)).filter(|_| judged).map(|slower| 1.0 / slower);
-        let mut cells = vec![row.tracer.label(), way(row).to_owned(), clock_of(&trace.times)];
+        let mut cells = vec![row.label(), way(row).to_owned(), clock_of(&trace.times)];
         cells.extend([speed.unwrap_or_else(|| NONE.to_owned()), optional(ratio, 3)]);
         cells.extend(accuracies);
         cells.extend(counters.iter().map(|name| optional(trace.counters.get(*name).map(|each| each.per_ray), 4)));
@@ -221,7 +221,7 @@ fn rows(run: &Run, updates: &UpdatesRecord) -> Vec<Vec<String>> {
             row.scene.triangles.to_string(),
             updates.frames.to_string(),
             updates.passes.to_string(),
-            row.tracer.label(),
+            row.label(),
             row.tracer.name.clone(),
             serde_json::to_string(&row.tracer.parameters).unwrap_or_default(),
             way(row).to_owned(),

@@ -10,6 +10,7 @@ mod cases;
 mod explanation;
 mod judgement;
 mod key;
+mod merge;
 mod provenance;
 mod ratio;
 mod row;
@@ -18,6 +19,7 @@ mod times;
 mod trace;
 mod tuning;
 mod updates;
+mod windows;
 
 use std::collections::BTreeMap;
 
@@ -32,6 +34,7 @@ pub use judgement::{
     SurfaceJudgement, WrongRay,
 };
 pub use key::{same_place, same_pose, same_rays, same_work};
+pub use merge::{MergeError, merge};
 pub use provenance::{ConvertedFrom, Provenance, ShardRecord};
 pub use ratio::{LEAST_SAMPLES, Movement, Ratio, common_clock, host_ms, time_ratio};
 pub use row::{MemoryRecord, SceneRecord, TracerRecord, TracerRun, ViewpointRecord};
@@ -40,6 +43,7 @@ pub use times::{BuildRecord, PhaseRecord, Times};
 pub use trace::{CounterRecord, TraceRecord};
 pub use tuning::{TunedScene, TuningRecord, place_name};
 pub use updates::{FRESH_BUILD, SceneFollowed, UpdatesRecord, WayRecord};
+pub use windows::MARK;
 
 /// The schema that this program writes and reads.
 pub const SCHEMA: u32 = 2;

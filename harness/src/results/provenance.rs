@@ -30,6 +30,14 @@ pub struct Provenance {
     pub converted_from: Option<ConvertedFrom>,
 }
 
+impl Provenance {
+    /// The machine of a row, by its place; that of the head for a place that there is none of.
+    pub fn machine_of(&self, place: u32) -> &Machine {
+        let further = (place as usize).checked_sub(1).and_then(|place| self.further_machines.get(place));
+        further.unwrap_or(&self.machine)
+    }
+}
+
 /// A part of a plan: whole scenes and viewpoints, dealt out in turn.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ShardRecord {

@@ -79,11 +79,8 @@ fn stray_walks(tasks: &[Task], spans: &[[f32; 4]], found: &[[Piece; MOST_PIECES]
         match pieces[..taken].last() {
             None if span[0] <= span[1] => strays.push(format!("{task:?} is not walked")),
             None => {}
-            Some(piece) if piece.after == 2 => {
-                if piece.end != span[1] {
-                    stray("not at the span's end:", piece);
-                }
-            }
+            Some(piece) if piece.after == 2 && piece.end == span[1] => {}
+            Some(piece) if piece.after == 2 => stray("not at the span's end:", piece),
             // Where the image ends, the span must, to within rounding: its end lies at the border.
             Some(piece) if piece.after == 3 => {
                 let border = &frustum(&task.view, 1.0)[..4];

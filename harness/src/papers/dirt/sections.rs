@@ -29,7 +29,7 @@ pub(super) fn throughput(page: &Page<'_>) -> String {
     for scene in &page.rows.scenes {
         for run in &scene.runs {
             let found = KINDS.map(|(rays, _)| trace(run, rays).and_then(speed_with_accuracy));
-            let mut cells = vec![scene.label.clone(), run.tracer.label()];
+            let mut cells = vec![scene.label.clone(), run.label()];
             cells.extend(
                 found.iter().map(|each| each.as_ref().map_or_else(|| NONE.to_owned(), |(_, text)| text.clone())),
             );
@@ -45,7 +45,7 @@ pub(super) fn throughput(page: &Page<'_>) -> String {
             };
             let both =
                 |index: usize| format!("{} here, {} published", optional(own(index), 3), optional(theirs(index), 3));
-            let mut cells = vec![scene.label.clone(), run.tracer.label()];
+            let mut cells = vec![scene.label.clone(), run.label()];
             cells.extend((0..KINDS.len() - 1).map(both));
             ratios.row(&cells);
         }
@@ -87,7 +87,7 @@ pub(super) fn formula(page: &Page<'_>) -> String {
         let beside = |factor: f64| significant((bounds * factor + lists) / ledger, 5);
         table.row(&[
             scene.label.clone(),
-            run.tracer.label(),
+            run.label(),
             thousands(tiles as u64),
             thousands(references as u64),
             thousands(lists as u64),
@@ -111,7 +111,7 @@ pub(super) fn mixes(page: &Page<'_>) -> String {
         for at in scene.by_resolution() {
             for run in &at.runs {
                 let [width, height] = run.viewpoint.ray_image;
-                let mut cells = vec![scene.label.clone(), format!("{width}x{height}"), run.tracer.label()];
+                let mut cells = vec![scene.label.clone(), format!("{width}x{height}"), run.label()];
                 cells.push(optional(host_ms(&run.build.times), 4));
                 cells.extend(MIXES.iter().map(|(_, mix)| optional(total_ms(run, mix), 4)));
                 table.row(&cells);

@@ -24,7 +24,7 @@ pub(in crate::papers) fn beside(page: &Page<'_>, reference: &str) -> String {
             let over =
                 |own: Option<f64>, first: Option<f64>| optional(own.zip(first).map(|(own, first)| own / first), 3);
             let (bytes, own_build) = (page.paper.bytes(run), build(run));
-            let mut cells = vec![run.tracer.label(), mib(bytes as u64)];
+            let mut cells = vec![run.label(), mib(bytes as u64)];
             cells.push(significant(bytes / page.paper.bytes(first), 3));
             cells.extend([optional(own_build, 4), over(own_build, build(first))]);
             for set in &sets {

@@ -62,7 +62,7 @@ fn structures(page: &Page<'_>, scene: &SceneRows<'_>) -> String {
     let mut table = Table::new(&headings);
     for run in &scene.runs {
         let count = |name: &str| rows::statistic(run, name).map_or_else(|| NONE.to_owned(), statistic);
-        let mut cells = vec![run.tracer.label()];
+        let mut cells = vec![run.label()];
         cells.extend(counts.iter().map(|(name, _)| count(name)));
         cells.push(mib(page.paper.bytes(run) as u64));
         cells.push(mib(run.memory.structure_bytes));

@@ -125,7 +125,7 @@ pub(super) fn formula(page: &Page<'_>) -> String {
         let ([Some(pixels), Some(fragments)], Some(formula)) = (counts, memory::formula(run)) else { continue };
         let ledger = memory::ledger(run);
         let all: f64 = ledger.iter().sum();
-        let mut cells = vec![scene.label.clone(), run.tracer.label(), thousands(pixels as u64)];
+        let mut cells = vec![scene.label.clone(), run.label(), thousands(pixels as u64)];
         cells.push(thousands(fragments as u64));
         for (formula, ledger) in formula.iter().zip(ledger) {
             cells.extend([thousands(*formula as u64), significant(ledger / formula, 6)]);
@@ -178,7 +178,7 @@ pub(super) fn views_and_layers(page: &Page<'_>) -> String {
         headings.extend(sets.iter().flat_map(|set| [format!("{set} (ms) ↓"), "ratio".to_owned()]));
         let mut table = Table::new(&headings);
         for run in &scene.runs {
-            let mut cells = vec![run.tracer.label()];
+            let mut cells = vec![run.label()];
             for set in &sets {
                 let [own, base] = [run, first].map(|run| time_with_accuracy(&[trace(run, set)?]));
                 cells.push(own.as_ref().map_or_else(|| NONE.to_owned(), |(_, text)| text.clone()));

@@ -166,7 +166,7 @@ fn panel_title(set: &RaySet<'_>) -> String {
 
 /// A contender's name in a legend, with its clock where clocks differ.
 fn legend_label(run: &TracerRun, clocks: &[&str]) -> String {
-    let label = cut(&run.tracer.label(), LONGEST_TRACER);
+    let label = cut(&run.label(), LONGEST_TRACER);
     match run.traces.first() {
         Some(trace) if clocks.len() > 1 => format!("{label} [{}]", format::clock(trace.times.clock)),
         _ => label,

@@ -106,7 +106,7 @@ pub(super) struct Styles {
 impl Styles {
     /// By the order in which labels first appear.
     pub(super) fn of(run: &Run) -> Self {
-        Self::of_labels(run.runs.iter().map(|one| one.tracer.label()))
+        Self::of_labels(run.runs.iter().map(|one| one.label()))
     }
 
     /// By the order of the labels themselves.

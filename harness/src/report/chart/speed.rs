@@ -88,10 +88,10 @@ impl SpeedFigure {
         let bars = "95 % interval of the error, order-statistic interval of the speed";
         key.push(Entry { sample: Sample::Bars, label: bars.to_owned() });
         let clocks = clocks(group);
-        let legend = group.contenders.iter().map(|one| Entry {
-            sample: Sample::Filled(styles.get(&one.tracer.label())),
-            label: legend_label(one, &clocks),
-        });
+        let legend = group
+            .contenders
+            .iter()
+            .map(|one| Entry { sample: Sample::Filled(styles.get(&one.label())), label: legend_label(one, &clocks) });
         let titles = titles("Error against speed", run, group);
         let frame = Frame::new(panels.len(), titles, &caption(run, group), key, legend.collect());
         Self { frame, panels, speeds, floor }
@@ -103,7 +103,7 @@ fn panel(group: &Group<'_>, set: &RaySet<'_>, styles: &Styles) -> Panel {
     let mut controls: Vec<(String, f64)> = Vec::new();
     for (role, run, trace) in group.traces(set) {
         let Some((filled, hollow)) = errors(trace) else { continue };
-        let name = run.tracer.label();
+        let name = run.label();
         if role == Role::Control {
             controls.push((name.clone(), filled.share));
             // A second line only where the rules differ enough to be seen.

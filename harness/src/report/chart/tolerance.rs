@@ -46,7 +46,7 @@ impl ToleranceFigure {
         let legend = group
             .contenders
             .iter()
-            .map(|one| Entry { sample: Sample::Line(styles.get(&one.tracer.label())), label: legend_label(one, &[]) });
+            .map(|one| Entry { sample: Sample::Line(styles.get(&one.label())), label: legend_label(one, &[]) });
         let key = vec![Entry { sample: Sample::Dashes, label: "control".to_owned() }];
         let titles = titles("Agreement over tolerance", run, group);
         let frame = Frame::new(panels.len(), titles, &caption(run, group), key, legend.collect());
@@ -62,7 +62,7 @@ fn panel(group: &Group<'_>, set: &RaySet<'_>, styles: &Styles) -> Panel {
         let whole = |point: &[f64; 2]| point[0] > 0.0 && point.iter().all(|each| each.is_finite());
         let mut curve: Curve = judgement.curve.iter().copied().filter(whole).collect();
         curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        let name = run.tracer.label();
+        let name = run.label();
         match role {
             _ if curve.is_empty() => {}
             Role::Control => controls.push((name, curve)),

@@ -57,6 +57,18 @@ pub enum SweepError {
     TooManyPoints(usize),
 }
 
+/// Where points are measured.
+pub(super) struct Spot<'a> {
+    /// Its place in the plan.
+    pub index: usize,
+    /// The plan with the viewpoint.
+    pub plan: &'a Plan,
+    /// The scene.
+    pub scene: Scene,
+    /// How much is done for every point.
+    pub effort: Effort,
+}
+
 /// A sweep that is ready to run.
 pub struct Sweep {
     /// A contender for every point, in their order.
@@ -145,7 +157,8 @@ impl Sweep {
         for (index, scene) in measure::load(&self.plan, context.progress)?.into_iter().enumerate() {
             if context.takes(index) {
                 let (plan, effort) = (self.plan.clone(), Effort::timed(self.plan.preset.samples));
-                self.measure(index, &plan, scene, effort, &|found| found.scene.name.clone(), &mut run, context)?;
+                let spot = Spot { index, plan: &plan, scene, effort };
+                self.measure(spot, &|found| found.scene.name.clone(), &mut run, context)?;
             }
         }
         self.finish(run, context)
@@ -154,10 +167,7 @@ impl Sweep {
     /// Measures every point in one place, and gives scene and viewpoint. `place` names it where a point is skipped.
     pub(super) fn measure(
         &mut self,
-        index: usize,
-        plan: &Plan,
-        scene: Scene,
-        effort: Effort,
+        Spot { index, plan, scene, effort }: Spot<'_>,
         place: &dyn Fn(&Measured) -> String,
         run: &mut Run,
         context: &Context<'_>,

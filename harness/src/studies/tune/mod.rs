@@ -14,7 +14,7 @@ use crate::judge::Rule;
 use crate::measure::{self, Context, Effort, Measured, RunError, records};
 use crate::plan::{Plan, RunPreset, SceneSource, TracerRequest, ViewRequest};
 use crate::results::{AxisRecord, Run, Skipped, TunedScene, TuningRecord, place_name};
-use crate::studies::sweep::{Sweep, SweepError};
+use crate::studies::sweep::{Spot, Sweep, SweepError};
 
 /// A parameter of a plan's only tracer, to be tuned.
 pub struct Tune {
@@ -56,8 +56,9 @@ impl Tune {
                 let plan = Plan { scenes: vec![source.clone()], view: request, ..self.plan.clone() };
                 let Some(scene) = measure::load(&plan, context.progress)?.pop() else { continue };
                 let before = run.runs.len();
+                let spot = Spot { index: 2 * index + view, plan: &plan, scene, effort: Effort::untimed() };
                 let place = |found: &Measured| place_name(&found.scene, &found.viewpoint, view);
-                let found = sweep.measure(2 * index + view, &plan, scene, Effort::untimed(), &place, &mut run, context);
+                let found = sweep.measure(spot, &place, &mut run, context);
                 match found {
                     Ok((scene, viewpoint)) if run.runs.len() > before => match scenes.last_mut().filter(|_| view > 0) {
                         Some(last) => last.viewpoints.push(viewpoint),

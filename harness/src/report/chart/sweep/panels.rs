@@ -136,7 +136,7 @@ pub(super) fn error_panel(view: &View<'_>, title: &str, shown: &[Rule], series: 
     for (_, run, trace) in view.group.traces(view.set).into_iter().filter(|(role, ..)| *role == Role::Control) {
         // The last rule is the one by which charts of speed show controls.
         let Some(share) = shown.last().and_then(|rule| rule.1(trace)).map(|right| wrong(right).value) else { continue };
-        let name = run.tracer.label();
+        let name = run.label();
         // Points that were tried alone have controls of their own; they score the same.
         if !controls.contains(&(name.clone(), share)) {
             controls.push((name, share));

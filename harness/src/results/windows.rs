@@ -1,0 +1,119 @@
+//! Times of different windows, set against one another.
+//!
+//! Contenders are interleaved within a window, so a machine that slows down slows all of them. Between windows nothing says so
+//! but the anchor, the contender that every window of a place has: a time of a later window stands to the anchor's there as it
+//! would stand to the anchor's in the first. So ratios go through the anchor; rows that were set so are marked.
+
+use std::borrow::Cow;
+
+use super::{Run, Times, TracerRun, common_clock, same_place, same_rays};
+
+/// What marks a row whose times were set through the anchor.
+pub const MARK: &str = " †";
+
+impl TracerRun {
+    /// Its label in tables: the tracer's, marked where its times were set through an anchor.
+    pub fn label(&self) -> String {
+        let mark = if self.window > 0 { MARK } else { "" };
+        format!("{}{mark}", self.tracer.label())
+    }
+}
+
+impl Run {
+    /// The record with the times of later windows as they would be in the first; the same where there is one window. A time
+    /// whose anchor has none is left out, so that nothing is made of it.
+    pub fn aligned(&self) -> Cow<'_, Self> {
+        if self.runs.iter().all(|row| row.window == 0) {
+            return Cow::Borrowed(self);
+        }
+        let mut run = self.clone();
+        for row in run.runs.iter_mut().filter(|row| row.window > 0) {
+            let in_place = |one: &&TracerRun| same_place(one, row);
+            let there = self.anchors.iter().filter(in_place).find(|one| one.window == row.window);
+            let here = there.and_then(|anchor| {
+                let is_anchor = |one: &&TracerRun| one.window == 0 && one.tracer == anchor.tracer;
+                self.runs.iter().filter(in_place).find(is_anchor)
+            });
+            let both = here.zip(there);
+            let factor = |own: &Times, of: &dyn Fn(&TracerRun) -> Option<Times>| {
+                let (first, later) = (of(both?.0)?, of(both?.1)?);
+                // By the clock that the row goes by, where the anchor has it too.
+                let same = first.clock == own.clock && later.clock == own.clock;
+                let [first, later] =
+                    if same { [first.median_ms, later.median_ms] } else { common_clock(&first, &later)? };
+                (later > 0.0).then_some(first / later)
+            };
+            let of_build = factor(&row.build.times, &|one| Some(one.build.times.clone()));
+            row.build.times.scale(of_build);
+            for trace in &mut row.traces {
+                let of_trace = |one: &TracerRun| {
+                    one.traces.iter().find(|other| same_rays(other, trace)).map(|other| other.times.clone())
+                };
+                let by = factor(&trace.times, &of_trace);
+                trace.times.scale(by);
+                trace.mrays_per_s = by.map_or(0.0, |by| trace.mrays_per_s / by);
+            }
+        }
+        Cow::Owned(run)
+    }
+}
+
+impl Times {
+    /// Every time by a factor; nothing is left of them without one.
+    fn scale(&mut self, factor: Option<f64>) {
+        let Some(factor) = factor else {
+            (self.samples_ms, self.phases, self.submit_to_done_median_ms) = (Vec::new(), Vec::new(), None);
+            (self.median_ms, self.interval_ms, self.interval_coverage) = (0.0, [0.0; 2], 0.0);
+            return;
+        };
+        let by = |ms: &mut f64| *ms *= factor;
+        self.samples_ms.iter_mut().chain(&mut self.interval_ms).chain(&mut self.submit_to_done_median_ms).for_each(by);
+        by(&mut self.median_ms);
+        for phase in &mut self.phases {
+            phase.samples_ms.iter_mut().for_each(by);
+            by(&mut phase.median_ms);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use tracebench_api::{ClockKind, Query};
+
+    use super::*;
+    use crate::report::fixture::{self, Quality};
+
+    /// A row of a window in which everything took twice as long is set back to half; one whose window has no anchor has no times
+    /// left; a record of one window stays as it is, and rows of the first window do in any.
+    #[test]
+    fn later_windows_go_through_the_anchor() {
+        let quality = |speed| Quality { missed: 0.0, blur: 0.0, speed, clock: ClockKind::DeviceTimestamps };
+        let sets = [("diffuse", Query::Closest)];
+        let plain = fixture::run(&[("a", quality(1.0)), ("b", quality(2.0)), ("c", quality(4.0))], &sets);
+        assert!(matches!(plain.aligned(), Cow::Borrowed(_)));
+        let mut run = plain.clone();
+        let slow = |row: &mut TracerRun, window: u32| {
+            row.window = window;
+            row.build.times.scale(Some(2.0));
+            row.traces[0].times.scale(Some(2.0));
+            row.traces[0].mrays_per_s /= 2.0;
+        };
+        slow(&mut run.runs[1], 1);
+        slow(&mut run.runs[2], 2);
+        let mut anchor = plain.runs[0].clone();
+        slow(&mut anchor, 1);
+        run.anchors.push(anchor);
+        let aligned = run.aligned();
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
+        let (own, set) = (&plain.runs[1].traces[0], &aligned.runs[1].traces[0]);
+        assert!(near(set.times.median_ms, own.times.median_ms) && near(set.mrays_per_s, own.mrays_per_s));
+        assert!(near(aligned.runs[1].build.times.median_ms, plain.runs[1].build.times.median_ms));
+        assert!(
+            aligned.runs[2].traces[0].times.samples_ms.is_empty() && aligned.runs[2].build.times.samples_ms.is_empty()
+        );
+        assert_eq!(aligned.runs[0], plain.runs[0]);
+        assert_eq!((aligned.runs[1].label().as_str(), aligned.runs[0].label().as_str()), ("b †", "a"));
+        // Without the anchor the ratio would be another one.
+        assert!(!near(run.runs[1].traces[0].times.median_ms, own.times.median_ms));
+    }
+}

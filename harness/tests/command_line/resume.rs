@@ -1,0 +1,189 @@
+//! Runs that are broken off and gone on with, runs that are spread and joined, and runs that wait for one another.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::Duration;
+
+use super::*;
+
+/// A sweep over two scenes with two ray sets: twelve races or so, of points that share structures and points that do not.
+const SWEEP: [&str; 15] = [
+    "sweep",
+    "--quiet",
+    "--preset",
+    "smoke",
+    "--size",
+    "16x8",
+    "--samples",
+    "1",
+    "--scene",
+    "room,candy",
+    "--over",
+    "buckets=4,24",
+    "--over",
+    "searched",
+    "--rays",
+];
+
+fn sweep<'a>(further: &[&'a str]) -> Vec<&'a str> {
+    [&SWEEP[..], &["diffuse,ao"], further].concat()
+}
+
+/// What does not depend on time, by key: hits' hashes, counters, bytes, judgements.
+fn content(run: &Value) -> BTreeMap<String, String> {
+    let row = |row: &Value| {
+        let trace = |trace: &Value| {
+            ["rays", "rays_sha256", "hits_sha256", "counters", "per_trace_bytes", "statuses", "judgement"]
+                .map(|name| trace[name].clone())
+        };
+        let traces: Vec<_> = row["traces"].as_array().unwrap().iter().map(trace).collect();
+        let used: Vec<_> =
+            row["memory"]["structure"].as_array().unwrap().iter().map(|part| &part["used_bytes"]).collect();
+        let key = format!("{} {} {}", row["scene"]["name"], row["viewpoint"]["name"], row["tracer"]);
+        (key, format!("{traces:?} {used:?} {:?}", row["structure_statistics"]))
+    };
+    let rows = ["runs", "controls"].into_iter().flat_map(|list| run[list].as_array().unwrap());
+    rows.map(row).collect()
+}
+
+/// The races that have ended in a folder, with their contents.
+fn races(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let is_race = |name: &String| name.contains("-rays-") || name.contains("-builds");
+    let folder = folder.join("races");
+    names(&folder)
+        .into_iter()
+        .filter(is_race)
+        .map(|name| (name.clone(), std::fs::read(folder.join(name)).unwrap()))
+        .collect()
+}
+
+/// Proves that a sweep which is killed at five points of time and gone on with has the keys, answers, counts and bytes of one
+/// that ran through, that finished races stay as they were, and that the record says when it was gone on with.
+#[test]
+fn what_has_ended_survives_being_killed() {
+    let bench = Bench::new();
+    assert_eq!(bench.call(&sweep(&["--out", "through"])).status, 0);
+    let through = content(&bench.result("through"));
+    let out = bench.path("out");
+    let mut kills = 0;
+    let mut further: &[&str] = &["--out", "out"];
+    for wanted in 1..=5 {
+        let before = races(&out);
+        let mut child = bench.command(&sweep(further)).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        // Killed (SIGKILL) as soon as another race has ended.
+        while races(&out).len() <= before.len() && child.try_wait().unwrap().is_none() {
+            sleep(Duration::from_millis(2));
+        }
+        assert!(child.try_wait().unwrap().is_none(), "it ended before it was killed for the {wanted}th time");
+        child.kill().unwrap();
+        child.wait().unwrap();
+        kills += 1;
+        let after = races(&out);
+        for (name, contents) in &before {
+            assert!(after.get(name) == Some(contents), "{name} is another one");
+        }
+        further = &["--out", "out", "--resume"];
+    }
+    // A file that was cut off is run again.
+    let last = races(&out).into_keys().next_back().unwrap();
+    std::fs::write(out.join("races").join(&last), "{\"lanes\":[").unwrap();
+    let outcome = bench.call(&sweep(further));
+    assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
+    let found = bench.result("out");
+    assert!(!out.join("races").exists(), "the journal stays behind");
+    assert_eq!(found["resumed"].as_array().unwrap().len(), kills);
+    assert_eq!(content(&found), through);
+    // The comparison can fail.
+    let mut other = found.clone();
+    other["runs"][0]["traces"][0]["hits_sha256"] = json!("");
+    assert_ne!(content(&other), through);
+}
+
+/// Proves that another plan, or nothing, is refused with what differs, that a run which was broken off is not overwritten, and
+/// that it is there to be gone on with after all of this.
+#[test]
+fn only_the_same_run_is_gone_on_with() {
+    let bench = Bench::new();
+    bench.fails(&sweep(&["--out", "out", "--resume"]), 1, &["no run to go on with", "out"]);
+    bench.fails(&sweep(&["--resume"]), 2, &["--out"]);
+    let mut child =
+        bench.command(&sweep(&["--out", "out"])).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let out = bench.path("out");
+    while races(&out).is_empty() && child.try_wait().unwrap().is_none() {
+        sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    bench.fails(&sweep(&["--out", "out"]), 1, &["broken off", "--resume"]);
+    bench.fails(&sweep(&["--out", "out", "--resume", "--seed", "7"]), 1, &["another plan", "seed was 1, is 7"]);
+    let plan = out.join("races/plan.json");
+    let text = std::fs::read_to_string(&plan).unwrap();
+    let mut begun: Value = serde_json::from_str(&text).unwrap();
+    for (field, value, part) in
+        [("machine", json!("Another"), "another machine"), ("program_sha256", json!("00"), "another program")]
+    {
+        if field == "machine" {
+            begun["machine"]["cpu"] = value;
+        } else {
+            begun[field] = value;
+        }
+        std::fs::write(&plan, begun.to_string()).unwrap();
+        bench.fails(&sweep(&["--out", "out", "--resume"]), 1, &[part]);
+        begun = serde_json::from_str(&text).unwrap();
+    }
+    std::fs::write(&plan, text).unwrap();
+    assert_eq!(bench.call(&sweep(&["--out", "out", "--resume"])).status, 0);
+    bench.fails(&sweep(&["--out", "out", "--resume"]), 1, &["no run to go on with"]);
+}
+
+/// Proves that two shards, run in turn and joined, have the keys, answers, counts and bytes of the whole, that no scene is in
+/// both, and that shards which do not belong together are refused.
+#[test]
+fn shards_are_joined() {
+    let bench = Bench::new();
+    assert_eq!(bench.call(&sweep(&["--out", "through"])).status, 0);
+    for shard in ["1", "2"] {
+        let of = format!("{shard}/2");
+        let outcome = bench.call(&sweep(&["--out", shard, "--shard", &of]));
+        assert_eq!(outcome.status, 0, "{outcome:?}");
+    }
+    let [one, two] = ["1", "2"].map(|shard| content(&bench.result(shard)));
+    assert!(!one.is_empty() && !two.is_empty() && one.keys().all(|key| !two.contains_key(key)));
+    let outcome = bench.call(&["merge", "1", "2", "--out", "whole"]);
+    assert_eq!(outcome.status, 0, "{outcome:?}");
+    let whole = bench.result("whole");
+    assert_eq!(content(&whole), content(&bench.result("through")));
+    assert!(whole["shard"].is_null() && bench.path("whole/sweep.md").exists());
+    bench.fails(&["merge", "1", "--out", "half"], 1, &["shard 2 of 2 is missing"]);
+    bench.fails(&["merge", "1", "1", "2", "--out", "half"], 1, &["there twice"]);
+    bench.fails(&["merge", "through", "--out", "half"], 1, &["no shard"]);
+    bench.fails(&sweep(&["--shard", "3/2", "--out", "half"]), 2, &["--shard", "I/N"]);
+    assert!(!bench.path("half").exists());
+}
+
+/// Proves that what takes times waits, and says so, while another process takes times, and that what takes none does not.
+#[test]
+fn one_timed_process_a_machine() {
+    let bench = Bench::new();
+    let lock = bench.path("lock");
+    let held = File::create(&lock).unwrap();
+    held.lock().unwrap();
+    let with_lock = |arguments: &[&str]| {
+        let mut command = bench.command(arguments);
+        command.env("TRACEBENCH_LOCK", &lock);
+        command
+    };
+    let untimed = ["stability", "--quiet", "--case", "edge-on", "--tracer", "bvh-cpu", "--out", "untimed"];
+    let outcome = Bench::finish(&mut with_lock(&untimed));
+    assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
+    let timed = [&SMOKE[..], &["--quiet", "--tracer", "bvh-cpu", "--rays", "primary", "--out", "timed"]].concat();
+    let mut child = with_lock(&timed).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    sleep(Duration::from_millis(700));
+    assert!(child.try_wait().unwrap().is_none(), "it did not wait");
+    drop(held);
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && said.contains("waiting: another tracebench takes times"), "{said}");
+}
