@@ -88,3 +88,5 @@ impl RunError {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod window_tests;
