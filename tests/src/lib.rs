@@ -8,7 +8,9 @@ use std::io::Write as _;
 use std::sync::{Arc, Mutex};
 
 use tracebench_api::glam::{DVec3, Vec3};
-use tracebench_api::{AdapterChoice, Geometry, Gpu, Ray, Tracer, TracerError, Viewpoint, wgpu};
+use tracebench_api::{
+    AdapterChoice, Geometry, Gpu, ParameterDescription, Parameters, Preset, Ray, Tracer, TracerError, Viewpoint, wgpu,
+};
 
 pub use fake::{Fake, Manner};
 
@@ -67,6 +69,18 @@ pub fn available(name: &str, created: Result<Box<dyn Tracer>, TracerError>, gpu:
         let _ = writeln!(std::io::stderr(), "{skipped}");
     }
     None
+}
+
+/// The presets of a tracer with their parameters; one with the values of another before it is that one, and left out.
+pub fn presets(described: &[ParameterDescription]) -> Vec<(Preset, Parameters)> {
+    let mut found: Vec<(Preset, Parameters)> = Vec::new();
+    for preset in Preset::ALL {
+        let parameters = Parameters::preset(described, preset);
+        if found.iter().all(|(_, other)| *other != parameters) {
+            found.push((preset, parameters));
+        }
+    }
+    found
 }
 
 /// A generator of numbers that are the same on every machine (SplitMix64).

@@ -202,7 +202,7 @@ fn millions_are_sorted() {
 
 /// Proves that as much is sorted and summed as a software adapter can bind, 128 MiB a buffer.
 #[test]
-#[ignore = "takes half a minute on a software adapter: cargo test --release -p tracebench-tests --test sorting -- --ignored"]
+#[ignore = "wider set: half a minute on a software adapter"]
 fn as_much_as_can_be_bound_is_sorted() {
     large(32 << 20);
 }

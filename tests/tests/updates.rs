@@ -1,6 +1,7 @@
 //! Structures that follow moving scenes and eyes, against fresh builds over fresh scenes of the same frame.
 
 use std::collections::BTreeSet;
+use std::rc::Rc;
 use std::sync::Arc;
 
 use tracebench_api::glam::Vec3;
@@ -10,12 +11,12 @@ use tracebench_api::{
 };
 use tracebench_harness::registry::{Registration, TRACERS};
 use tracebench_scenes::{Scene, procedural};
-use tracebench_tests::{Numbers, available, gpu, ray, viewpoint};
+use tracebench_tests::{Numbers, available, gpu, presets, ray, viewpoint};
 
 /// A tracer with a preset's parameters.
 struct Subject {
     name: String,
-    tracer: Box<dyn Tracer>,
+    tracer: Rc<dyn Tracer>,
     parameters: Parameters,
     follows_geometry_only: bool,
     registration: &'static Registration,
@@ -24,19 +25,24 @@ struct Subject {
 
 fn subjects() -> Vec<Subject> {
     let gpu = gpu();
-    let subject = |registration: &'static Registration, preset: Preset| {
+    let of = |registration: &'static Registration| {
         let description = (registration.describe)();
-        Some(Subject {
-            name: format!("{}:{}", description.name, preset.name()),
-            tracer: available(description.name, registration.create(&Ok(Arc::clone(&gpu))), &gpu)?,
-            parameters: Parameters::preset(&description.parameters, preset),
-            follows_geometry_only: !description.invalidated_by.contains(&Invalidation::Viewpoint),
-            registration,
-            gpu: Arc::clone(&gpu),
-        })
+        // One for all presets: drivers compile each of its pipelines once.
+        let created = registration.create(&Ok(Arc::clone(&gpu)));
+        let tracer = available(description.name, created, &gpu).map(Rc::<dyn Tracer>::from);
+        let subject = |(preset, parameters): (Preset, Parameters)| {
+            Some(Subject {
+                name: format!("{}:{}", description.name, preset.name()),
+                tracer: tracer.clone()?,
+                parameters,
+                follows_geometry_only: !description.invalidated_by.contains(&Invalidation::Viewpoint),
+                registration,
+                gpu: Arc::clone(&gpu),
+            })
+        };
+        presets(&description.parameters).into_iter().filter_map(subject).collect::<Vec<_>>()
     };
-    let presets = |each| Preset::ALL.into_iter().map(move |preset| (each, preset));
-    TRACERS.iter().flat_map(presets).filter_map(|(each, preset)| subject(each, preset)).collect()
+    TRACERS.iter().flat_map(of).collect()
 }
 
 impl Subject {

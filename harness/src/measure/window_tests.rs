@@ -119,7 +119,8 @@ fn plan() -> Plan {
 }
 
 fn measured(work: impl FnOnce(&Context<'_>) -> Result<Run, RunError>) -> Run {
-    (BUILT.set(0), MOST_HELD.set(0));
+    BUILT.set(0);
+    MOST_HELD.set(0);
     let device = Err(TracerError::Unavailable("none is needed".to_owned()));
     let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
     work(&Context::new(&device, &cache, &quiet, &journal)).unwrap()

@@ -1,14 +1,15 @@
 //! Every tracer of the registry with its presets, and tiny hostile scenes with rays that suit them.
 
+use std::rc::Rc;
 use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency,
-    Structure, TraceJob, Tracer, TracerError, Viewpoint,
+    EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Query, Ray, RayBuffer, Residency, Structure,
+    TraceJob, Tracer, TracerError, Viewpoint,
 };
 use tracebench_harness::registry::{Registration, TRACERS};
-use tracebench_tests::{Numbers, available, gpu, ray, rectangle, soup, viewpoint};
+use tracebench_tests::{Numbers, available, gpu, presets, ray, rectangle, soup, viewpoint};
 
 /// A tracer under test.
 pub struct Subject {
@@ -16,27 +17,31 @@ pub struct Subject {
     pub residency: Residency,
     pub names_primitives: bool,
     pub parameters: Parameters,
-    pub tracer: Box<dyn Tracer>,
+    pub tracer: Rc<dyn Tracer>,
     pub gpu: Arc<Gpu>,
     /// How far its traces go.
     pub end: EndPoint,
 }
 
 impl Subject {
-    /// Nothing where the adapter cannot run it.
-    fn new(registration: &Registration, preset: Preset) -> Option<Self> {
+    /// A tracer with each of its presets; nothing where the adapter cannot run it.
+    fn of(registration: &Registration) -> Vec<Self> {
         let description = (registration.describe)();
         let gpu = gpu();
-        let tracer = available(description.name, registration.create(&Ok(Arc::clone(&gpu))), &gpu)?;
-        Some(Self {
+        // One for all presets: drivers compile each of its pipelines once.
+        let created = registration.create(&Ok(Arc::clone(&gpu)));
+        let tracer = available(description.name, created, &gpu).map(Rc::<dyn Tracer>::from);
+        let subject = |(parameters, tracer)| Self {
             name: description.name,
             residency: description.residency,
             names_primitives: description.names_primitives,
-            parameters: Parameters::preset(&description.parameters, preset),
+            parameters,
             tracer,
-            gpu,
+            gpu: Arc::clone(&gpu),
             end: EndPoint::Hit,
-        })
+        };
+        let presets = presets(&description.parameters).into_iter();
+        presets.filter_map(|(_, parameters)| Some((parameters, tracer.clone()?))).map(subject).collect()
     }
 
     pub fn build(&self, geometry: &Geometry, viewpoint: &Viewpoint) -> Box<dyn Structure> {
@@ -82,8 +87,7 @@ impl Subject {
 
 /// Every tracer with every preset, but for those that the adapter cannot run, which are named on standard error.
 pub fn subjects() -> Vec<Subject> {
-    let presets = |registration| Preset::ALL.into_iter().filter_map(move |preset| Subject::new(registration, preset));
-    TRACERS.iter().flat_map(presets).collect()
+    TRACERS.iter().flat_map(Subject::of).collect()
 }
 
 /// A scene with two viewpoints and rays that suit it.
