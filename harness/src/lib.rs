@@ -23,3 +23,6 @@ pub mod studies;
 pub mod tables;
 pub mod truth;
 pub mod viewpoint;
+
+#[cfg(test)]
+mod house_tests;

@@ -355,3 +355,45 @@ fn the_summary_tells_statistics() {
     }
     assert!(!summary(&run).contains("says of itself"));
 }
+
+/// The committed records, in order.
+fn committed(folder: &Path) -> Vec<PathBuf> {
+    let mut paths: Vec<PathBuf> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    let below = |path: PathBuf| match path.is_dir() {
+        true => committed(&path),
+        false if path.ends_with("run.json.gz") => vec![path],
+        false => Vec::new(),
+    };
+    paths.into_iter().flat_map(below).collect()
+}
+
+/// Proves that committed records, those of every verb among them, still load from their folders though they are compressed,
+/// and are written again with the head that they have: the same fields at the top, in the same order, none of them within
+/// another; and that one without a commit is none.
+#[test]
+fn committed_records_keep_their_head() {
+    let paths = committed(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../results"));
+    let mut kinds = [false; 4];
+    for path in &paths {
+        let run = read_run(path.parent().unwrap()).unwrap();
+        let found = [run.sweep.is_some(), run.tuning.is_some(), run.cases.is_some(), run.explanation.is_some()];
+        kinds = [0, 1, 2, 3].map(|kind| kinds[kind] || found[kind]);
+        let provenance = &run.provenance;
+        assert!(!provenance.commit.is_empty() && provenance.started.ends_with('Z'), "{}", path.display());
+        let mut text = String::new();
+        let file = fs::File::open(path).unwrap();
+        flate2::read::GzDecoder::new(file).read_to_string(&mut text).unwrap();
+        // Older files are indented.
+        let head = |text: &str| {
+            let text: String = text.split_whitespace().collect();
+            text.split_once(",\"seed\":").map(|(head, _)| head.to_owned())
+        };
+        assert!(head(&text).is_some_and(|head| head.contains("\"started\":")), "{}", path.display());
+        assert_eq!(head(&text), head(&serde_json::to_string(&run).unwrap()), "{}", path.display());
+        let mut value: serde_json::Value = serde_json::from_str(&text).unwrap();
+        value.as_object_mut().unwrap().remove("commit");
+        assert!(serde_json::from_value::<Run>(value).is_err());
+    }
+    assert!(paths.len() > 15 && kinds == [true; 4], "{} {kinds:?}", paths.len());
+}
