@@ -45,6 +45,18 @@ pub enum Expectation {
 /// What is expected of one tracer, by case.
 pub type Column = &'static [(&'static str, Expectation)];
 
+/// A failure by a rule from a strength on.
+pub(super) const fn fails(
+    rule: Rule,
+    from: f64,
+    below: f64,
+    least_wrong: f64,
+    reason: &'static str,
+    source: &'static str,
+) -> Expectation {
+    Expectation::KnownFailure { rule, from, below, least_wrong, reason, source }
+}
+
 impl Expectation {
     /// The rule that it is about.
     pub fn rule(&self) -> Rule {

@@ -1,5 +1,6 @@
 //! The room of `fragment-abuffer`: fragments at pixels' centres, every layer, seven views, no thickness.
 
+use super::expectation::fails;
 use super::{Column, Expectation, Family, Registration, Rule};
 
 pub(crate) const ROOM: Registration = Registration {
@@ -20,18 +21,6 @@ const AT_SAMPLES: Expectation = few(
 
 const fn few(rule: Rule, most_wrong: f64, reason: &'static str) -> Expectation {
     Expectation::Bounded { rule, most_wrong, reason }
-}
-
-/// A failure by a rule from a strength on.
-const fn fails(
-    rule: Rule,
-    from: f64,
-    below: f64,
-    least_wrong: f64,
-    reason: &'static str,
-    source: &'static str,
-) -> Expectation {
-    Expectation::KnownFailure { rule, from, below, least_wrong, reason, source }
 }
 
 const SLIPPED: &str = "at thickness 0 a ray that crosses a slanted surface passes between two of its fragments, the more often the more \

@@ -1,5 +1,6 @@
 //! The room of `screen-dda`: one depth a pixel, sampled at pixel centres, from one view.
 
+use super::expectation::fails;
 use super::{Column, Expectation, Family, Registration, Rule};
 
 pub(crate) const ROOM: Registration = Registration {
@@ -17,18 +18,6 @@ const AT_SAMPLES: Expectation = Expectation::Bounded {
     reason: "eye rays through pixel centres get the very depth that was sampled there; only where an edge runs \
              through a centre does the rasterizer's rounding of vertices decide otherwise",
 };
-
-/// A failure by a rule from a strength on.
-const fn fails(
-    rule: Rule,
-    from: f64,
-    below: f64,
-    least_wrong: f64,
-    reason: &'static str,
-    source: &'static str,
-) -> Expectation {
-    Expectation::KnownFailure { rule, from, below, least_wrong, reason, source }
-}
 
 const BEHIND: &str = "one depth a pixel: what lies behind the first surface is not stored, and rays that start behind \
                       one meet its assumed thickness or nothing";

@@ -20,7 +20,7 @@ use tracebench_scenes::SceneError;
 pub use contender::{Contender, Crew};
 pub use journal::{Journal, JournalError};
 pub use place::WINDOW;
-pub(crate) use place::{Effort, Film, Hook, Measured, Place, Placed, Request, measure};
+pub(crate) use place::{Effort, Film, Measured, Place, Placed, Request, measure};
 pub use run::{Context, execute, execute_all};
 pub(crate) use run::{add, begin, empty, measure_scene, nothing, placed, refuse};
 pub use scene::{LoadedScene, choose_pose, load, load_scene, prepare};

@@ -252,7 +252,7 @@ impl<'a> Race<'a> {
         }
     }
 
-    /// Whether all that take part have what they need to trace. Parameters of the trace are each lane's own.
+    /// The contender that a lane traces by, told the lane's own parameters.
     fn contender(&mut self, lane: usize) -> &Contender {
         let Lane { request, stall, .. } = &self.lanes[lane];
         let contender = &mut self.stalls[*stall].contender;
@@ -383,7 +383,8 @@ impl Refusal {
     /// Why a tracer was taken out. `for_room`: it may have been for want of room beside others.
     pub fn of(error: &TracerError, for_room: bool) -> Self {
         let too_large = matches!(error, TracerError::TooLarge { .. });
-        let for_room = for_room && (too_large || matches!(error, TracerError::Failed(_)));
+        // Limits of a device are the same with or without others.
+        let for_room = for_room && matches!(error, TracerError::Failed(_));
         Self { reason: error.to_string(), too_large, for_room }
     }
 

@@ -6,7 +6,7 @@ use tracebench_api::{RayBuffer, TracerError};
 use tracebench_scenes::Scene;
 
 use super::controls::Control;
-use super::place::{Effort, Measured, Place, Placed, Refusal, Request, measure};
+use super::place::{Effort, Hook, Measured, Place, Placed, Refusal, Request, measure};
 use super::{Contender, Crew, Journal, RunError, load, prepare, records};
 use crate::plan::{Plan, Shard, TracerRequest};
 use crate::progress::Progress;
@@ -98,7 +98,7 @@ pub fn execute_all(plans: &[Plan], context: &Context<'_>) -> Result<Run, RunErro
         for (place, scene) in load(plan, context.progress)?.into_iter().enumerate() {
             if context.takes(place) {
                 let effort = Effort::timed(plan.preset.samples);
-                let found = measure_scene(index, plan, scene, &requests, effort, context)?;
+                let found = measure_scene(index, plan, scene, &requests, effort, None, context)?;
                 for (request, refused) in add(&mut run, found) {
                     refuse(&mut run, requests[request].tracer.name(), None, refused);
                 }
@@ -119,6 +119,7 @@ pub(crate) fn measure_scene(
     scene: Scene,
     requests: &[Request],
     effort: Effort,
+    hook: Option<Hook<'_>>,
     context: &Context<'_>,
 ) -> Result<Measured, RunError> {
     let sha256 = scene.sha256.clone();
@@ -127,7 +128,7 @@ pub(crate) fn measure_scene(
         Some(scene) => placed(plan, scene, context),
         None => Err(RunError::Nothing("a scene was prepared twice".to_owned())),
     };
-    measure(&Place { index, scene_sha256: Some(&sha256), prepare: &prepare, requests, effort, hook: None }, context)
+    measure(&Place { index, scene_sha256: Some(&sha256), prepare: &prepare, requests, effort, hook }, context)
 }
 
 /// A scene from the plan's viewpoint, ready to be measured.

@@ -4,7 +4,6 @@
 #[cfg(test)]
 mod tests;
 
-use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 use serde_json::Value;
@@ -13,7 +12,7 @@ use tracebench_api::{Hit, Status, TracerError};
 use crate::contenders::Remedy;
 use crate::judge::{Class, Rule};
 use crate::measure::session::{PreparedRays, Session};
-use crate::measure::{self, Context, Effort, Place, Request, RunError, records};
+use crate::measure::{self, Context, Effort, Request, RunError, records};
 use crate::plan::{Plan, TracerRequest};
 use crate::results::{Explained, ExplanationRecord, GIVEN_UP, RemedyRecord, Run, SceneExplained, UNEXPLAINED};
 
@@ -62,20 +61,12 @@ pub fn execute(
         if !context.takes(index) {
             continue;
         }
-        let sha256 = scene.sha256.clone();
-        let scene = RefCell::new(Some(scene));
-        let prepare = || match scene.take() {
-            Some(scene) => measure::placed(plan, scene, context),
-            None => Err(RunError::Nothing("a scene was prepared twice".to_owned())),
-        };
         let hook = |session: &Session, rays: &PreparedRays, hits: &[Option<Vec<Hit>>]| {
             let found = look(session, request.name(), rays, &places, hits)?;
             Ok(serde_json::to_value(explained(ladder, rays, &found)).unwrap_or_default())
         };
         let effort = Effort { validated: false, counted: false, ..Effort::untimed() };
-        let (requests, hook): (_, Option<measure::Hook<'_>>) = (&requests[..], Some(&hook));
-        let place = Place { index, scene_sha256: Some(&sha256), prepare: &prepare, requests, effort, hook };
-        let mut found = measure::measure(&place, context)?;
+        let mut found = measure::measure_scene(index, plan, scene, &requests, effort, Some(&hook), context)?;
         let of_set = |told: Value| {
             serde_json::from_value::<Explained>(told).map_err(|error| RunError::Nothing(error.to_string()))
         };

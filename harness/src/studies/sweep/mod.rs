@@ -173,7 +173,7 @@ impl Sweep {
         context: &Context<'_>,
     ) -> Result<(SceneRecord, ViewpointRecord), RunError> {
         let requests: Vec<Request> = self.plan.tracers.iter().map(Request::of).collect();
-        let found = measure::measure_scene(index, plan, scene, &requests, effort, context)?;
+        let found = measure::measure_scene(index, plan, scene, &requests, effort, None, context)?;
         let (told, name) = ((found.scene.clone(), found.viewpoint.clone()), place(&found));
         for (point, (_, refusal)) in measure::add(run, found) {
             self.record.points[point].skipped.insert(name.clone(), refusal.reason);
