@@ -13,18 +13,20 @@ pub(crate) mod records;
 mod run;
 mod scene;
 pub mod session;
+mod window;
 
 use tracebench_api::TracerError;
 use tracebench_scenes::SceneError;
 
 pub use contender::{Contender, Crew};
 pub use journal::{Journal, JournalError};
-pub use place::WINDOW;
-pub(crate) use place::{Effort, Film, Measured, Place, Placed, Request, measure};
+pub(crate) use place::{Effort, Film, Measured, Place, Placed, Request};
 pub use run::{Context, execute, execute_all};
 pub(crate) use run::{add, begin, empty, measure_scene, nothing, placed, refuse};
 pub use scene::{LoadedScene, choose_pose, load, load_scene, prepare};
 use session::SessionError;
+pub use window::WINDOW;
+pub(crate) use window::measure;
 
 /// Why a run could not be finished.
 #[derive(Debug, thiserror::Error)]

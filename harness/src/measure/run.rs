@@ -6,7 +6,8 @@ use tracebench_api::{RayBuffer, TracerError};
 use tracebench_scenes::Scene;
 
 use super::controls::Control;
-use super::place::{Effort, Hook, Measured, Place, Placed, Refusal, Request, measure};
+use super::place::{Effort, Hook, Measured, Place, Placed, Refusal, Request};
+use super::window::measure;
 use super::{Contender, Crew, Journal, RunError, load, prepare, records};
 use crate::plan::{Plan, Shard, TracerRequest};
 use crate::progress::Progress;
