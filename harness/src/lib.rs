@@ -1,4 +1,4 @@
-//! The harness of tracebench: rays, ground truth, judge, controls, runner, results, reports.
+//! The harness of tracebench: rays, ground truth, judge, measurer, studies, results, reports.
 
 pub mod cases;
 pub mod cli;

@@ -42,6 +42,16 @@ pub fn dirty() -> Option<bool> {
     env!("TRACEBENCH_DIRTY").parse().ok()
 }
 
+/// What tells this machine from others of its kind: a hash of what the system says of itself; empty where it says nothing.
+pub fn machine_id() -> String {
+    let id = std::fs::read_to_string("/etc/machine-id").unwrap_or_default() + &host_name();
+    if id.is_empty() { id } else { crate::hash::sha256_of(id.as_bytes())[..16].to_owned() }
+}
+
+fn host_name() -> String {
+    std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default()
+}
+
 /// Hash of the running program's file; empty if it cannot be read.
 pub fn program_sha256() -> String {
     let program = std::env::current_exe().and_then(std::fs::read).unwrap_or_default();

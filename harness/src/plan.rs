@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use serde_json::json;
 use tracebench_api::{EndPoint, ParameterError, ParameterScope, Parameters, Preset, Value};
 
+use crate::machine;
 use crate::rays::RaySet;
 use crate::registry::Registration;
 use crate::results::ShardRecord;
@@ -158,7 +159,13 @@ impl Shard {
 
     /// As records have it.
     pub fn record(&self) -> ShardRecord {
-        ShardRecord { index: self.index, count: self.count, plan_sha256: self.plan_sha256.clone() }
+        ShardRecord {
+            index: self.index,
+            count: self.count,
+            plan_sha256: self.plan_sha256.clone(),
+            program_sha256: machine::program_sha256(),
+            machine_id: machine::machine_id(),
+        }
     }
 }
 

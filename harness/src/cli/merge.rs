@@ -21,6 +21,10 @@ pub(super) struct MergeArguments {
 }
 
 pub(super) fn merge_shards(arguments: &MergeArguments) -> Result<(), CliError> {
+    let place = |path: &std::path::Path| std::fs::canonicalize(super::run::folder_of(path)).ok();
+    if arguments.shards.iter().any(|shard| place(shard).is_some() && place(shard) == place(&arguments.out)) {
+        return Err(CliError::Argument("--out: it is one of the shards, which would be overwritten".to_owned()));
+    }
     let read = |path: &PathBuf| Ok((path.display().to_string(), report::read_run(path)?));
     let shards = arguments.shards.iter().map(read).collect::<Result<Vec<_>, CliError>>()?;
     let whole = merge(shards).map_err(|error| CliError::Other(error.to_string()))?;

@@ -138,11 +138,15 @@ impl<'a> Bench<'a> {
                 journal.abandon();
             }
             self.out.abandon();
-            if journal.holds() {
+            if journal.holds() && !matches!(error, RunError::Journal(_)) {
                 let folder = self.out.path.display();
                 progress::to_stderr(&format!("what had ended is kept in {folder}; go on with --out {folder} --resume"));
             }
         })?;
+        if let Some([index, count]) = self.arguments.shard {
+            progress
+                .say(&format!("shard {index} of {count}: what follows tells of this part alone; `merge` joins all"));
+        }
         say_skipped(&run.skipped, progress);
         report::write_run(&run, &self.out.path, tables::of_run)?;
         journal.finish();

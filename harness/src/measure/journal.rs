@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::fs;
+use std::fs::{self, File, TryLockError};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -17,6 +17,10 @@ use crate::machine::{self, Machine};
 const FOLDER: &str = "races";
 /// The file with the plan.
 const PLAN: &str = "plan.json";
+/// The file that is locked while a process measures into the folder.
+const LOCK: &str = "lock";
+/// What the folder is called while it is taken away: nobody takes what is left of it for a run that was broken off.
+const ENDED: &str = "races-ended";
 
 /// Why what has ended cannot be kept or gone on with.
 #[derive(Debug, thiserror::Error)]
@@ -40,9 +44,26 @@ pub enum JournalError {
         /// What differs.
         what: String,
     },
+    /// The plan of what was begun cannot be read.
+    #[error("{} cannot be read ({reason}): what was begun there cannot be gone on with; remove {}", path.display(), folder.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Its folder.
+        folder: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// Another process is at it.
+    #[error("another process measures into {}; wait for it, or choose another folder", path.display())]
+    Busy {
+        /// The folder.
+        path: PathBuf,
+    },
     /// A run that was broken off is in the way.
     #[error(
-        "{} holds a run that was broken off; go on with it by --resume, or choose another folder", path.display()
+        "{} holds a run that was broken off; go on with it by --resume, choose another folder, or remove its {FOLDER}/",
+        path.display()
     )]
     InTheWay {
         /// The folder.
@@ -56,15 +77,28 @@ struct Begun {
     commit: String,
     program_sha256: String,
     machine: Machine,
+    /// Tells machines of one kind apart; empty where the system has none.
+    machine_id: String,
     plan: Value,
     started: String,
     resumed: Vec<String>,
+}
+
+/// A race that has ended, with what it is of: one of another plan, or under another name, is none.
+#[derive(Serialize, Deserialize)]
+struct Ended<T> {
+    plan_sha256: String,
+    name: String,
+    ended: T,
 }
 
 /// The journal of a run; one without a folder keeps nothing.
 #[derive(Debug, Default)]
 pub struct Journal {
     folder: Option<PathBuf>,
+    plan_sha256: String,
+    /// Held while there is a journal.
+    _lock: Option<File>,
     resumed: Vec<String>,
     started: Option<String>,
     /// What is there, by name: read once, when the run is gone on with.
@@ -86,10 +120,14 @@ impl Journal {
         if folder.join(PLAN).exists() {
             return Err(JournalError::InTheWay { path: results.to_owned() });
         }
+        // Races without a plan are left of nothing that could be gone on with.
+        let _ = fs::remove_dir_all(&folder);
         files::create_directory(&folder)?;
+        let lock = lock(&folder, results)?;
         let begun = Begun::now(plan, machine);
         files::write(&folder.join(PLAN), &files::json(PLAN, &begun)?)?;
-        Ok(Self { folder: Some(folder), started: Some(begun.started), ..Self::default() })
+        let (started, plan_sha256) = (Some(begun.started), sha256_of(plan));
+        Ok(Self { folder: Some(folder), started, plan_sha256, _lock: Some(lock), ..Self::default() })
     }
 
     /// Goes on with what is in a folder of results, if it is the same plan by the same program on the same machine.
@@ -99,29 +137,37 @@ impl Journal {
     pub fn resume(results: &Path, plan: &Value, machine: &Machine) -> Result<Self, JournalError> {
         let nothing = |reason: String| JournalError::Nothing { path: results.to_owned(), reason };
         let folder = results.join(FOLDER);
+        let unreadable =
+            |path: PathBuf, reason: String| JournalError::Unreadable { path, folder: folder.clone(), reason };
         let text = fs::read(folder.join(PLAN)).map_err(|error| match error.kind() {
-            ErrorKind::NotFound if results.is_dir() => nothing("it has none that was broken off".to_owned()),
-            _ => nothing(error.to_string()),
+            ErrorKind::NotFound => nothing("it has none that was broken off".to_owned()),
+            _ => unreadable(folder.join(PLAN), error.to_string()),
         })?;
+        let lock = lock(&folder, results)?;
         let mut begun: Begun =
-            serde_json::from_slice(&text).map_err(|error| nothing(format!("its {PLAN} cannot be read: {error}")))?;
+            serde_json::from_slice(&text).map_err(|error| unreadable(folder.join(PLAN), error.to_string()))?;
         let now = Begun::now(plan, machine);
         let other = |what: &str| JournalError::Other { path: results.to_owned(), what: what.to_owned() };
         if begun.plan != now.plan {
             return Err(other(&format!("with another plan ({})", first_difference(&begun.plan, &now.plan, ""))));
         }
         if (&begun.commit, &begun.program_sha256) != (&now.commit, &now.program_sha256) {
-            return Err(other(&format!("by another program (of commit {}, this is of {})", begun.commit, now.commit)));
+            let what = if begun.commit == now.commit { ", built otherwise" } else { "" };
+            let commits = format!("of commit {}, this is of {}{what}", begun.commit, now.commit);
+            return Err(other(&format!("by another program ({commits})")));
         }
-        if begun.machine != now.machine {
+        // How much memory a system leaves differs by a few pages from start to start.
+        let kind = |machine: &Machine| Machine { memory_bytes: None, ..machine.clone() };
+        if (&begun.machine_id, kind(&begun.machine)) != (&now.machine_id, kind(&now.machine)) {
             let (theirs, ours) = (begun.machine.label(), now.machine.label());
             return Err(other(&format!("on another machine ({theirs}; this is {ours})")));
         }
-        let kept = read_all(&folder).map_err(|error| nothing(error.to_string()))?;
+        let kept = read_all(&folder).map_err(|(path, error)| unreadable(path, error.to_string()))?;
         begun.resumed.push(now.started);
         files::write(&folder.join(PLAN), &files::json(PLAN, &begun)?)?;
         let Begun { resumed, started, .. } = begun;
-        Ok(Self { folder: Some(folder), resumed, started: Some(started), kept: RefCell::new(kept) })
+        let (kept, plan_sha256) = (RefCell::new(kept), sha256_of(plan));
+        Ok(Self { folder: Some(folder), plan_sha256, _lock: Some(lock), resumed, started: Some(started), kept })
     }
 
     /// The error of a scene that is another one now.
@@ -138,22 +184,28 @@ impl Journal {
     /// What was kept under a name; `None` if there is nothing, or no whole document of the kind.
     pub(super) fn read<T: DeserializeOwned>(&self, name: &str) -> Result<Option<T>, JournalError> {
         let kept = self.kept.borrow_mut().remove(name);
-        // A race that cannot be read is run again.
-        Ok(kept.and_then(|text| serde_json::from_slice(&text).ok()))
+        // A race that cannot be read, or is another one, is run again.
+        let ended = kept.and_then(|text| serde_json::from_slice::<Ended<T>>(&text).ok());
+        let own = ended.filter(|ended| ended.plan_sha256 == self.plan_sha256 && ended.name == name);
+        Ok(own.map(|ended| ended.ended))
     }
 
     /// Keeps what has ended.
     pub(super) fn keep(&self, name: &str, ended: &impl Serialize) -> Result<(), JournalError> {
         let Some(folder) = &self.folder else { return Ok(()) };
-        let name = format!("{name}.json");
-        Ok(files::write(&folder.join(&name), &files::json(&name, ended)?)?)
+        let (file, plan_sha256) = (format!("{name}.json"), self.plan_sha256.clone());
+        let ended = Ended { plan_sha256, name: name.to_owned(), ended };
+        Ok(files::write(&folder.join(&file), &files::json(&file, &ended)?)?)
     }
 
     /// Takes it away: everything stands in the record now.
     pub fn finish(&self) {
         if let Some(folder) = &self.folder {
+            let ended = folder.with_file_name(ENDED);
             // One that cannot be removed is in nobody's way.
-            let _ = fs::remove_dir_all(folder);
+            let _ = fs::remove_dir_all(&ended);
+            let _ = fs::rename(folder, &ended);
+            let _ = fs::remove_dir_all(&ended);
         }
     }
 
@@ -161,7 +213,7 @@ impl Journal {
     pub fn holds(&self) -> bool {
         let is_race = |entry: fs::DirEntry| {
             let name = entry.file_name().to_string_lossy().into_owned();
-            name != PLAN && !name.ends_with("-place.json")
+            ![PLAN, LOCK].contains(&&*name) && !name.ends_with("-place.json")
         };
         let races = |folder: &PathBuf| fs::read_dir(folder).into_iter().flatten().flatten().any(is_race);
         self.folder.as_ref().is_some_and(races)
@@ -181,6 +233,7 @@ impl Begun {
             commit: machine::COMMIT.to_owned(),
             program_sha256: machine::program_sha256(),
             machine: machine.clone(),
+            machine_id: machine::machine_id(),
             plan: plan.clone(),
             started: machine::utc_now(),
             resumed: Vec::new(),
@@ -188,13 +241,33 @@ impl Begun {
     }
 }
 
-fn read_all(folder: &Path) -> std::io::Result<BTreeMap<String, Vec<u8>>> {
+fn sha256_of(plan: &Value) -> String {
+    crate::hash::sha256_of(plan.to_string().as_bytes())
+}
+
+/// Keeps other processes out.
+fn lock(folder: &Path, results: &Path) -> Result<File, JournalError> {
+    let path = folder.join(LOCK);
+    let fail = |error: std::io::Error| JournalError::Unreadable {
+        path: path.clone(),
+        folder: folder.to_owned(),
+        reason: error.to_string(),
+    };
+    let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(fail)?;
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(JournalError::Busy { path: results.to_owned() }),
+        // A file system without locks keeps nobody out.
+        _ => Ok(file),
+    }
+}
+
+fn read_all(folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, (PathBuf, std::io::Error)> {
     let mut all = BTreeMap::new();
-    for entry in fs::read_dir(folder)? {
-        let path = entry?.path();
+    for entry in fs::read_dir(folder).map_err(|error| (folder.to_owned(), error))? {
+        let path = entry.map_err(|error| (folder.to_owned(), error))?.path();
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        if path.extension().is_some_and(|end| end == "json") && !path.ends_with(PLAN) {
-            all.insert(name, fs::read(path)?);
+        if path.is_file() && path.extension().is_some_and(|end| end == "json") && !path.ends_with(PLAN) {
+            all.insert(name, fs::read(&path).map_err(|error| (path.clone(), error))?);
         }
     }
     Ok(all)
@@ -205,7 +278,10 @@ fn first_difference(theirs: &Value, ours: &Value, path: &str) -> String {
     match (theirs, ours) {
         (Value::Object(theirs), Value::Object(ours)) => {
             let differs = |name: &&String| theirs.get(*name) != ours.get(*name);
-            let name = theirs.keys().chain(ours.keys()).find(differs).cloned().unwrap_or_default();
+            // The verb first: everything else follows from it.
+            let verb = "verb".to_owned();
+            let names = std::iter::once(&verb).chain(theirs.keys()).chain(ours.keys());
+            let name = names.into_iter().find(differs).cloned().unwrap_or_default();
             let of = |side: &serde_json::Map<String, Value>| side.get(&name).cloned().unwrap_or_default();
             first_difference(&of(theirs), &of(ours), format!("{path} {name}").trim_start())
         }

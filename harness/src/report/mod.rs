@@ -65,6 +65,8 @@ pub fn write_run(run: &Run, directory: &Path, tables: Tables) -> Result<Vec<Path
     let path = directory.join(RUN_FILE);
     // First, so that a failure in a chart costs the chart and not the measurements.
     files::write(&path, &files::json(RUN_FILE, run)?)?;
+    // An older record, compressed, would pass for this one's.
+    let _ = fs::remove_file(directory.join(format!("{RUN_FILE}.gz")));
     let mut paths = vec![path];
     paths.extend(write_derived(run, directory, tables)?);
     Ok(paths)

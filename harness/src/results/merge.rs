@@ -1,7 +1,6 @@
-//! Shards of one plan joined into the record that one machine would have made.
+//! Shards of one plan joined into one record.
 
-use super::{Run, ShardRecord, SweepRecord};
-use crate::machine::Machine;
+use super::{Provenance, Run, ShardRecord, SweepRecord};
 
 /// Why records cannot be joined.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
@@ -43,9 +42,13 @@ pub fn merge(mut shards: Vec<(String, Run)>) -> Result<Run, MergeError> {
         if (&part.plan_sha256, part.count) != (&first.plan_sha256, first.count) {
             return Err(other("plan"));
         }
-        if (&run.provenance.commit, run.provenance.dirty) != (&lead.commit, lead.dirty) {
+        let program = |of: &Provenance, part: &ShardRecord| (of.commit.clone(), of.dirty, part.program_sha256.clone());
+        if program(&run.provenance, part) != program(lead, &first) {
             return Err(other("program"));
         }
+    }
+    if first.count == 0 || parts.iter().any(|part| !(1..=first.count).contains(&part.index)) {
+        return Err(MergeError::NoShard(shards[0].0.clone()));
     }
     for index in 1..=first.count {
         let problem = match parts.iter().filter(|part| part.index == index).count() {
@@ -58,15 +61,24 @@ pub fn merge(mut shards: Vec<(String, Run)>) -> Result<Run, MergeError> {
     shards.sort_by_key(|(_, run)| run.provenance.shard.as_ref().map_or(0, |shard| shard.index));
     let mut shards = shards.into_iter().map(|(_, run)| run);
     let Some(mut whole) = shards.next() else { return Err(MergeError::Nothing) };
+    let id = |run: &Run| run.provenance.shard.as_ref().map_or_else(String::new, |shard| shard.machine_id.clone());
+    let mut machines = vec![(whole.provenance.machine.clone(), id(&whole))];
     whole.provenance.shard = None;
     for shard in shards {
-        join(&mut whole, shard);
+        // Two machines of one kind are two machines.
+        let own = (shard.provenance.machine.clone(), id(&shard));
+        let known = machines.iter().position(|other| *other == own);
+        let place = known.unwrap_or_else(|| {
+            whole.provenance.further_machines.push(own.0.clone());
+            machines.push(own);
+            machines.len() - 1
+        });
+        join(&mut whole, shard, place as u32);
     }
     Ok(whole)
 }
 
-fn join(whole: &mut Run, mut shard: Run) {
-    let machine = place_of(whole, &shard.provenance.machine);
+fn join(whole: &mut Run, mut shard: Run, machine: u32) {
     for row in shard.controls.iter_mut().chain(&mut shard.runs).chain(&mut shard.anchors) {
         row.machine = machine;
     }
@@ -96,20 +108,6 @@ fn join(whole: &mut Run, mut shard: Run) {
     }
 }
 
-/// The place of a machine among those of a record, where it is added if it is new.
-fn place_of(whole: &mut Run, machine: &Machine) -> u32 {
-    if whole.provenance.machine == *machine {
-        return 0;
-    }
-    let further = &mut whole.provenance.further_machines;
-    let known = further.iter().position(|other| other == machine);
-    let place = known.unwrap_or_else(|| {
-        further.push(machine.clone());
-        further.len() - 1
-    });
-    place as u32 + 1
-}
-
 /// The points are the same; where each was left out adds up.
 fn join_sweeps(whole: &mut SweepRecord, shard: SweepRecord) {
     for (point, other) in whole.points.iter_mut().zip(shard.points) {
@@ -124,7 +122,9 @@ mod tests {
 
     fn shard(index: u32, count: u32, plan: &str) -> Run {
         let mut run = fixture::run(&[], &[]);
-        run.provenance.shard = Some(ShardRecord { index, count, plan_sha256: plan.to_owned() });
+        let (program_sha256, machine_id) = ("program".to_owned(), "one".to_owned());
+        let plan_sha256 = plan.to_owned();
+        run.provenance.shard = Some(ShardRecord { index, count, plan_sha256, program_sha256, machine_id });
         run
     }
 
@@ -137,7 +137,8 @@ mod tests {
     #[test]
     fn shards_must_be_whole() {
         let mut second = shard(2, 2, "plan");
-        second.provenance.machine.cpu = "another".to_owned();
+        // Of the same kind, and yet another one.
+        second.provenance.shard.as_mut().unwrap().machine_id = "another".to_owned();
         let quality = fixture::Quality { missed: 0.0, blur: 0.0, speed: 1.0, clock: tracebench_api::ClockKind::Host };
         let mut row = fixture::run(&[("bvh-cpu", quality)], &[]).runs.remove(0);
         row.tracer.name = "second".to_owned();
@@ -147,12 +148,16 @@ mod tests {
         assert_eq!((whole.runs[0].machine, whole.skipped.len()), (1, 1));
         let mut other_program = second.clone();
         other_program.provenance.commit = "ffff".to_owned();
+        let mut other_build = second.clone();
+        other_build.provenance.shard.as_mut().unwrap().program_sha256 = "ffff".to_owned();
         for (shards, part) in [
             (Vec::new(), "no records"),
             (vec![fixture::run(&[], &[])], "no shard"),
             (vec![shard(1, 2, "plan"), shard(2, 2, "other")], "another plan"),
             (vec![shard(1, 2, "plan"), shard(2, 3, "plan")], "another plan"),
             (vec![shard(1, 2, "plan"), other_program], "another program"),
+            (vec![shard(1, 2, "plan"), other_build], "another program"),
+            (vec![shard(9, 1, "plan")], "no shard"),
             (vec![shard(1, 2, "plan")], "2 of 2 is missing"),
             (vec![shard(1, 2, "plan"), shard(1, 2, "plan"), second], "1 of 2 is there twice"),
         ] {

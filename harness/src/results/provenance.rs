@@ -47,6 +47,10 @@ pub struct ShardRecord {
     pub count: u32,
     /// Hash of the whole plan: shards of another one are not joined.
     pub plan_sha256: String,
+    /// Hash of the program: shards of another one are not joined.
+    pub program_sha256: String,
+    /// Tells machines of one kind apart; empty where the system has nothing to tell them by.
+    pub machine_id: String,
 }
 
 /// What a record was before.

@@ -86,9 +86,15 @@ fn what_has_ended_survives_being_killed() {
         }
         further = &["--out", "out", "--resume"];
     }
-    // A file that was cut off is run again.
-    let last = races(&out).into_keys().next_back().unwrap();
-    std::fs::write(out.join("races").join(&last), "{\"lanes\":[").unwrap();
+    // A file that was cut off is run again, and so is one that holds another race.
+    let kept: Vec<String> = races(&out).into_keys().collect();
+    let [first, .., last] = kept.as_slice() else { panic!("{kept:?}") };
+    std::fs::write(out.join("races").join(last), "{\"lanes\":[").unwrap();
+    let rays: Vec<&String> = kept.iter().filter(|name| name.contains("-rays-") && *name != last).collect();
+    if let [one, other, ..] = rays.as_slice() {
+        std::fs::copy(out.join("races").join(one), out.join("races").join(other)).unwrap();
+    }
+    assert_ne!(first, last);
     let outcome = bench.call(&sweep(further));
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
     let found = bench.result("out");
@@ -133,7 +139,29 @@ fn only_the_same_run_is_gone_on_with() {
         bench.fails(&sweep(&["--out", "out", "--resume"]), 1, &[part]);
         begun = serde_json::from_str(&text).unwrap();
     }
-    std::fs::write(&plan, text).unwrap();
+    std::fs::write(&plan, "xx").unwrap();
+    bench.fails(&sweep(&["--out", "out", "--resume"]), 1, &["cannot be read", "plan.json", "remove"]);
+    std::fs::write(&plan, &text).unwrap();
+    bench.fails(
+        &["tune", "--quiet", "--preset", "smoke", "--out", "out", "--resume"],
+        1,
+        &["verb was \"sweep\", is \"tune\""],
+    );
+    // Another process is at it.
+    let held = File::options().write(true).open(out.join("races/lock")).unwrap();
+    held.lock().unwrap();
+    bench.fails(&sweep(&["--out", "out", "--resume"]), 1, &["another process measures into out"]);
+    drop(held);
+    // What is left of races without a plan is nobody's.
+    let of_other_plan = races(&out);
+    std::fs::create_dir_all(bench.path("left/races")).unwrap();
+    for (name, contents) in &of_other_plan {
+        std::fs::write(bench.path("left/races").join(name), contents).unwrap();
+    }
+    bench.fails(&sweep(&["--out", "left", "--resume"]), 1, &["no run to go on with"]);
+    assert_eq!(bench.call(&sweep(&["--out", "left", "--seed", "7"])).status, 0);
+    assert_eq!(bench.call(&sweep(&["--out", "seventh", "--seed", "7"])).status, 0);
+    assert_eq!(content(&bench.result("left")), content(&bench.result("seventh")));
     assert_eq!(bench.call(&sweep(&["--out", "out", "--resume"])).status, 0);
     bench.fails(&sweep(&["--out", "out", "--resume"]), 1, &["no run to go on with"]);
 }
@@ -157,6 +185,7 @@ fn shards_are_joined() {
     assert_eq!(content(&whole), content(&bench.result("through")));
     assert!(whole["shard"].is_null() && bench.path("whole/sweep.md").exists());
     bench.fails(&["merge", "1", "--out", "half"], 1, &["shard 2 of 2 is missing"]);
+    bench.fails(&["merge", "1", "2", "--out", "1"], 2, &["would be overwritten"]);
     bench.fails(&["merge", "1", "1", "2", "--out", "half"], 1, &["there twice"]);
     bench.fails(&["merge", "through", "--out", "half"], 1, &["no shard"]);
     bench.fails(&sweep(&["--shard", "3/2", "--out", "half"]), 2, &["--shard", "I/N"]);
