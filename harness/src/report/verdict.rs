@@ -23,7 +23,7 @@ impl Verdict {
     }
 }
 
-/// Looks for every control beside everything that was traced, by the rule that the runner holds them to.
+/// Looks for every control beside everything that was traced, by the rule that every race holds them to.
 pub(super) fn controls(run: &Run) -> Verdict {
     let mut failed: Vec<String> = Vec::new();
     for (contender, trace) in run.runs.iter().flat_map(|one| one.traces.iter().map(move |trace| (one, trace))) {
