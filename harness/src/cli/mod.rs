@@ -1,11 +1,12 @@
 //! The command line: `tracebench adapters | list | run | sweep | table | claims | compare | merge | report | picture | stability |
-//! explain | tune`.
+//! explain | tune | docs`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
 
 mod arguments;
 mod claims;
 mod compare;
+mod docs;
 mod explain;
 mod list;
 mod merge;
@@ -69,6 +70,8 @@ enum Verb {
     Explain(explain::ExplainArguments),
     /// Show what the choice of a parameter costs: its default beside the values that are best here and elsewhere.
     Tune(tune::TuneArguments),
+    /// Hold the numbers that README.md and docs/ quote of records against these, or write them there.
+    Docs(docs::DocsArguments),
 }
 
 /// What ends the program early.
@@ -131,6 +134,7 @@ pub fn main() -> ExitCode {
         Verb::Stability(arguments) => stability::stability(arguments, &progress),
         Verb::Explain(arguments) => explain::explain(arguments, &progress),
         Verb::Tune(arguments) => tune::tune(arguments, &progress),
+        Verb::Docs(arguments) => docs::docs(arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
