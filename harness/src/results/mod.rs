@@ -35,7 +35,7 @@ pub use judgement::{
 };
 pub use key::{same_place, same_pose, same_rays, same_work};
 pub use merge::{MergeError, merge};
-pub use provenance::{ConvertedFrom, Provenance, ShardRecord};
+pub use provenance::{ConvertedFrom, Provenance, RULES_VERSION, ShardRecord};
 pub use ratio::{LEAST_SAMPLES, Movement, Ratio, common_clock, host_ms, time_ratio};
 pub use row::{MemoryRecord, SceneRecord, TracerRecord, TracerRun, ViewpointRecord};
 pub use sweep::{AxisRecord, PointRecord, SweepRecord};
