@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use tracebench_api::{AdapterListing, ClockKind, EndPoint, HitBuffer, MemoryEntry, Query};
+use tracebench_api::{AdapterListing, ClockKind, DeviceLimits, EndPoint, HitBuffer, MemoryEntry, Query, Rasterizer};
 
 use crate::machine::Machine;
 use crate::results::{
@@ -128,8 +128,11 @@ fn machine() -> Machine {
             max_storage_binding_bytes: 128 << 20,
             max_buffer_bytes: 1 << 30,
             max_texture_edge: 8192,
+            max_storage_buffers_per_stage: 16,
             timestamps: true,
+            limits: DeviceLimits::Adapter,
         }),
+        rasterizer: Some(Rasterizer { snap_pixels: 0.002, depth_error: 1e-6, depth_error_beyond_view: 1e-5 }),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Where results come from: the head of every record.
 
 use serde::{Deserialize, Serialize};
-use tracebench_api::AdapterListing;
+use tracebench_api::Gpu;
 
 use crate::machine::{self, Machine};
 
@@ -69,10 +69,10 @@ pub struct ConvertedFrom {
 }
 
 impl Provenance {
-    /// Here, by this program, now; with the adapter that is used, if one is.
-    pub fn now(adapter: Option<AdapterListing>) -> Self {
+    /// Here, by this program, now; with the device that is used, if one is.
+    pub fn now(gpu: Option<&Gpu>) -> Self {
         Self {
-            machine: machine::this_machine(adapter),
+            machine: machine::this_machine(gpu),
             commit: machine::COMMIT.to_owned(),
             dirty: machine::dirty(),
             started: machine::utc_now(),

@@ -10,30 +10,34 @@ mod empty_target;
 mod eye_depth;
 mod gather;
 mod last_count;
+mod nearest_raster;
 mod prefix_sum;
 mod primitive_raster;
 mod pyramid;
 mod radix_sort;
 mod raster;
+mod raster_probe;
 mod room;
 mod touched;
 mod view_uniform;
 
 pub use clip::{TileBounds, clipped_depths, clipped_polygon, eye_space, touched_tiles};
 pub use compute::{
-    PipelinesOnDemand, bind_group, bind_group_at, compute_pipeline, dispatch_linear, dispatch_linear_groups,
-    every_variant, shader_module, shader_module_testing_early,
+    PipelinesOnDemand, bind_group, bind_group_at, check_limits, compute_pipeline, dispatch_linear,
+    dispatch_linear_groups, every_variant, shader_module, shader_module_testing_early,
 };
 pub use counts::RayCounts;
 pub use empty_target::EmptyTarget;
 pub use eye_depth::{EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
 pub use gather::{Gather, SurfaceGeometry};
 pub use last_count::LastCount;
+pub use nearest_raster::DEPTH_TEST_FORMAT;
 pub use prefix_sum::{PrefixSum, PrefixSumPlan};
-pub use primitive_raster::{DEPTH_TEST_FORMAT, PrimitiveRaster, PrimitiveTexture, create_texture};
+pub use primitive_raster::{PrimitiveRaster, PrimitiveTexture, create_texture};
 pub use pyramid::{MOST_LEVELS, Pyramid};
 pub use radix_sort::{RadixSort, RadixSortPlan};
 pub use raster::{RasterTargets, raster_pipeline};
+pub use raster_probe::rasterizer;
 pub use room::{Room, grow, storage_buffer, uniform_buffer};
 pub use touched::TouchedBits;
 pub use view_uniform::ViewUniform;
