@@ -1,7 +1,7 @@
 //! What machine this is, and which program.
 
 use serde::{Deserialize, Serialize};
-use tracebench_api::AdapterListing;
+use tracebench_api::{AdapterListing, DeviceLimits, Gpu, Rasterizer};
 
 /// The machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,6 +18,9 @@ pub struct Machine {
     pub rustc: String,
     /// The adapter used; `None` if no tracer needed one.
     pub adapter: Option<AdapterListing>,
+    /// What its rasterizer was found to do; `None` without an adapter, and in records that are older than this.
+    #[serde(default)]
+    pub rasterizer: Option<Rasterizer>,
 }
 
 impl Machine {
@@ -25,10 +28,15 @@ impl Machine {
     pub fn label(&self) -> String {
         let adapter = match &self.adapter {
             None => "no adapter".to_owned(),
-            Some(adapter) if adapter.kind == "software" => {
-                format!("{} (software adapter: times say little of hardware)", adapter.name)
+            Some(adapter) => {
+                let software = adapter.kind == "software";
+                let software = if software { " (software adapter: times say little of hardware)" } else { "" };
+                let limits = match adapter.limits {
+                    DeviceLimits::Adapter => "",
+                    DeviceLimits::Webgpu => ", within WebGPU's default limits",
+                };
+                format!("{}{software}{limits}", adapter.name)
             }
-            Some(adapter) => adapter.name.clone(),
         };
         format!("{}, {} threads; {adapter}", self.cpu, self.threads)
     }
@@ -58,15 +66,16 @@ pub fn program_sha256() -> String {
     if program.is_empty() { String::new() } else { crate::hash::sha256_of(&program) }
 }
 
-/// Looks at this machine.
-pub fn this_machine(adapter: Option<AdapterListing>) -> Machine {
+/// Looks at this machine, and at the device that is used.
+pub fn this_machine(gpu: Option<&Gpu>) -> Machine {
     Machine {
         cpu: cpu_name().unwrap_or_else(|| format!("unknown {} processor", std::env::consts::ARCH)),
         threads: std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
         memory_bytes: memory_bytes(),
         os: os_name(),
         rustc: env!("TRACEBENCH_RUSTC").to_owned(),
-        adapter,
+        adapter: gpu.map(|gpu| gpu.listing.clone()),
+        rasterizer: gpu.and_then(|gpu| tracebench_kit::rasterizer(gpu).ok()),
     }
 }
 

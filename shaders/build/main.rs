@@ -2,6 +2,7 @@
 //! fails the build. Folders are found here and say themselves what is in them: a tracer's needs no line in this file.
 
 mod list;
+mod needs;
 mod table;
 
 use std::collections::HashMap;
@@ -10,7 +11,8 @@ use std::path::{Path, PathBuf};
 use list::{Listed, Source, check_definitions, modules_of, read_list};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
-use table::Table;
+use needs::needs_of;
+use table::{Composed, Table};
 
 /// What a folder's list is called.
 const LIST: &str = "variants.txt";
@@ -103,7 +105,7 @@ fn read_folder(root: &Path, name: String, modules: &mut Vec<Source>) -> Result<F
     Ok(folder)
 }
 
-fn compose(shader: &Source, modules: &[&Source], definitions: &[String]) -> Result<String, String> {
+fn compose(shader: &Source, modules: &[&Source], definitions: &[String]) -> Result<Composed, String> {
     let mut composer = Composer::default();
     for module in modules {
         let descriptor =
@@ -122,12 +124,13 @@ fn compose(shader: &Source, modules: &[&Source], definitions: &[String]) -> Resu
     };
     let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
     let info = validator.validate(&module).map_err(|error| error.emit_to_string(&shader.text))?;
-    naga::back::wgsl::write_string(&module, &info, naga::back::wgsl::WriterFlags::empty())
-        .map_err(|error| error.to_string())
+    let text = naga::back::wgsl::write_string(&module, &info, naga::back::wgsl::WriterFlags::empty())
+        .map_err(|error| error.to_string())?;
+    Ok(Composed { text, needs: needs_of(&module, &info) })
 }
 
 /// The file as text, after its modules and behind its `enable` lines, validated.
-fn join(shader: &Source, modules: &[&Source]) -> Result<String, String> {
+fn join(shader: &Source, modules: &[&Source]) -> Result<Composed, String> {
     let (enabled, own): (Vec<&str>, Vec<&str>) = shader.text.lines().partition(|line| line.starts_with("enable "));
     let mut joined = enabled.join("\n");
     for line in modules.iter().flat_map(|module| module.text.lines()).chain(own) {
@@ -143,6 +146,7 @@ fn join(shader: &Source, modules: &[&Source]) -> Result<String, String> {
     joined.push('\n');
     let module = naga::front::wgsl::parse_str(&joined).map_err(|error| error.emit_to_string(&joined))?;
     let mut validator = Validator::new(ValidationFlags::all(), Capabilities::RAY_QUERY);
-    validator.validate(&module).map_err(|error| error.emit_to_string(&joined))?;
-    Ok(joined)
+    let info = validator.validate(&module).map_err(|error| error.emit_to_string(&joined))?;
+    let needs = needs_of(&module, &info);
+    Ok(Composed { text: joined, needs })
 }

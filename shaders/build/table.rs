@@ -5,6 +5,13 @@
 use std::fmt::Write as _;
 
 use crate::list::{Case, Listed};
+use crate::needs::EntryNeeds;
+
+/// A variant as it was composed.
+pub struct Composed {
+    pub text: String,
+    pub needs: Vec<EntryNeeds>,
+}
 
 /// The table while it is written, with the files that it includes: their names and texts.
 #[derive(Default)]
@@ -21,7 +28,7 @@ impl Table {
         &mut self,
         folder: &str,
         listed: &[Listed],
-        compose: impl Fn(&Listed, &[String]) -> Result<String, String>,
+        compose: impl Fn(&Listed, &[String]) -> Result<Composed, String>,
     ) -> Result<(), String> {
         let mut items = String::new();
         for each in listed {
@@ -32,12 +39,14 @@ impl Table {
                     let definitions = case.definitions(&choice);
                     let name = std::iter::once(format!("{folder}/{}", each.stem)).chain(definitions.iter().cloned());
                     let name = name.collect::<Vec<_>>().join(" ");
-                    let text = compose(each, &definitions).map_err(|error| format!("{name}: {error}"))?;
+                    let Composed { text, needs } =
+                        compose(each, &definitions).map_err(|error| format!("{name}: {error}"))?;
                     let place = self.files.len();
                     let _ = writeln!(
                         self.all,
                         "Shader {{ name: {name:?}, file: {file:?}, source: include_str!(concat!(env!(\"OUT_DIR\"), \
-                         \"/{place}.wgsl\")) }},"
+                         \"/{place}.wgsl\")), entries: &[{}] }},",
+                        needs.iter().map(entry).collect::<String>()
                     );
                     self.files.push((format!("{place}.wgsl"), text));
                     arms.push((pattern(each, case, &choice), place));
@@ -56,6 +65,15 @@ impl Table {
     pub fn source(&self) -> String {
         format!("/// Every variant.\npub const ALL: &[Shader] = &[\n{}];\n{}", self.all, self.modules)
     }
+}
+
+/// What an entry point needs, as an expression.
+fn entry(needs: &EntryNeeds) -> String {
+    let EntryNeeds { name, storage_buffers, storage_textures, invocations } = needs;
+    format!(
+        "EntryPoint {{ name: {name:?}, storage_buffers: {storage_buffers}, storage_textures: {storage_textures}, invocations: \
+         {invocations} }}, "
+    )
 }
 
 /// The name of an item after a file, or of an enum's case after definitions.

@@ -1,7 +1,8 @@
 // The geometry passes of the fragment A-buffer (section 3.3), by the rasterizer's own sample rule: the depth bounds of every
 // pixel; of the s-buffer the number of its fragments; the fragments themselves.
 
-#import tracebench::view::{View, to_eye_space, clip_position}
+#import tracebench::view::{to_eye_space, clip_position}
+#import tracebench::plane_depth::{FlatTriangle, flat_triangle, plane_depth}
 #import tracebench::surface::unit_normal
 #import tracebench::depth_bounds::{near_code, far_code, depths_of, bucket_of}
 #import tracebench::fragment_layout::{Storage, DrawnView, word_index, BOUNDS_SLACK}
@@ -25,10 +26,11 @@
 
 struct Corner {
     @builtin(position) position: vec4<f32>,
-    @location(0) eye_depth: f32,
+    @location(0) @interpolate(flat) plane: vec4<f32>,
+    @location(1) @interpolate(flat) depths: vec2<f32>,
 #ifdef STORE
-    @location(1) @interpolate(flat) normal: vec3<f32>,
-    @location(2) @interpolate(flat) material: u32,
+    @location(2) @interpolate(flat) normal: vec3<f32>,
+    @location(3) @interpolate(flat) material: u32,
 #endif
 }
 
@@ -40,17 +42,20 @@ fn load_position(corner: u32) -> vec3<f32> {
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> Corner {
     let a = load_position(index);
-    let eye_point = to_eye_space(drawn.view, a);
     var corner: Corner;
-    corner.position = clip_position(drawn.view, eye_point);
-    corner.eye_depth = eye_point.z;
-#ifdef STORE
+    corner.position = clip_position(drawn.view, to_eye_space(drawn.view, a));
     // A triangle's first corner speaks for it.
     if (index % 3u == 0u) {
-        corner.normal = unit_normal(load_position(index + 1u) - a, load_position(index + 2u) - a);
+        let b = load_position(index + 1u);
+        let c = load_position(index + 2u);
+        let triangle = flat_triangle(drawn.view, a, b, c);
+        corner.plane = triangle.plane;
+        corner.depths = triangle.depths;
+#ifdef STORE
+        corner.normal = unit_normal(b - a, c - a);
         corner.material = materials[index / 3u];
-    }
 #endif
+    }
     return corner;
 }
 
@@ -108,7 +113,7 @@ fn fragment(in: Corner) -> @location(0) vec4<f32> {
 fn fragment(in: Corner) -> @location(0) vec4<f32> {
     let at = vec2<u32>(in.position.xy);
     let pixel = drawn.first_pixel + at.y * drawn.width + at.x;
-    let depth = max(in.eye_depth, 1e-37);
+    let depth = plane_depth(drawn.view, FlatTriangle(in.plane, in.depths), in.position.xy);
 #ifdef BOUNDS
     atomicMax(&pixels[word_index(shape, pixel, shape.bounds_word)], near_code(depth));
     atomicMax(&pixels[word_index(shape, pixel, shape.bounds_word + 1u)], far_code(depth));

@@ -27,6 +27,21 @@ pub struct Shader {
     pub file: &'static str,
     /// Its WGSL, with imports resolved.
     pub source: &'static str,
+    /// Its entry points.
+    pub entries: &'static [EntryPoint],
+}
+
+/// An entry point of a shader, and what it needs of a device.
+#[derive(Clone, Copy, Debug)]
+pub struct EntryPoint {
+    /// Its name.
+    pub name: &'static str,
+    /// Storage buffers that it binds.
+    pub storage_buffers: u32,
+    /// Storage textures that it binds.
+    pub storage_textures: u32,
+    /// Invocations of a workgroup; 0 of a stage that has none.
+    pub invocations: u32,
 }
 
 /// The variants of one file.

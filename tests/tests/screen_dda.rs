@@ -101,10 +101,9 @@ fn from(origin: [f64; 3], direction: [f64; 3]) -> Ray {
 fn rasterize(gpu: &Gpu, geometry: &Geometry, view: &View) -> Vec<f32> {
     let raster = EyeDepthRaster::new(gpu).unwrap();
     let target = EyeDepthTarget::new(gpu, view.size).unwrap();
-    let bindings = raster.bind(gpu, view).unwrap();
+    let bindings = raster.bind(gpu, view, geometry.on_device().unwrap()).unwrap();
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    let on_device = geometry.on_device().unwrap();
-    raster.record(&mut encoder, &bindings, on_device, geometry.triangles.len() as u32, &target);
+    raster.record(&mut encoder, &bindings, geometry.triangles.len() as u32, &target);
     gpu.queue.submit([encoder.finish()]);
     target.read(gpu).unwrap()
 }

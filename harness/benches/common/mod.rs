@@ -51,7 +51,7 @@ pub fn run(name: &str, plans: impl Fn(RunPreset) -> Result<Vec<Plan>, Failure>) 
 }
 
 fn device() -> Result<Device, Failure> {
-    let choice = AdapterChoice::from_environment(None)?;
+    let choice = AdapterChoice::from_environment(None, None)?;
     let device = Gpu::open(&choice).map(Arc::new);
     if let Err(error) = &device {
         // Named in the environment, it is wanted.

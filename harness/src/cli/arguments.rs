@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use tracebench_api::EndPoint;
+use tracebench_api::{DeviceLimits, EndPoint};
 use tracebench_scenes::{SCALE_MAX, SCALE_MIN};
 
 use super::work::OutputArguments;
@@ -52,14 +52,19 @@ pub(super) struct TableArguments {
     /// Of a paper's table the rows alone of this tracer that have one of these values, and all of other tracers. May be repeated.
     #[arg(long, value_name = "T.P=V,V")]
     pub only: Vec<String>,
+    /// Of a paper's table the rows that say nothing of a parameter which this run tuned (a file of `tune` or the folder that holds it): they
+    /// have the value that is best from another viewpoint of the same scene.
+    #[arg(long, value_name = "RUN")]
+    pub tuned: Option<PathBuf>,
     /// Measures nothing: tells how long the table would take, by the rows of a run that have the same parameters; a file or the folder
     /// that holds it.
     #[arg(long, value_name = "RUN", conflicts_with_all = ["from", "resume", "shard", "out"])]
     pub estimate: Option<PathBuf>,
     /// Measures nothing: makes the table of what was measured before, a file or the folder that holds it.
     #[arg(long, value_name = "RUN", conflicts_with_all = [
-        "scene", "rays", "frames", "size", "frame", "face", "view", "time", "scale", "settings", "adapter", "preset",
-        "samples", "seed", "resume", "shard", "only",
+        "scene", "rays", "frames", "size", "frame", "face", "view", "time", "scale", "settings", "adapter", "limits",
+        "preset",
+        "samples", "seed", "resume", "shard", "only", "tuned",
     ])]
     pub from: Option<PathBuf>,
     #[command(flatten)]
@@ -121,9 +126,24 @@ pub(super) struct CommonArguments {
     /// `list rays`. May be repeated.
     #[arg(long = "set", value_name = "T.P=V", allow_hyphen_values = true)]
     pub settings: Vec<String>,
+    #[command(flatten)]
+    pub device: DeviceArguments,
+}
+
+/// Which device serves.
+#[derive(Args)]
+pub(super) struct DeviceArguments {
     /// Adapter: part of its name, or its number in `adapters`.
     #[arg(long, value_name = "NAME", value_parser = clap::builder::NonEmptyStringValueParser::new())]
     pub adapter: Option<String>,
+    /// Within which limits the device is opened: those of the adapter (default), or webgpu, the ones that every browser grants,
+    /// with no feature beyond WebGPU's core.
+    #[arg(long, value_name = "adapter|webgpu", value_parser = limits)]
+    pub limits: Option<DeviceLimits>,
+}
+
+fn limits(text: &str) -> Result<DeviceLimits, String> {
+    DeviceLimits::named(text).ok_or_else(|| DeviceLimits::NAMES.join(" or "))
 }
 
 #[derive(Args)]

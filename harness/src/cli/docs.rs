@@ -27,7 +27,8 @@ pub(super) fn docs(arguments: &DocsArguments) -> Result<(), CliError> {
     let root = &arguments.root;
     let documents = if arguments.documents.is_empty() {
         quotes::documents(root).map_err(|error| {
-            CliError::Other(format!("cannot list the documents of {}: {error}; say where by --root", root.display()))
+            let folder = root.display();
+            CliError::Other(format!("{folder} has no README.md with docs/ beside it ({error}); say where by --root"))
         })?
     } else {
         arguments.documents.clone()

@@ -46,7 +46,7 @@ fn print_json(value: &Value) -> Result<(), CliError> {
 
 pub(super) fn adapters(arguments: &AdapterArguments, progress: &Progress) -> Result<(), CliError> {
     // A backend that does not exist is an error here too, not an empty list.
-    AdapterChoice::from_environment(None)?;
+    AdapterChoice::from_environment(None, None)?;
     let adapters = tracebench_api::list_adapters();
     if arguments.json {
         let value = serde_json::to_value(&adapters).map_err(|error| CliError::Other(error.to_string()))?;

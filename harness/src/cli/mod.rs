@@ -25,6 +25,8 @@ use std::sync::Arc;
 use clap::{Parser, Subcommand};
 use tracebench_api::{AdapterChoice, Gpu, TracerError};
 
+use arguments::DeviceArguments;
+
 use crate::measure::RunError;
 use crate::picture::PictureError;
 use crate::progress::{self, Progress};
@@ -146,12 +148,13 @@ pub fn main() -> ExitCode {
 }
 
 /// Opens the device if any tracer can use it; else, and if there is none, says why. An adapter that is named (by
-/// `wanted` or by `WGPU_ADAPTER_NAME`) and a tracer that must have one make not getting one an error.
-fn open_device(wanted: Option<&str>, useful: bool, required: bool) -> Result<Device, CliError> {
+/// `--adapter` or by `WGPU_ADAPTER_NAME`) and a tracer that must have one make not getting one an error.
+fn open_device(arguments: &DeviceArguments, useful: bool, required: bool) -> Result<Device, CliError> {
+    let wanted = arguments.adapter.as_deref();
     if !useful && wanted.is_none() {
         return Ok(Err(TracerError::Unavailable("no tracer of this run uses a graphics adapter".to_owned())));
     }
-    let choice = AdapterChoice::from_environment(wanted)?;
+    let choice = AdapterChoice::from_environment(wanted, arguments.limits)?;
     let required = required || choice.wanted.is_some();
     match Gpu::open(&choice) {
         Ok(gpu) => Ok(Ok(Arc::new(gpu))),

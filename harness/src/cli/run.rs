@@ -66,7 +66,7 @@ pub(super) fn picture(arguments: &PictureArguments, progress: &Progress) -> Resu
         table: None,
     };
     let needed = tracer.registration.needs_device();
-    let device = open_device(arguments.common.adapter.as_deref(), needed, needed)?;
+    let device = open_device(&arguments.common.device, needed, needed)?;
     let legend = picture::draw(&plan, arguments.what, &device, &arguments.out, progress)?;
     print(&legend.iter().map(|line| format!("{line}\n")).collect::<String>())
 }

@@ -3,6 +3,7 @@
 use clap::Args;
 use serde_json::json;
 
+use super::arguments::DeviceArguments;
 use super::output::print;
 use super::work::{Bench, Clock, OutputArguments, described, needs_device};
 use super::{CliError, names, open_device};
@@ -25,9 +26,8 @@ pub(super) struct StabilityArguments {
     /// shown then but do not count.
     #[arg(long = "set", value_name = "T.P=V", allow_hyphen_values = true)]
     settings: Vec<String>,
-    /// Adapter: part of its name, or its number in `adapters`.
-    #[arg(long, value_name = "NAME", value_parser = clap::builder::NonEmptyStringValueParser::new())]
-    adapter: Option<String>,
+    #[command(flatten)]
+    device: DeviceArguments,
     #[command(flatten)]
     output: OutputArguments,
 }
@@ -38,7 +38,7 @@ pub(super) fn stability(arguments: &StabilityArguments, progress: &Progress) -> 
     names::tracers_only(&arguments.settings)?;
     let cases = names::cases(&arguments.case)?;
     let required = requests.iter().any(TracerRequest::must_have_device);
-    let device = open_device(arguments.adapter.as_deref(), needs_device(&requests), required)?;
+    let device = open_device(&arguments.device, needs_device(&requests), required)?;
     let bench = Bench::open(device, &arguments.output)?;
     let words = |request: &TracerRequest| records::request_record(request);
     let tracers: Vec<_> = requests.iter().map(words).collect();

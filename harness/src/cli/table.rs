@@ -11,9 +11,10 @@ use super::work::{Clock, OutputFolder, Work, described};
 use super::{CliError, names};
 use crate::measure::{self, Context};
 use crate::papers::{self, Experiment};
-use crate::plan::Plan;
+use crate::plan::{Plan, SceneSource, TracerRequest};
 use crate::progress::Progress;
 use crate::report;
+use crate::studies::tune::{Label, Tuning};
 use crate::studies::updates::{self, DEFAULT_FRAMES};
 use crate::tables::{self, Table};
 
@@ -26,8 +27,9 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
     if moving && arguments.work.common.time != 0.0 {
         return Err(CliError::Argument(format!("--time: table {} is over whole animations", table.name())));
     }
-    if let (Table::Peers(_), true) = (table, !arguments.only.is_empty() || arguments.estimate.is_some()) {
-        return Err(CliError::Argument(format!("--only, --estimate: table {} is no paper's", table.name())));
+    let of_papers = !arguments.only.is_empty() || arguments.estimate.is_some() || arguments.tuned.is_some();
+    if let (Table::Peers(_), true) = (table, of_papers) {
+        return Err(CliError::Argument(format!("--only, --tuned, --estimate: table {} is no paper's", table.name())));
     }
     if let (Table::Paper(_, experiment), Some(path)) = (table, &arguments.estimate) {
         return estimate(table, experiment, arguments, path);
@@ -73,7 +75,38 @@ fn plans(experiment: &'static Experiment, arguments: &TableArguments, base: &mut
     let mut steps = names::steps(experiment, settings)?;
     names::only(&mut steps, &arguments.only)?;
     let plans = experiment.plans(base, &steps).map_err(|error| CliError::Argument(error.to_string()))?;
-    Ok(plans.into_iter().filter(|plan| !plan.tracers.is_empty()).collect())
+    let plans: Vec<Plan> = plans.into_iter().filter(|plan| !plan.tracers.is_empty()).collect();
+    arguments.tuned.as_ref().map_or(Ok(plans.clone()), |path| tuned(&plans, path))
+}
+
+/// The plans by scene, with the value that a tuning found elsewhere in those rows that say nothing of its parameter.
+fn tuned(plans: &[Plan], path: &Path) -> Result<Vec<Plan>, CliError> {
+    let run = report::read_run(path)?;
+    let tuning = Tuning::of(&run);
+    let tuning =
+        tuning.ok_or_else(|| CliError::Argument(format!("--tuned {}: the run is no tuning", path.display())))?;
+    let (tracer, parameter) = (&tuning.tracer.name, &tuning.axis.name);
+    let is_open = |request: &TracerRequest| request.name() == tracer && !request.changed.contains(parameter);
+    let of_scene = |plan: &Plan, scene: &SceneSource| {
+        let mut plan = Plan { scenes: vec![scene.clone()], ..plan.clone() };
+        let name = match scene {
+            SceneSource::Catalogue(name) => name.clone(),
+            SceneSource::File(path) => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        };
+        let rays = plan.ray_sets.first().map_or("", |set| set.name);
+        for request in plan.tracers.iter_mut().filter(|request| is_open(request)) {
+            let value = tuning.value_from_own_viewpoint(&name, rays, Label::TunedElsewhere).ok_or_else(|| {
+                CliError::Argument(format!(
+                    "--tuned {}: it has no {parameter} for {rays} rays in {name} from another viewpoint; tune it with --scene {name} \
+                     --rays {rays}, or leave the scene out",
+                    path.display()
+                ))
+            })?;
+            request.set(parameter, value).map_err(|error| CliError::Argument(format!("--tuned: {error}")))?;
+        }
+        Ok(plan)
+    };
+    plans.iter().flat_map(|plan| plan.scenes.iter().map(move |scene| of_scene(plan, scene))).collect()
 }
 
 /// Tells how long a table would take.

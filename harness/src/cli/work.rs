@@ -66,7 +66,7 @@ impl<'a> Work<'a> {
     ) -> Result<Self, CliError> {
         let checked = arguments.plan(matter()?, || false)?;
         let device = open_device(
-            arguments.common.adapter.as_deref(),
+            &arguments.common.device,
             needs_device(&checked.tracers),
             checked.tracers.iter().any(TracerRequest::must_have_device),
         )?;
@@ -120,7 +120,7 @@ impl<'a> Bench<'a> {
             let plan_sha256 = crate::hash::sha256_of(plan.to_string().as_bytes());
             Shard { index, count, plan_sha256 }
         });
-        let machine = machine::this_machine(self.device.as_ref().ok().map(|gpu| gpu.listing.clone()));
+        let machine = machine::this_machine(self.device.as_deref().ok());
         let words = json!({ "plan": plan, "shard": self.arguments.shard });
         let begun = if self.arguments.resume { Journal::resume } else { Journal::begin };
         let journal = begun(&self.out.path, &words, &machine)

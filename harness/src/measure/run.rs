@@ -165,8 +165,8 @@ pub(crate) fn begin(plans: &[Plan], context: &Context<'_>) -> Run {
 /// A record of requests without a plan.
 pub(crate) fn empty<'r>(requests: impl IntoIterator<Item = &'r TracerRequest>, context: &Context<'_>) -> Run {
     let needs_adapter = requests.into_iter().any(|request| request.registration.needs_device());
-    let adapter = context.device.as_ref().ok().filter(|_| needs_adapter).map(|gpu| gpu.listing.clone());
-    let mut provenance = Provenance::now(adapter);
+    let gpu = context.device.as_deref().ok().filter(|_| needs_adapter);
+    let mut provenance = Provenance::now(gpu);
     let (started, resumed) = context.journal.times();
     if let Some(started) = started {
         started.clone_into(&mut provenance.started);

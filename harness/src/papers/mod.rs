@@ -59,8 +59,9 @@ pub struct Paper {
     counts: &'static [(&'static str, &'static str)],
     /// Tracers with those buffers of a trace, by name, that it counts as their memory beside the structure.
     of_a_trace: &'static [(&'static str, &'static [&'static str])],
-    /// Bytes of these buffers as the paper's own set-up has them, which are not allocated here.
-    own_buffers: fn(&TracerRun) -> f64,
+    /// Bytes of what the formulas of papers count: those parts of the structure, and of a trace the buffers in the paper's own set-up, which
+    /// are not allocated here. None of tracers that no formula is about.
+    by_formula: fn(&TracerRun) -> Option<f64>,
 }
 
 /// What is counted as memory.
@@ -70,7 +71,7 @@ pub(crate) enum Scope {
     Structure,
     /// With it those buffers of a trace that the paper counts, as the ledger has them.
     WithTrace,
-    /// With the structure the paper's own buffers, computed: those of its formula, in its own set-up.
+    /// What the paper's formula counts of the structure, with the paper's own buffers, computed.
     OfPaper,
 }
 
@@ -109,16 +110,16 @@ impl Paper {
         let used = |parts: &[MemoryEntry], counted: &dyn Fn(&str) -> bool| -> f64 {
             parts.iter().filter(|part| counted(&part.name)).map(|part| part.used_bytes as f64).sum()
         };
-        let further = match scope {
-            Scope::Structure => 0.0,
+        let structure = used(&run.memory.structure, &|_| true);
+        Some(match scope {
+            Scope::Structure => structure,
             Scope::WithTrace => {
                 let to_surfaces = run.traces.iter().find(|trace| trace.end == EndPoint::Surface)?;
                 let of = self.of_a_trace.iter().find(|(tracer, _)| *tracer == run.tracer.name);
-                used(&to_surfaces.per_trace, &|name| of.is_some_and(|(_, names)| names.contains(&name)))
+                structure + used(&to_surfaces.per_trace, &|name| of.is_some_and(|(_, names)| names.contains(&name)))
             }
-            Scope::OfPaper => (self.own_buffers)(run),
-        };
-        Some(used(&run.memory.structure, &|_| true) + further)
+            Scope::OfPaper => (self.by_formula)(run).unwrap_or(structure),
+        })
     }
 
     /// What it printed.

@@ -186,7 +186,8 @@ fn open(rule: &Rule, found: &[OfScene]) -> String {
         rule.leaves_open(&of.found).then(|| format!("{}: {why}", of.scene))
     };
     let all: Vec<String> = found.iter().filter_map(why).collect();
-    all.join("; ")
+    // Every scene's lies on one side, the median's between them does not.
+    if all.is_empty() { "the interval of the median does not separate".to_owned() } else { all.join("; ") }
 }
 
 /// Judges all claims of a paper by the runs that were made for its tables. A claim that several runs measure is judged by each;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use tracebench_api::{AdapterListing, ClockKind, EndPoint, HitBuffer, MemoryEntry, Query};
+use tracebench_api::{AdapterListing, ClockKind, DeviceLimits, EndPoint, HitBuffer, MemoryEntry, Query, Rasterizer};
 
 use crate::machine::Machine;
 use crate::results::{
@@ -104,6 +104,7 @@ pub(crate) fn provenance() -> Provenance {
         commit: "0123456789abcdef0123456789abcdef01234567".to_owned(),
         dirty: Some(true),
         started: "2031-05-06T07:08:09Z".to_owned(),
+        rules_version: 1,
         resumed: Vec::new(),
         shard: None,
         further_machines: Vec::new(),
@@ -127,8 +128,11 @@ fn machine() -> Machine {
             max_storage_binding_bytes: 128 << 20,
             max_buffer_bytes: 1 << 30,
             max_texture_edge: 8192,
+            max_storage_buffers_per_stage: 16,
             timestamps: true,
+            limits: DeviceLimits::Adapter,
         }),
+        rasterizer: Some(Rasterizer { snap_pixels: 0.002, depth_error: 1e-6, depth_error_beyond_view: 1e-5 }),
     }
 }
 

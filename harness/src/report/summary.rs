@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use tracebench_api::Query;
+use tracebench_api::{Query, Rasterizer};
 
 use super::cells::{Row, accuracies, coverage, label, speed_cells, touched};
 use super::format::{self, NONE, clock_of, mib, optional, percent, significant, statistic, thousands, with_interval};
@@ -67,6 +67,16 @@ pub(super) fn head_of(from: &Provenance, preset: &str, seed: u64, controls: &Ver
             format!(
                 "{} ({}, {}, {} {}), {timestamps}",
                 adapter.name, adapter.kind, adapter.backend, adapter.driver, adapter.driver_version
+            ),
+        );
+    }
+    if let Some(found) = &from.machine.rasterizer {
+        let Rasterizer { snap_pixels, depth_error, depth_error_beyond_view } = found;
+        item(
+            "Rasterizer",
+            format!(
+                "borders drawn up to {snap_pixels:.4} pixels from where they are; interpolated depth off by {depth_error:.1e}, of \
+                 triangles that reach far out of the view by {depth_error_beyond_view:.1e}"
             ),
         );
     }

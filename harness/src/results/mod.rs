@@ -38,7 +38,7 @@ pub use judgement::{
 pub use key::{same_place, same_pose, same_rays, same_work};
 pub use merge::{MergeError, merge};
 pub use paired::{Answer, COVERAGE, Doubt, MOST_CHANGE, Paired, Pairing, Timed, of_rounds};
-pub use provenance::{ConvertedFrom, Provenance, ShardRecord};
+pub use provenance::{ConvertedFrom, Provenance, RULES_VERSION, ShardRecord};
 pub use race::{EndedBy, Further, KernelRecord, LEAST_ROUNDS, RaceRecord, Sampling, TwiceRecord};
 pub use ratio::{Movement, Ratio, common_clock, host_ms, time_ratio};
 pub use row::{MemoryRecord, SceneRecord, TracerRecord, TracerRun, ViewpointRecord};

@@ -1,6 +1,7 @@
 //! The program as scripts use it: exit statuses, messages, files.
 
 mod compare;
+mod docs;
 mod papers;
 mod refusals;
 mod resume;

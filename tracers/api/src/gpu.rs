@@ -1,65 +1,15 @@
-//! The device: choosing an adapter, creating checked buffers, reading back.
+//! The device: opening it, creating checked buffers, reading back.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 
-use serde::{Deserialize, Serialize};
-use wgpu::{Backends, BufferUsages, DeviceType, Features};
+use wgpu::{BufferUsages, Features};
 
-use crate::TracerError;
+use crate::adapter::{choose, enumerate, listing};
 use crate::clock::Stamps;
+use crate::{AdapterChoice, AdapterListing, Rasterizer, TracerError};
 
-/// What a user may say about the adapter.
-#[derive(Clone, Debug, Default)]
-pub struct AdapterChoice {
-    /// Part of an adapter's name (case does not matter) or its number in [`list_adapters`]. Without one the most capable
-    /// kind of device is taken.
-    pub wanted: Option<String>,
-}
-
-impl AdapterChoice {
-    /// The adapter that is asked for, else the one that `WGPU_ADAPTER_NAME` names, if it does.
-    ///
-    /// # Errors
-    /// [`TracerError::Failed`] if `WGPU_BACKEND`, which limits the choice, is set and names no backend.
-    pub fn from_environment(wanted: Option<&str>) -> Result<Self, TracerError> {
-        let set = |name: &str| std::env::var(name).ok().filter(|value| !value.is_empty());
-        if let Some(value) = set(BACKEND_VARIABLE).filter(|value| Backends::from_comma_list(value).is_empty()) {
-            return Err(TracerError::Failed(format!(
-                "{BACKEND_VARIABLE}={value} names no backend: use vulkan, metal or dx12, or unset it"
-            )));
-        }
-        Ok(Self { wanted: wanted.map(str::to_owned).or_else(|| set("WGPU_ADAPTER_NAME")) })
-    }
-}
-
-/// Which backends adapters are looked for in; read by wgpu's own rules.
-const BACKEND_VARIABLE: &str = "WGPU_BACKEND";
-
-/// An adapter as users see it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct AdapterListing {
-    /// The adapter's name.
-    pub name: String,
-    /// `vulkan`, `metal`, `dx12`, ...
-    pub backend: String,
-    /// `discrete`, `integrated`, `virtual`, `software` or `other`.
-    pub kind: String,
-    /// The driver's name.
-    pub driver: String,
-    /// The driver's version.
-    pub driver_version: String,
-    /// Largest storage binding, bytes.
-    pub max_storage_binding_bytes: u64,
-    /// Largest buffer, bytes.
-    pub max_buffer_bytes: u64,
-    /// Largest edge of a 2D texture, texels.
-    pub max_texture_edge: u32,
-    /// Whether times can be taken on the device between passes.
-    pub timestamps: bool,
-}
-
-/// A device that is ready for use, with its limits raised to what the adapter has. One sample is timed at a time: two
+/// A device that is ready for use, within the limits that were chosen. One sample is timed at a time: two
 /// threads that time on one device get errors.
 #[derive(Debug)]
 pub struct Gpu {
@@ -72,15 +22,10 @@ pub struct Gpu {
     /// What to tell users about it.
     pub listing: AdapterListing,
     pub(crate) stamps: Option<Stamps>,
+    rasterizer: OnceLock<Rasterizer>,
     errors: Arc<Mutex<Vec<String>>>,
     lost: Arc<AtomicBool>,
 }
-
-const TIMESTAMP_FEATURES: Features = Features::TIMESTAMP_QUERY.union(Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
-
-/// What tracers use where the adapter has it.
-const WANTED_FEATURES: Features =
-    TIMESTAMP_FEATURES.union(Features::EXPERIMENTAL_RAY_QUERY).union(Features::SHADER_EARLY_DEPTH_TEST);
 
 /// wgpu's leave to use what it calls experimental, which ray queries are.
 #[allow(unsafe_code, reason = "the leave can be had in no other way")]
@@ -91,70 +36,6 @@ fn experimental() -> wgpu::ExperimentalFeatures {
     unsafe { wgpu::ExperimentalFeatures::enabled() }
 }
 
-/// The adapters of this machine, in the driver's order; empty without a Vulkan loader, Metal or DirectX 12.
-pub fn list_adapters() -> Vec<AdapterListing> {
-    enumerate().iter().map(listing).collect()
-}
-
-fn enumerate() -> Vec<wgpu::Adapter> {
-    let from_environment = Backends::from_env().filter(|backends| !backends.is_empty());
-    let backends = from_environment.unwrap_or(Backends::VULKAN | Backends::METAL | Backends::DX12);
-    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
-    descriptor.backends = backends;
-    let instance = wgpu::Instance::new(descriptor);
-    pollster::block_on(instance.enumerate_adapters(backends))
-}
-
-fn listing(adapter: &wgpu::Adapter) -> AdapterListing {
-    let (info, limits) = (adapter.get_info(), adapter.limits());
-    let kind = match info.device_type {
-        DeviceType::DiscreteGpu => "discrete",
-        DeviceType::IntegratedGpu => "integrated",
-        DeviceType::VirtualGpu => "virtual",
-        DeviceType::Cpu => "software",
-        DeviceType::Other => "other",
-    };
-    AdapterListing {
-        name: info.name,
-        backend: info.backend.to_string(),
-        kind: kind.to_owned(),
-        driver: info.driver,
-        driver_version: info.driver_info,
-        max_storage_binding_bytes: limits.max_storage_buffer_binding_size,
-        max_buffer_bytes: limits.max_buffer_size,
-        max_texture_edge: limits.max_texture_dimension_2d,
-        timestamps: adapter.features().contains(TIMESTAMP_FEATURES),
-    }
-}
-
-/// Lower is preferred.
-fn preference(kind: &str) -> u32 {
-    ["discrete", "integrated", "virtual", "other", "software"].iter().position(|known| *known == kind).unwrap_or(9)
-        as u32
-}
-
-fn choose(listings: &[AdapterListing], wanted: Option<&str>) -> Result<usize, TracerError> {
-    if listings.is_empty() {
-        return Err(TracerError::Unavailable(
-            "no graphics adapter was found: install a Vulkan loader and driver (setup.sh does this on Debian and \
-             Ubuntu), or use a tracer that runs on the host"
-                .to_owned(),
-        ));
-    }
-    let Some(wanted) = wanted else {
-        return Ok((0..listings.len()).min_by_key(|index| preference(&listings[*index].kind)).unwrap_or(0));
-    };
-    if let Some(index) = wanted.parse::<usize>().ok().filter(|index| *index < listings.len()) {
-        return Ok(index);
-    }
-    let lowered = wanted.to_lowercase();
-    let found = listings.iter().position(|listing| listing.name.to_lowercase().contains(&lowered));
-    found.ok_or_else(|| {
-        let names: Vec<_> = listings.iter().map(|listing| listing.name.as_str()).collect();
-        TracerError::Unavailable(format!("no adapter is called '{wanted}'; there are: {}", names.join(", ")))
-    })
-}
-
 impl Gpu {
     /// Opens the chosen adapter.
     ///
@@ -163,15 +44,14 @@ impl Gpu {
     /// driver refuses a device.
     pub fn open(choice: &AdapterChoice) -> Result<Self, TracerError> {
         let adapters = enumerate();
-        let listings: Vec<_> = adapters.iter().map(listing).collect();
+        let listings: Vec<_> = adapters.iter().map(|adapter| listing(adapter, choice.limits)).collect();
         let chosen = choose(&listings, choice.wanted.as_deref())?;
         let (adapter, listing) = (&adapters[chosen], listings[chosen].clone());
-        let (features, limits) = (adapter.features() & WANTED_FEATURES, adapter.limits());
+        let (limits, features) = choice.limits.of(adapter);
         let with_ray_queries = features.contains(Features::EXPERIMENTAL_RAY_QUERY);
         let request = adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("tracebench"),
             required_features: features,
-            // Those of acceleration structures too, which are 0 where the adapter has none.
             required_limits: limits.clone(),
             experimental_features: if with_ray_queries { experimental() } else { Default::default() },
             ..Default::default()
@@ -189,7 +69,22 @@ impl Gpu {
         let sink = Arc::clone(&lost);
         device.set_device_lost_callback(move |_, _| sink.store(true, Ordering::Relaxed));
         let stamps = listing.timestamps.then(|| Stamps::new(&device, &queue));
-        Ok(Self { device, queue, limits, listing, stamps, errors, lost })
+        let rasterizer = OnceLock::new();
+        Ok(Self { device, queue, limits, listing, stamps, rasterizer, errors, lost })
+    }
+
+    /// What its rasterizer was found to do; `probe` finds it where nobody has asked before.
+    ///
+    /// # Errors
+    /// Those of `probe`.
+    pub fn rasterizer(
+        &self,
+        probe: impl FnOnce(&Self) -> Result<Rasterizer, TracerError>,
+    ) -> Result<Rasterizer, TracerError> {
+        match self.rasterizer.get() {
+            Some(known) => Ok(*known),
+            None => probe(self).map(|found| *self.rasterizer.get_or_init(|| found)),
+        }
     }
 
     /// Whether shaders can ask the device itself for a ray's hits, and the device builds acceleration structures.
@@ -311,35 +206,5 @@ impl Gpu {
             .poll(wgpu::PollType::wait_indefinitely())
             .map_err(|error| TracerError::Failed(format!("the device stopped: {error}")))?;
         self.check()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn adapter(name: &str, kind: &str) -> AdapterListing {
-        AdapterListing {
-            name: name.to_owned(),
-            backend: "vulkan".to_owned(),
-            kind: kind.to_owned(),
-            driver: String::new(),
-            driver_version: String::new(),
-            max_storage_binding_bytes: 0,
-            max_buffer_bytes: 0,
-            max_texture_edge: 0,
-            timestamps: false,
-        }
-    }
-
-    /// Hardware is preferred, a name or number overrides, and what is not there is an error that lists what is.
-    #[test]
-    fn choice_prefers_hardware_and_obeys_names() {
-        let adapters = [adapter("llvmpipe", "software"), adapter("Big GPU", "discrete")];
-        assert_eq!(choose(&adapters, None).unwrap(), 1);
-        assert_eq!(choose(&adapters, Some("LLVM")).unwrap(), 0);
-        assert_eq!(choose(&adapters, Some("0")).unwrap(), 0);
-        assert!(choose(&adapters, Some("nothing")).unwrap_err().to_string().contains("Big GPU"));
-        assert!(choose(&[], None).unwrap_err().to_string().contains("setup.sh"));
     }
 }

@@ -7,6 +7,7 @@
 //! Space: right-handed, y up by custom; `t` and all lengths in scene units; eye depth is linear and positive in front
 //! of the eye.
 
+mod adapter;
 mod allocations;
 mod clock;
 mod declared;
@@ -16,21 +17,24 @@ mod gpu;
 mod layout;
 mod memory;
 mod parameters;
+mod rasterizer;
 mod ray;
 mod sampling;
 mod tracer;
 mod transfer;
 mod viewpoint;
 
+pub use adapter::{AdapterChoice, AdapterListing, DeviceLimits, list_adapters};
 pub use allocations::Allocations;
 pub use clock::{ClockKind, PhaseClock, PhaseSample, Timing};
 pub use declared::{Choice, Parameter, ParameterType};
 pub use error::TracerError;
 pub use geometry::{DeviceGeometry, Geometry};
-pub use gpu::{AdapterChoice, AdapterListing, Gpu, list_adapters};
+pub use gpu::Gpu;
 pub use layout::{SharedLayout, layouts};
 pub use memory::{Ledger, MemoryEntry, MemoryReport};
 pub use parameters::{Domain, ParameterDescription, ParameterError, ParameterScope, Parameters, Preset, Value};
+pub use rasterizer::Rasterizer;
 pub use ray::{EndPoint, Hit, NO_PRIMITIVE, Query, Ray, Status, Surface, SurfaceStatus};
 pub use sampling::{Layers, LineOfSight, Orthographic, Projection, Sampling};
 pub use tracer::{Counter, Description, Invalidation, Residency, Structure, TraceJob, Tracer, Update};

@@ -4,17 +4,46 @@ use std::collections::BTreeMap;
 use std::sync::Mutex;
 
 use tracebench_api::wgpu::{self, BindGroupEntry, BindingResource};
-use tracebench_api::{Gpu, TracerError};
+use tracebench_api::{DeviceLimits, Gpu, TracerError};
 use tracebench_shaders::{Shader, Variant};
 
 /// Most workgroups along one dimension of a dispatch (WebGPU's limit).
 const MOST_WORKGROUPS: u32 = 65_535;
 
+/// That the device's limits allow what a shader needs; drivers and wgpu would say so in words of their own.
+///
+/// # Errors
+/// [`TracerError::Unavailable`] with the limit.
+pub fn check_limits(gpu: &Gpu, shader: Shader) -> Result<(), TracerError> {
+    let limits = &gpu.limits;
+    for entry in shader.entries {
+        let needs = [
+            ("storage buffers in a stage", entry.storage_buffers, limits.max_storage_buffers_per_shader_stage),
+            ("storage textures in a stage", entry.storage_textures, limits.max_storage_textures_per_shader_stage),
+            ("invocations in a workgroup", entry.invocations, limits.max_compute_invocations_per_workgroup),
+        ];
+        if let Some((what, needed, limit)) = needs.into_iter().find(|(_, needed, limit)| needed > limit) {
+            return Err(TracerError::Unavailable(format!(
+                "{} ({}) needs {needed} {what}, {} allows {limit}{}",
+                shader.name,
+                entry.name,
+                gpu.listing.name,
+                match gpu.listing.limits {
+                    DeviceLimits::Adapter => "",
+                    DeviceLimits::Webgpu => " within WebGPU's default limits",
+                }
+            )));
+        }
+    }
+    Ok(())
+}
+
 /// Compiles a shader.
 ///
 /// # Errors
-/// [`TracerError::Failed`] if the device refuses it.
+/// [`TracerError::Unavailable`] if the device's limits forbid it, [`TracerError::Failed`] if the device refuses it.
 pub fn shader_module(gpu: &Gpu, shader: Shader) -> Result<wgpu::ShaderModule, TracerError> {
+    check_limits(gpu, shader)?;
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(shader.name),
         source: wgpu::ShaderSource::Wgsl(shader.source.into()),
@@ -32,6 +61,7 @@ pub fn shader_module_testing_early(gpu: &Gpu, shader: Shader) -> Result<wgpu::Sh
     if !gpu.device.features().contains(wgpu::Features::SHADER_EARLY_DEPTH_TEST) {
         return shader_module(gpu, shader);
     }
+    check_limits(gpu, shader)?;
     // Composed shaders are plain WGSL, which has no word for it.
     let source = shader.source.replacen("@fragment", "@fragment @early_depth_test(force)", 1);
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {

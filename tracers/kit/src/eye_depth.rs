@@ -2,9 +2,10 @@
 
 use tracebench_api::wgpu::{self, TextureFormat, TextureUsages};
 use tracebench_api::{DeviceGeometry, Gpu, Ledger, TracerError, View};
-use tracebench_shaders::shared::EYE_DEPTH_RASTER;
+use tracebench_shaders::shared::NearestRaster as Variant;
 
-use crate::{RasterTargets, ViewUniform, bind_group, create_texture, raster_pipeline, shader_module};
+use crate::create_texture;
+use crate::nearest_raster::NearestRaster;
 
 /// The eye depth stored where no surface covers a pixel's centre: beyond every surface.
 pub const NO_SURFACE: f32 = 1e30;
@@ -12,12 +13,11 @@ pub const NO_SURFACE: f32 = 1e30;
 const DEPTH_FORMAT: TextureFormat = TextureFormat::R32Float;
 const EYE_DEPTH: &str = "eye depth buffer";
 const DEPTH_TEST: &str = "depth test buffer";
-const TEST_FORMAT: TextureFormat = crate::DEPTH_TEST_FORMAT;
 
 /// The pipeline that rasterizes eye depth.
 #[derive(Debug)]
 pub struct EyeDepthRaster {
-    pipeline: wgpu::RenderPipeline,
+    raster: NearestRaster,
 }
 
 /// The textures of one view.
@@ -55,7 +55,7 @@ impl EyeDepthTarget {
                 DEPTH_FORMAT,
                 TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
             ),
-            test: texture(DEPTH_TEST, TEST_FORMAT, TextureUsages::RENDER_ATTACHMENT),
+            test: texture(DEPTH_TEST, crate::DEPTH_TEST_FORMAT, TextureUsages::RENDER_ATTACHMENT),
             pixels,
             allocated: [pixels * 4; 2],
         };
@@ -109,30 +109,15 @@ impl EyeDepthRaster {
     /// # Errors
     /// [`TracerError::Failed`] if the device refuses it.
     pub fn new(gpu: &Gpu) -> Result<Self, TracerError> {
-        let module = shader_module(gpu, EYE_DEPTH_RASTER)?;
-        let vertices = wgpu::VertexBufferLayout {
-            array_stride: 12,
-            step_mode: wgpu::VertexStepMode::Vertex,
-            attributes: &wgpu::vertex_attr_array![0 => Float32x3],
-        };
-        let targets = RasterTargets {
-            vertex_buffers: &[Some(vertices)],
-            colours: &[Some(DEPTH_FORMAT.into())],
-            // Reversed depth: near is 1, far is 0.
-            depth: Some((TEST_FORMAT, true, wgpu::CompareFunction::Greater)),
-        };
-        Ok(Self { pipeline: raster_pipeline(gpu, EYE_DEPTH_RASTER.name, &module, &targets)? })
+        Ok(Self { raster: NearestRaster::new(gpu, Variant { primitives: false }, DEPTH_FORMAT)? })
     }
 
-    /// Prepares one view: its uniform buffer, bound.
+    /// Prepares one view.
     ///
     /// # Errors
-    /// [`TracerError::Failed`] if the device fails.
-    pub fn bind(&self, gpu: &Gpu, view: &View) -> Result<wgpu::BindGroup, TracerError> {
-        let uniform = ViewUniform::from(view);
-        let buffer =
-            gpu.buffer_with("view", bytemuck::bytes_of(&uniform), wgpu::BufferUsages::UNIFORM, "the number of views")?;
-        Ok(bind_group(gpu, &self.pipeline.get_bind_group_layout(0), &[buffer.as_entire_binding()]))
+    /// [`TracerError::TooLarge`] if the device cannot bind the scene.
+    pub fn bind(&self, gpu: &Gpu, view: &View, geometry: &DeviceGeometry) -> Result<wgpu::BindGroup, TracerError> {
+        self.raster.bind(gpu, view, geometry)
     }
 
     /// Records the pass that draws all triangles.
@@ -140,30 +125,10 @@ impl EyeDepthRaster {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         bindings: &wgpu::BindGroup,
-        geometry: &DeviceGeometry,
         triangle_count: u32,
         target: &EyeDepthTarget,
     ) {
-        let clear = wgpu::Color { r: f64::from(NO_SURFACE), g: 0.0, b: 0.0, a: 0.0 };
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("eye depth"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &target.eye_depth,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &target.test,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        });
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, bindings, &[]);
-        pass.set_vertex_buffer(0, geometry.positions.slice(..));
-        pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
-        pass.draw_indexed(0..triangle_count * 3, 0, 0..1);
+        let targets = [&target.eye_depth, &target.test];
+        self.raster.record(encoder, bindings, triangle_count, f64::from(NO_SURFACE), targets);
     }
 }

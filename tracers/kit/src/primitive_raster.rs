@@ -1,23 +1,19 @@
 //! The nearest triangle at every pixel of one view, by the hardware rasterizer.
 
-use tracebench_api::wgpu::{self, BindGroup, RenderPipeline, TextureFormat, TextureUsages, TextureView};
+use tracebench_api::wgpu::{self, BindGroup, TextureFormat, TextureUsages, TextureView};
 use tracebench_api::{DeviceGeometry, Gpu, MemoryEntry, TracerError, View};
-use tracebench_shaders::shared::PRIMITIVE_RASTER;
+use tracebench_shaders::shared::NearestRaster as Variant;
 
-use crate::{RasterTargets, ViewUniform, bind_group, raster_pipeline, shader_module};
+use crate::nearest_raster::NearestRaster;
 
 const FORMAT: TextureFormat = TextureFormat::R32Uint;
 
-/// What depth is tested in.
-pub const DEPTH_TEST_FORMAT: TextureFormat = TextureFormat::Depth32Float;
-
 const TEXTURE: &str = "primitive id texture";
-const VIEW: &str = "drawn view";
 
 /// The pipeline that rasterizes triangles' numbers.
 #[derive(Debug)]
 pub struct PrimitiveRaster {
-    pipeline: RenderPipeline,
+    raster: NearestRaster,
 }
 
 /// One u32 a pixel: the nearest triangle at the pixel's centre, or [`tracebench_api::NO_PRIMITIVE`].
@@ -76,19 +72,13 @@ impl PrimitiveRaster {
     /// # Errors
     /// [`TracerError::Failed`] if the device refuses it.
     pub fn new(gpu: &Gpu) -> Result<Self, TracerError> {
-        let module = shader_module(gpu, PRIMITIVE_RASTER)?;
-        let targets = RasterTargets {
-            colours: &[Some(FORMAT.into())],
-            // Reversed depth: near is 1, far is 0. Of equal depths the first triangle drawn stays.
-            depth: Some((DEPTH_TEST_FORMAT, true, wgpu::CompareFunction::Greater)),
-            ..Default::default()
-        };
-        Ok(Self { pipeline: raster_pipeline(gpu, PRIMITIVE_RASTER.name, &module, &targets)? })
+        Ok(Self { raster: NearestRaster::new(gpu, Variant { primitives: true }, FORMAT)? })
     }
 
     /// What drawing takes while it runs, beside the texture.
     pub fn memory() -> MemoryEntry {
-        MemoryEntry::whole(VIEW, size_of::<ViewUniform>() as u64)
+        let (name, bytes) = NearestRaster::UNIFORM;
+        MemoryEntry::whole(name, bytes)
     }
 
     /// Prepares one view.
@@ -96,14 +86,7 @@ impl PrimitiveRaster {
     /// # Errors
     /// [`TracerError::TooLarge`] if the device cannot bind the scene.
     pub fn bind(&self, gpu: &Gpu, view: &View, geometry: &DeviceGeometry) -> Result<BindGroup, TracerError> {
-        for (name, buffer) in [("vertex positions", &geometry.positions), ("vertex indices", &geometry.indices)] {
-            gpu.check_storage_binding(name, buffer.size(), "the scene's triangle count")?;
-        }
-        let uniform = ViewUniform::from(view);
-        let uniform =
-            gpu.buffer_with(VIEW, bytemuck::bytes_of(&uniform), wgpu::BufferUsages::UNIFORM, "the number of views")?;
-        let resources = [&uniform, &geometry.positions, &geometry.indices].map(|buffer| buffer.as_entire_binding());
-        Ok(bind_group(gpu, &self.pipeline.get_bind_group_layout(0), &resources))
+        self.raster.bind(gpu, view, geometry)
     }
 
     /// Records the pass that draws all triangles, with a depth test in a texture of the same size.
@@ -115,24 +98,7 @@ impl PrimitiveRaster {
         target: &TextureView,
         depth_test: &TextureView,
     ) {
-        let clear = wgpu::Color { r: f64::from(tracebench_api::NO_PRIMITIVE), g: 0.0, b: 0.0, a: 0.0 };
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("primitives"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: target,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: depth_test,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        });
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, bindings, &[]);
-        pass.draw(0..triangle_count * 3, 0..1);
+        let nothing = f64::from(tracebench_api::NO_PRIMITIVE);
+        self.raster.record(encoder, bindings, triangle_count, nothing, [target, depth_test]);
     }
 }

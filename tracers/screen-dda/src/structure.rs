@@ -116,11 +116,10 @@ impl Pipelines {
         target: &EyeDepthTarget,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        let on_device = geometry.on_device()?;
-        let bindings = self.raster.bind(&self.gpu, view)?;
+        let bindings = self.raster.bind(&self.gpu, view, geometry.on_device()?)?;
         let triangle_count = geometry.triangles.len() as u32;
         clock.device_phase("rasterize depth buffer", |encoder| {
-            self.raster.record(encoder, &bindings, on_device, triangle_count, target);
+            self.raster.record(encoder, &bindings, triangle_count, target);
         })
     }
 }

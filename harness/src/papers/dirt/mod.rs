@@ -7,7 +7,9 @@ mod sections;
 #[cfg(test)]
 pub(super) mod tests;
 
-use super::{Experiment, Paper, Part, Step};
+use tracebench_api::MemoryEntry;
+
+use super::{Experiment, Paper, Part, Step, vvp16};
 use crate::plan::TracerRequest;
 use crate::results::TracerRun;
 
@@ -32,18 +34,26 @@ pub(super) const PAPER: Paper = Paper {
     ],
     // What its Table 3 counts of a trace.
     of_a_trace: &[(DIRT, &["hit buffer: heads", "hit buffer: nodes", "mask texture", "shading buffer"])],
-    own_buffers,
+    by_formula,
 };
 
 /// The tracer whose structure the formula of Table 3 is about.
 const DIRT: &str = "dirt";
+/// What the ledger calls the parts of the structure that Table 3 counts. It leaves the vertex buffer out, which rasterization has.
+const IN_TABLE_3: [&str; 2] = ["depth bounds texture", "id buffer"];
 /// Bytes of Table 3 a pixel of the frame: head and node of the hit buffer, three shading points, the mask.
-const OF_TABLE_3: [f64; 4] = [4.0, 32.0, 3.0 * 32.0, 2.0];
+const OF_A_PIXEL: [f64; 4] = [4.0, 32.0, 3.0 * 32.0, 2.0];
 
-/// What Table 3 has beside the structure: a ray starts from every pixel of the frame (R_h), and each has its hit and three points.
-fn own_buffers(run: &TracerRun) -> f64 {
+/// What Table 3 counts: depth bounds and lists as they are; a ray starts from every pixel of the frame (R_h), and each has its hit and
+/// three points. Of the A-buffer what its own paper counts.
+fn by_formula(run: &TracerRun) -> Option<f64> {
+    if run.tracer.name != DIRT {
+        return vvp16::by_formula(run);
+    }
+    let counted = |part: &&MemoryEntry| IN_TABLE_3.iter().any(|name| part.name.starts_with(name));
+    let structure: u64 = run.memory.structure.iter().filter(counted).map(|part| part.used_bytes).sum();
     let pixels: f64 = run.viewpoint.frame.map(f64::from).iter().product();
-    if run.tracer.name == DIRT { pixels * OF_TABLE_3.iter().sum::<f64>() } else { 0.0 }
+    Some(structure as f64 + pixels * OF_A_PIXEL.iter().sum::<f64>())
 }
 
 /// Of a figure over resolution the bench takes one.

@@ -32,8 +32,13 @@ pub(super) const PAPER: Paper = Paper {
     ],
     // Its data are in the structure.
     of_a_trace: &[],
-    own_buffers: |_| 0.0,
+    by_formula,
 };
+
+/// What Table 2 counts: the words of pixels, the id buffer and the data buffer.
+pub(super) fn by_formula(run: &TracerRun) -> Option<f64> {
+    (run.tracer.name == ABUFFER).then(|| quantities::memory::ledger(run).iter().sum())
+}
 
 /// Its tracer.
 pub(super) const ABUFFER: &str = "fragment-abuffer";
@@ -46,6 +51,11 @@ pub(super) const fn abuffer(values: Values) -> Row {
 /// Its tracer's row with these values, and else those of its first row.
 pub(super) fn row<'a>(scene: &SceneRows<'a>, values: &[(&str, &str)]) -> Option<&'a TracerRun> {
     scene.like_first(ABUFFER, values)
+}
+
+/// What the paper calls empty-space skipping, on or off: of depth bounds and of buckets (section 3.4, steps a and b).
+pub(super) fn skipping(switch: &str) -> [(&'static str, &str); 2] {
+    ["skip_bounds", "skip_buckets"].map(|name| (name, switch))
 }
 
 fn step(step: &Step) -> bool {

@@ -6,7 +6,7 @@ use crate::papers::Scope;
 use crate::papers::dirt::PAPER;
 use crate::papers::estimate::Estimate;
 use crate::papers::quantity::{PERCENT, Quantity, timed_of_scene};
-use crate::papers::rows::{SceneRows, agreement, has, statistic, trace};
+use crate::papers::rows::{SceneRows, agreement, statistic, trace};
 use crate::papers::times::{ratio, traced};
 use crate::results::host_ms;
 use crate::results::{Timed, TracerRun};
@@ -155,16 +155,10 @@ fn good_setting_over_best(scene: &SceneRows<'_>) -> Option<Estimate> {
 
 /// Time of the second event over the first, where the scene is closed or open: whether nearly all diffuse rays hit.
 fn second_event_over_first(scene: &SceneRows<'_>, closed: bool) -> Option<Estimate> {
-    let mut ratios = Vec::new();
-    for run in scene.of_tracer("dirt").filter(|run| has(run, "searched", "until_hit") && has(run, "tile_size", "2")) {
-        let (first, second) = (trace(run, "diffuse")?, trace(run, "bounce2")?);
-        let stay = second.count as f64 / first.count as f64;
-        if (stay >= 1.0 - CLOSED) != closed {
-            return None;
-        }
-        ratios.push(scene.set_ratio(run, "bounce2", "diffuse")?);
-    }
-    Estimate::mean(ratios)
+    let run = scene.find("dirt", &as_published(&[("tile_size", "2")]))?;
+    let (first, second) = (trace(run, "diffuse")?, trace(run, "bounce2")?);
+    let stay = second.count as f64 / first.count as f64;
+    ((stay >= 1.0 - CLOSED) == closed).then(|| scene.set_ratio(run, "bounce2", "diffuse"))?
 }
 
 fn second_event_over_first_closed(scene: &SceneRows<'_>) -> Option<Estimate> {

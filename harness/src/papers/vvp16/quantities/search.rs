@@ -6,7 +6,7 @@ use crate::papers::estimate::Estimate;
 use crate::papers::quantity::{Quantity, of_scene, timed_of_scene, timed_of_scenes};
 use crate::papers::rows::{SceneRows, statistic, trace};
 use crate::papers::times::{rank_correlation, traced as timed};
-use crate::papers::vvp16::{PAPER, row};
+use crate::papers::vvp16::{self, PAPER, row};
 use crate::results::{Timed, TraceRecord, TracerRun};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
@@ -48,7 +48,7 @@ pub(in crate::papers::vvp16) fn views(traces: &[&TraceRecord]) -> Option<f64> {
 
 /// With and without skipping.
 fn skipping<'a>(scene: &SceneRows<'a>) -> Option<[&'a TracerRun; 2]> {
-    Some([row(scene, &[("skipping", "on")])?, row(scene, &[("skipping", "off")])?])
+    Some([row(scene, &vvp16::skipping("on"))?, row(scene, &vvp16::skipping("off"))?])
 }
 
 /// Time of diffuse rays without skipping over that with it.
@@ -71,7 +71,7 @@ fn same_hits_without_skipping(scene: &SceneRows<'_>) -> Option<f64> {
 /// How the time of a diffuse ray is ranked by the efficiency of skipping over the scenes.
 fn rank_of_time_by_efficiency<'a>(scenes: &[SceneRows<'a>]) -> Option<Estimate> {
     let point = |scene: &SceneRows<'a>| {
-        let run = row(scene, &[("skipping", "on")])?;
+        let run = row(scene, &vvp16::skipping("on"))?;
         let traced = trace(run, "diffuse")?;
         Some((efficiency(&[traced])?, timed(run, "diffuse")?.times(1.0 / traced.count as f64)))
     };

@@ -3,7 +3,7 @@
 use crate::papers::estimate::Estimate;
 use crate::papers::quantity::{PERCENT, Quantity, of_scene, timed_of_scene, timed_of_scenes};
 use crate::papers::rows::{SceneRows, statistic};
-use crate::papers::vvp16::row;
+use crate::papers::vvp16::{self, row};
 use crate::results::TracerRun;
 
 pub(super) const QUANTITIES: &[Quantity] = &[
@@ -33,7 +33,7 @@ pub(in crate::papers::vvp16) fn with<'a>(
     storage: &str,
     [decoupled, skipping]: [&str; 2],
 ) -> Option<&'a TracerRun> {
-    row(scene, &[("storage", storage), ("decoupled", decoupled), ("skipping", skipping)])
+    row(scene, &[&[("storage", storage), ("decoupled", decoupled)][..], &vvp16::skipping(skipping)].concat())
 }
 
 /// How many times as fast the second way is as the first, a storage each.

@@ -1,0 +1,60 @@
+// Rasterizes what is nearest at every pixel's centre: its linear eye depth, or the number of its triangle.
+
+#import tracebench::view::{View, to_eye_space, clip_position}
+#import tracebench::plane_depth::{FlatTriangle, flat_triangle, plane_depth, tested_depth}
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<storage, read> positions: array<f32>;
+@group(0) @binding(2) var<storage, read> indices: array<u32>;
+
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat) plane: vec4<f32>,
+    @location(1) @interpolate(flat) depths: vec2<f32>,
+#ifdef PRIMITIVES
+    @location(2) @interpolate(flat) primitive: u32,
+#endif
+}
+
+fn load_position(corner: u32) -> vec3<f32> {
+    let at = indices[corner] * 3u;
+    return vec3<f32>(positions[at], positions[at + 1u], positions[at + 2u]);
+}
+
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> Corner {
+    let a = load_position(index);
+    var corner: Corner;
+    corner.position = clip_position(view, to_eye_space(view, a));
+    // A triangle's first corner speaks for it.
+    if (index % 3u == 0u) {
+        let triangle = flat_triangle(view, a, load_position(index + 1u), load_position(index + 2u));
+        corner.plane = triangle.plane;
+        corner.depths = triangle.depths;
+#ifdef PRIMITIVES
+        corner.primitive = index / 3u;
+#endif
+    }
+    return corner;
+}
+
+struct Seen {
+#ifdef PRIMITIVES
+    // The number of the nearest triangle at the pixel's centre.
+    @location(0) what: vec4<u32>,
+#else
+    // Its eye depth.
+    @location(0) what: vec4<f32>,
+#endif
+    @builtin(frag_depth) tested: f32,
+}
+
+@fragment
+fn fragment(in: Corner) -> Seen {
+    let depth = plane_depth(view, FlatTriangle(in.plane, in.depths), in.position.xy);
+#ifdef PRIMITIVES
+    return Seen(vec4<u32>(in.primitive, 0u, 0u, 0u), tested_depth(view, depth));
+#else
+    return Seen(vec4<f32>(depth, 0.0, 0.0, 0.0), tested_depth(view, depth));
+#endif
+}

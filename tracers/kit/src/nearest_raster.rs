@@ -1,0 +1,84 @@
+//! What is nearest at every pixel of one view, by the hardware rasterizer; depths by the triangles' planes.
+
+use tracebench_api::wgpu::{self, BindGroup, RenderPipeline, TextureFormat, TextureView};
+use tracebench_api::{DeviceGeometry, Gpu, TracerError, View};
+use tracebench_shaders::shared::NearestRaster as Variant;
+
+use crate::{RasterTargets, ViewUniform, bind_group, raster_pipeline, shader_module};
+
+/// What depth is tested in.
+pub const DEPTH_TEST_FORMAT: TextureFormat = TextureFormat::Depth32Float;
+
+const VIEW: &str = "drawn view";
+
+/// A pipeline that draws what is nearest.
+#[derive(Debug)]
+pub(crate) struct NearestRaster {
+    pipeline: RenderPipeline,
+}
+
+impl NearestRaster {
+    /// Creates the pipeline of a variant, which writes a colour of that format.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the device refuses it.
+    pub(crate) fn new(gpu: &Gpu, variant: Variant, format: TextureFormat) -> Result<Self, TracerError> {
+        let shader = tracebench_shaders::Shader::from(variant);
+        let targets = RasterTargets {
+            colours: &[Some(format.into())],
+            // Reversed depth: near is 1, far is 0. Of equal depths the first triangle drawn stays.
+            depth: Some((DEPTH_TEST_FORMAT, true, wgpu::CompareFunction::Greater)),
+            ..Default::default()
+        };
+        Ok(Self { pipeline: raster_pipeline(gpu, shader.name, &shader_module(gpu, shader)?, &targets)? })
+    }
+
+    /// Name and bytes of what drawing takes while it runs, beside its targets.
+    pub(crate) const UNIFORM: (&str, u64) = (VIEW, size_of::<ViewUniform>() as u64);
+
+    /// Prepares one view.
+    ///
+    /// # Errors
+    /// [`TracerError::TooLarge`] if the device cannot bind the scene.
+    pub(crate) fn bind(&self, gpu: &Gpu, view: &View, geometry: &DeviceGeometry) -> Result<BindGroup, TracerError> {
+        for (name, buffer) in [("vertex positions", &geometry.positions), ("vertex indices", &geometry.indices)] {
+            gpu.check_storage_binding(name, buffer.size(), "the scene's triangle count")?;
+        }
+        let uniform = ViewUniform::from(view);
+        let uniform =
+            gpu.buffer_with(VIEW, bytemuck::bytes_of(&uniform), wgpu::BufferUsages::UNIFORM, "the number of views")?;
+        let resources = [&uniform, &geometry.positions, &geometry.indices].map(|buffer| buffer.as_entire_binding());
+        Ok(bind_group(gpu, &self.pipeline.get_bind_group_layout(0), &resources))
+    }
+
+    /// Records the pass that draws all triangles, with a depth test in a texture of the same size; `nothing` is left where there
+    /// is none.
+    pub(crate) fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        bindings: &BindGroup,
+        triangle_count: u32,
+        nothing: f64,
+        [target, depth_test]: [&TextureView; 2],
+    ) {
+        let clear = wgpu::Color { r: nothing, g: 0.0, b: 0.0, a: 0.0 };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("nearest"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: target,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: depth_test,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, bindings, &[]);
+        pass.draw(0..triangle_count * 3, 0..1);
+    }
+}
