@@ -1,6 +1,6 @@
 //! Device parts that several tracers share: views as uniforms, pipelines and dispatches, buffers that are kept and grow,
 //! pyramids' levels, prefix sums and sorts, rasterized eye depth and triangles, surfaces of hits, counts of rays, bits for what
-//! is touched; and clipping in f64, which what
+//! is touched, work that is the same every time; and clipping in f64, which what
 //! they rasterize is held against.
 
 mod clip;
@@ -8,6 +8,7 @@ mod compute;
 mod counts;
 mod empty_target;
 mod eye_depth;
+mod fixed_work;
 mod gather;
 mod last_count;
 mod prefix_sum;
@@ -27,6 +28,7 @@ pub use compute::{
 pub use counts::RayCounts;
 pub use empty_target::EmptyTarget;
 pub use eye_depth::{EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
+pub use fixed_work::{FixedWork, FixedWorkPlan, fixed_task};
 pub use gather::{Gather, SurfaceGeometry};
 pub use last_count::LastCount;
 pub use prefix_sum::{PrefixSum, PrefixSumPlan};
