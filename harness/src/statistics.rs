@@ -1,4 +1,10 @@
-//! Medians, order-statistic intervals and Wilson intervals.
+//! Medians, order-statistic intervals, signed-rank intervals, trends and Wilson intervals.
+
+mod signed_rank;
+mod trend;
+
+pub use signed_rank::{Middle, ends, middle};
+pub use trend::{Trend, trend};
 
 /// Standard normal quantile of a two-sided 95 % interval.
 const Z_95: f64 = 1.959_963_984_540_054;

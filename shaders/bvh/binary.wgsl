@@ -3,12 +3,13 @@
 // a visit tests both.
 
 #import tracebench::types::{Ray, Hit}
-#import tracebench::dispatch::linear_invocation
+#import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
+#import tracebench::reads::quad_0
 #import tracebench::bvh_search::{
-    SearchSettings, Search, begin_search, texel, load_triangle, test_triangle, finish_search
+    SearchSettings, Search, begin_search, load_triangle, test_triangle, finish_search
 }
 
-// Two texels.
+// Two quads.
 struct BinaryNode {
     low: vec3<f32>,
     // The first of two siblings, or the first triangle.
@@ -19,26 +20,23 @@ struct BinaryNode {
 }
 
 @group(0) @binding(0) var<uniform> settings: SearchSettings;
-@group(0) @binding(1) var node_texels: texture_storage_2d<rgba32uint, read>;
-@group(0) @binding(2) var triangle_texels: texture_storage_2d<rgba32uint, read>;
-@group(0) @binding(3) var<storage, read> rays: array<Ray>;
-@group(0) @binding(4) var<storage, read_write> hits: array<Hit>;
+@group(0) @binding(1) var<storage, read> rays: array<Ray>;
+@group(0) @binding(2) var<storage, read_write> hits: array<Hit>;
 #ifdef COUNTERS
 // Of every ray: pairs of siblings visited, triangles tested.
-@group(0) @binding(5) var<storage, read_write> counts: array<vec2<u32>>;
+@group(0) @binding(3) var<storage, read_write> counts: array<vec2<u32>>;
 // A bit each: visited, and tested, by any ray.
-@group(0) @binding(6) var<storage, read_write> nodes_touched: array<atomic<u32>>;
-@group(0) @binding(7) var<storage, read_write> references_touched: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read_write> nodes_touched: array<atomic<u32>>;
+@group(0) @binding(5) var<storage, read_write> references_touched: array<atomic<u32>>;
 #ifdef DEEP
-@group(0) @binding(8) var<storage, read_write> stacks: array<u32>;
+@group(0) @binding(6) var<storage, read_write> stacks: array<u32>;
 #endif
 #else
 #ifdef DEEP
-@group(0) @binding(5) var<storage, read_write> stacks: array<u32>;
+@group(0) @binding(3) var<storage, read_write> stacks: array<u32>;
 #endif
 #endif
 
-const WORKGROUP_SIZE: u32 = 64u;
 // Entries of the private stack. A level pushes once at most; the host takes the deep variant for more levels.
 const PRIVATE_STACK: u32 = 64u;
 const INNER: u32 = 0xffffffffu;
@@ -51,8 +49,8 @@ const ROUNDS: u32 = 8u;
 const PLANE_SLACK: f32 = 4.76837158e-7;
 
 fn load_node(index: u32) -> BinaryNode {
-    let low = texel(node_texels, 2u * index);
-    let high = texel(node_texels, 2u * index + 1u);
+    let low = quad_0(2u * index);
+    let high = quad_0(2u * index + 1u);
     return BinaryNode(bitcast<vec3<f32>>(low.xyz), low.w, bitcast<vec3<f32>>(high.xyz), high.w);
 }
 
@@ -80,21 +78,20 @@ fn trace(
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let lane = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
-    // Neighbours take neighbouring rays: a workgroup's rays are a block, dealt out in turn.
-    let block = (lane - local) * settings.rays_per_lane;
-    let end = settings.first_ray + min(block + WORKGROUP_SIZE * settings.rays_per_lane, settings.ray_count);
-    var index = settings.first_ray + block + local;
-    if (index >= end) {
+    var turns = turns_of(
+        workgroup, workgroups, local, settings.first_ray, settings.ray_count, settings.rays_per_lane,
+    );
+    if (turns.ray >= turns.end) {
         return;
     }
 #ifdef DEEP
-    let stack_base = lane * settings.stack_entries;
+    // Deep searches take a ray a lane.
+    let stack_base = (turns.ray - settings.first_ray) * settings.stack_entries;
 #else
     var stack: array<u32, PRIVATE_STACK>;
 #endif
     var stack_size = 0u;
-    var search = begin_search(settings, rays[index]);
+    var search = begin_search(settings, rays[turns.ray]);
     // Siblings to visit next.
     var pair = 0u;
     // Triangles to test: those of a leaf, and of its sibling if that is one too.
@@ -110,7 +107,7 @@ fn trace(
         var round = 0u;
         loop {
             if (slot < leaf_end) {
-                test_triangle(&search, load_triangle(triangle_texels, slot));
+                test_triangle(&search, load_triangle(slot));
 #ifdef COUNTERS
                 work.y += 1u;
                 atomicOr(&references_touched[slot >> 5u], 1u << (slot & 31u));
@@ -178,16 +175,16 @@ fn trace(
             }
         }
         if (!busy) {
-            hits[index] = finish_search(settings, search);
+            hits[turns.ray] = finish_search(settings, search);
 #ifdef COUNTERS
-            counts[index] = work;
+            counts[turns.ray] = work;
             work = vec2<u32>(0u);
 #endif
-            index += WORKGROUP_SIZE;
-            if (index >= end) {
+            turns.ray += WORKGROUP_SIZE;
+            if (turns.ray >= turns.end) {
                 break;
             }
-            search = begin_search(settings, rays[index]);
+            search = begin_search(settings, rays[turns.ray]);
             pair = 0u;
         }
     }

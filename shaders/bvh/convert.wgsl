@@ -6,7 +6,7 @@
 
 #import tracebench::bvh_build::{BinaryNode, WideNode, TAKEN_SLOTS, LEVELS}
 #import tracebench::bvh_build::{is_inner, triangles_below, height, half_area, grid_of, enter_box, byte_at}
-#import tracebench::bvh_search::Triangle
+#import tracebench::bvh_triangle::Triangle
 
 struct Level {
     index: u32,

@@ -9,12 +9,13 @@
 // extension. Postponing costs 1 to 2 % more nodes and 5 to 7 % more triangles.
 
 #import tracebench::types::{Ray, Hit}
-#import tracebench::dispatch::linear_invocation
+#import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
+#import tracebench::reads::quad_0
 #import tracebench::bvh_search::{
-    SearchSettings, Search, begin_search, texel, load_triangle, test_triangle, finish_search
+    SearchSettings, Search, begin_search, load_triangle, test_triangle, finish_search
 }
 
-// Five texels.
+// Five quads.
 struct WideNode {
     // Least corner of the children's grid.
     origin: vec3<f32>,
@@ -31,26 +32,23 @@ struct WideNode {
 }
 
 @group(0) @binding(0) var<uniform> settings: SearchSettings;
-@group(0) @binding(1) var node_texels: texture_storage_2d<rgba32uint, read>;
-@group(0) @binding(2) var triangle_texels: texture_storage_2d<rgba32uint, read>;
-@group(0) @binding(3) var<storage, read> rays: array<Ray>;
-@group(0) @binding(4) var<storage, read_write> hits: array<Hit>;
+@group(0) @binding(1) var<storage, read> rays: array<Ray>;
+@group(0) @binding(2) var<storage, read_write> hits: array<Hit>;
 #ifdef COUNTERS
 // Of every ray: nodes visited, triangles tested.
-@group(0) @binding(5) var<storage, read_write> counts: array<vec2<u32>>;
+@group(0) @binding(3) var<storage, read_write> counts: array<vec2<u32>>;
 // A bit each: visited, and tested, by any ray.
-@group(0) @binding(6) var<storage, read_write> nodes_touched: array<atomic<u32>>;
-@group(0) @binding(7) var<storage, read_write> references_touched: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read_write> nodes_touched: array<atomic<u32>>;
+@group(0) @binding(5) var<storage, read_write> references_touched: array<atomic<u32>>;
 #ifdef DEEP
-@group(0) @binding(8) var<storage, read_write> stacks: array<vec2<u32>>;
+@group(0) @binding(6) var<storage, read_write> stacks: array<vec2<u32>>;
 #endif
 #else
 #ifdef DEEP
-@group(0) @binding(5) var<storage, read_write> stacks: array<vec2<u32>>;
+@group(0) @binding(3) var<storage, read_write> stacks: array<vec2<u32>>;
 #endif
 #endif
 
-const WORKGROUP_SIZE: u32 = 64u;
 // Entries of the private stack. A level pushes once at most; the host takes the deep variant for more levels.
 const PRIVATE_STACK: u32 = 24u;
 // Bits of a group of children to visit: which of them, in order, above; which of the node's children are nodes, below.
@@ -67,17 +65,17 @@ const PLANE_SLACK: f32 = 4.76837158e-7;
 const ROUNDS: u32 = 4u;
 
 fn load_node(index: u32) -> WideNode {
-    let head = texel(node_texels, 5u * index);
-    let references = texel(node_texels, 5u * index + 1u);
+    let head = quad_0(5u * index);
+    let references = quad_0(5u * index + 1u);
     return WideNode(
         bitcast<vec3<f32>>(head.xyz),
         head.w,
         references.x,
         references.y,
         references.zw,
-        texel(node_texels, 5u * index + 2u),
-        texel(node_texels, 5u * index + 3u),
-        texel(node_texels, 5u * index + 4u),
+        quad_0(5u * index + 2u),
+        quad_0(5u * index + 3u),
+        quad_0(5u * index + 4u),
     );
 }
 
@@ -158,21 +156,20 @@ fn trace(
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let lane = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
-    // Neighbours take neighbouring rays: a workgroup's rays are a block, dealt out in turn.
-    let block = (lane - local) * settings.rays_per_lane;
-    let end = settings.first_ray + min(block + WORKGROUP_SIZE * settings.rays_per_lane, settings.ray_count);
-    var index = settings.first_ray + block + local;
-    if (index >= end) {
+    var turns = turns_of(
+        workgroup, workgroups, local, settings.first_ray, settings.ray_count, settings.rays_per_lane,
+    );
+    if (turns.ray >= turns.end) {
         return;
     }
 #ifdef DEEP
-    let stack_base = lane * settings.stack_entries;
+    // Deep searches take a ray a lane.
+    let stack_base = (turns.ray - settings.first_ray) * settings.stack_entries;
 #else
     var stack: array<vec2<u32>, PRIVATE_STACK>;
 #endif
     var stack_size = 0u;
-    var search = begin_search(settings, rays[index]);
+    var search = begin_search(settings, rays[turns.ray]);
     var octant = octant_of(search.inverse);
     // Children to visit; those of their ancestors wait on the stack.
     var group = ROOT_GROUP;
@@ -191,7 +188,7 @@ fn trace(
             if (leaves != 0u) {
                 let offset = firstLeadingBit(leaves);
                 leaves &= ~(1u << offset);
-                test_triangle(&search, load_triangle(triangle_texels, first_triangle + offset));
+                test_triangle(&search, load_triangle(first_triangle + offset));
 #ifdef COUNTERS
                 work.y += 1u;
                 let reference = first_triangle + offset;
@@ -247,16 +244,16 @@ fn trace(
             }
         }
         if (!busy) {
-            hits[index] = finish_search(settings, search);
+            hits[turns.ray] = finish_search(settings, search);
 #ifdef COUNTERS
-            counts[index] = work;
+            counts[turns.ray] = work;
             work = vec2<u32>(0u);
 #endif
-            index += WORKGROUP_SIZE;
-            if (index >= end) {
+            turns.ray += WORKGROUP_SIZE;
+            if (turns.ray >= turns.end) {
                 break;
             }
-            search = begin_search(settings, rays[index]);
+            search = begin_search(settings, rays[turns.ray]);
             octant = octant_of(search.inverse);
             group = ROOT_GROUP;
         }

@@ -2,7 +2,7 @@
 
 #import tracebench::dispatch::linear_invocation
 #import tracebench::bvh_build::{BuildSettings, BinaryNode, CROWDED, LEVELS}
-#import tracebench::bvh_search::Triangle
+#import tracebench::bvh_triangle::Triangle
 
 @group(0) @binding(0) var<uniform> settings: BuildSettings;
 @group(0) @binding(1) var<storage, read> positions: array<f32>;

@@ -3,7 +3,7 @@
 
 #import tracebench::dispatch::linear_invocation
 #import tracebench::bvh_build::{BinaryNode, WideNode, FINISHED, LEVELS, is_inner, grid_of, enter_box}
-#import tracebench::bvh_search::Triangle
+#import tracebench::bvh_triangle::Triangle
 
 struct Stage {
     // Of iterations from the first one on, of levels from the root's on.

@@ -1,14 +1,12 @@
 #define_import_path tracebench::bvh_search
 
-// What the searches of bounding volume hierarchies share: rays scaled to the hierarchy, nodes and triangles in textures,
-// triangles tested, hits.
-//
-// Nodes and triangles are words in storage textures, four a texel, row by row. Searches read them at unrelated places in
-// every lane, and Mesa's software driver searches faster with storage textures than with buffers, whose loads it makes of a
-// branch a lane and word, or with sampled textures, of which it asks the level of detail a lane.
+// What the searches of bounding volume hierarchies share: rays scaled to the hierarchy, triangles read and tested, hits. Nodes
+// are read as quads 0, triangles as quads 1.
 
 #import tracebench::types::{Ray, Hit, miss, STATUS_HIT, STATUS_MISS}
 #import tracebench::triangle::{RayFrame, ray_frame, cross_triangle}
+#import tracebench::reads::quad_1
+#import tracebench::bvh_triangle::Triangle
 
 struct SearchSettings {
     // Rays from the first one on that this dispatch answers.
@@ -27,27 +25,10 @@ struct SearchSettings {
     greatest_t: f32,
 }
 
-// Texels a row are two to the power of it: as ROW_BITS of tracers/bvh/src/gpu/texels.rs.
-const ROW_BITS: u32 = 11u;
-
-fn texel(texels: texture_storage_2d<rgba32uint, read>, index: u32) -> vec4<u32> {
-    return textureLoad(texels, vec2<u32>(index & ((1u << ROW_BITS) - 1u), index >> ROW_BITS));
-}
-
-// Corners in units of the hierarchy. Three texels.
-struct Triangle {
-    first: vec3<f32>,
-    primitive: u32,
-    second: vec3<f32>,
-    after_second: u32,
-    third: vec3<f32>,
-    after_third: u32,
-}
-
-fn load_triangle(texels: texture_storage_2d<rgba32uint, read>, slot: u32) -> Triangle {
-    let first = texel(texels, 3u * slot);
-    let second = texel(texels, 3u * slot + 1u);
-    let third = texel(texels, 3u * slot + 2u);
+fn load_triangle(slot: u32) -> Triangle {
+    let first = quad_1(3u * slot);
+    let second = quad_1(3u * slot + 1u);
+    let third = quad_1(3u * slot + 2u);
     return Triangle(
         bitcast<vec3<f32>>(first.xyz),
         first.w,

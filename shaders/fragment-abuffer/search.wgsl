@@ -4,7 +4,7 @@
 // depths.
 
 #import tracebench::depth_bounds::bucket_share
-#import tracebench::fragment_store::{shape, search, views, number, found, found_depth, open, load_id, test_depth, take, word_of, bounds_of, misses}
+#import tracebench::fragment_store::{shape, search, views, number, found, found_depth, open, work, load_id, test_depth, take, word_of, bounds_of, misses}
 
 #ifdef CONTIGUOUS
 // The first node of a piece with at least this depth, its end if there is none.
@@ -29,16 +29,19 @@ fn first_not_before(begin: u32, end: u32, depth: f32) -> u32 {
 
 // A pixel's piece of the s-buffer: from the side that the ray comes from, by halving where it is long. Of equal depths the first.
 fn search_fragments(pixel: u32, least: f32, most: f32, forwards: bool) {
+#ifdef COUNTERS
+    work[5] += 1u;
+#endif
     let begin = word_of(pixel, 0u);
     let count = word_of(pixel, 1u);
     let end = min(begin + count, views[number].node_capacity);
     if (begin >= end) {
         return;
     }
-    let skipping = search.skipping == 1u;
-    if (skipping && misses(vec2<f32>(test_depth(begin), test_depth(end - 1u)), least, most)) {
+    if (search.skip_bounds == 1u && misses(vec2<f32>(test_depth(begin), test_depth(end - 1u)), least, most)) {
         return;
     }
+    let leaves = search.skip_lists == 1u;
     if (count > search.binary_search_above) {
         if (!forwards) {
             // The last before `most`, and of its depth the first.
@@ -71,7 +74,7 @@ fn search_fragments(pixel: u32, least: f32, most: f32, forwards: bool) {
         let depth = test_depth(node);
         let inside = depth >= least && depth < most;
         let passed = select((depth < least), (depth >= most), forwards);
-        if ((found && (forwards || depth != found_depth)) || (skipping && passed)) {
+        if ((found && (forwards || depth != found_depth)) || (leaves && passed)) {
             open -= 1u;
             break;
         }
@@ -85,18 +88,23 @@ fn search_fragments(pixel: u32, least: f32, most: f32, forwards: bool) {
 // A list, from its head or, where it is linked both ways, from the end that the ray comes from. Of equal depths the first.
 fn search_list(pixel: u32, bucket: u32, least: f32, most: f32, forwards: bool) {
     let backwards = !forwards && shape.double == 1u;
+#ifdef COUNTERS
+    work[5] += 1u;
+#endif
     var link = word_of(pixel, bucket + select(0u, shape.buckets, backwards));
     if (link == 0u) {
         return;
     }
-    let skipping = search.skipping == 1u;
+    let leaves = search.skip_lists == 1u;
+    // A list without bounds and without a tail has its first fragment for a near bound, and nothing for a far one (4.3).
+    var skips = leaves || (search.skip_bounds == 1u && shape.bounds_word == 0u && shape.double == 0u);
     open += 1u;
     loop {
         let node = link - 1u;
         let depth = test_depth(node);
         let inside = depth >= least && depth < most;
         if (backwards) {
-            if ((found && depth != found_depth) || (skipping && depth < least)) {
+            if ((found && depth != found_depth) || (leaves && depth < least)) {
                 open -= 1u;
                 break;
             }
@@ -107,11 +115,12 @@ fn search_list(pixel: u32, bucket: u32, least: f32, most: f32, forwards: bool) {
             if (inside && (!found || depth > found_depth)) {
                 take(node, depth);
             }
-            if ((found && forwards) || (skipping && depth >= most)) {
+            if ((found && forwards) || (skips && depth >= most)) {
                 open -= 1u;
                 break;
             }
         }
+        skips = leaves;
         link = load_id(node * shape.node_words + select(1u, 2u, backwards));
         if (link == 0u) {
             open -= 1u;
@@ -125,26 +134,31 @@ fn search_list(pixel: u32, bucket: u32, least: f32, most: f32, forwards: bool) {
 fn search_fragments(pixel: u32, least: f32, most: f32, forwards: bool) {
     var first = 0u;
     var last = shape.buckets - 1u;
-    if (search.skipping == 1u) {
-        if (shape.bounds_word > 0u) {
-            let bounds = bounds_of(pixel);
-            if (misses(bounds, least, most)) {
-                return;
-            }
+    let by_bounds = search.skip_bounds == 1u;
+    let by_buckets = search.skip_buckets == 1u && last > 0u;
+    if (shape.bounds_word > 0u) {
+        var bounds = vec2<f32>(0.0);
+        if (by_bounds || by_buckets) {
+            bounds = bounds_of(pixel);
+        }
+        if (by_bounds && misses(bounds, least, most)) {
+            return;
+        }
+        if (by_buckets) {
             // A little more than what is asked for: fragments were put into buckets by another shader.
             let shares = vec2<f32>(bucket_share(least, bounds), bucket_share(most, bounds)) * f32(shape.buckets);
             let held = clamp(floor(shares + vec2<f32>(-1e-3, 1e-3)), vec2<f32>(0.0), vec2<f32>(f32(last)));
             first = u32(held.x);
             last = u32(held.y);
-        } else if (shape.double == 1u) {
-            let head = word_of(pixel, 0u);
-            if (head == 0u) {
-                return;
-            }
-            let tail = word_of(pixel, 1u);
-            if (misses(vec2<f32>(test_depth(head - 1u), test_depth(tail - 1u)), least, most)) {
-                return;
-            }
+        }
+    } else if (by_bounds && shape.double == 1u) {
+        let head = word_of(pixel, 0u);
+        if (head == 0u) {
+            return;
+        }
+        let tail = word_of(pixel, 1u);
+        if (misses(vec2<f32>(test_depth(head - 1u), test_depth(tail - 1u)), least, most)) {
+            return;
         }
     }
     var opened = first;

@@ -19,8 +19,6 @@ struct MarchSettings {
     centred: u32,
     // 1: a step asks for depths within its pixel alone.
     span_by_pixel: u32,
-    // 1: pixels, buckets and rests of lists that hold no hit are skipped.
-    skipping: u32,
     binary_search_above: u32,
     // Scene units, and parts of the eye depth: one of both is 0.
     thickness: f32,
@@ -30,9 +28,12 @@ struct MarchSettings {
     start_bias: f32,
     // 1: fragments are as thick as that before their depth, not behind it.
     thick_before: u32,
-    padding_a: u32,
-    padding_b: u32,
-    padding_c: u32,
+    // 1: pixels whose depth bounds the ray misses are skipped (step a), buckets that it does not meet (step b), and rests of
+    // lists beyond it.
+    skip_bounds: u32,
+    skip_buckets: u32,
+    skip_lists: u32,
+    padding: u32,
 }
 
 @group(0) @binding(0) var<uniform> shape: Storage;
@@ -75,7 +76,7 @@ var<private> steps: u32;
 var<private> open: u32;
 #ifdef COUNTERS
 // As in the counts of a ray.
-var<private> work: array<u32, 5>;
+var<private> work: array<u32, 6>;
 #endif
 
 fn load_pixel(index: u32) -> u32 {

@@ -15,7 +15,8 @@
 @group(0) @binding(9) var<storage, read_write> surfaces: array<Surface>;
 #endif
 #ifdef COUNTERS
-// Of every ray COUNTS: pixels looked at, pixels with fragments tested, fragments tested, views entered, views asked for.
+// Of every ray COUNTS: pixels looked at, pixels with fragments tested, fragments tested, views entered, views asked for, lists
+// searched.
 @group(0) @binding(10) var<storage, read_write> counts: array<u32>;
 #ifdef SURFACES
 // A bit a node: its payload read for any ray.
@@ -35,7 +36,7 @@
 #endif
 
 const WORKGROUP_SIZE: u32 = 64u;
-const COUNTS: u32 = 5u;
+const COUNTS: u32 = 6u;
 
 #ifdef SURFACES
 fn load_payload(index: u32) -> u32 {

@@ -156,9 +156,9 @@ fn rows_hold_every_count() {
         })
         .collect();
     for node in ["cwbvh", "bvh2"] {
-        let subject = Subject::new("bvh-gpu", &[("node", node)], &gpu);
+        let subject = Subject::new("bvh-gpu", &[("node", node), ("reads", "texture")], &gpu);
         let mut structure = subject.try_build(&soup(&triangles[..700], Some(&gpu))).unwrap();
-        // Three texels a triangle: 2048 of them fill three rows.
+        // Three quads a triangle: 2048 of them fill three rows.
         for count in [1, 2, 682, 683, 2047, 2048, 2049, 3] {
             let geometry = soup(&triangles[..count], Some(&gpu));
             let fresh = subject.try_build(&geometry).unwrap();
@@ -177,17 +177,23 @@ fn rows_hold_every_count() {
     }
 }
 
-/// Proves that what the device cannot hold in a texture is an error that names the part, its bytes and what to turn down.
+/// Proves that what the device cannot hold in a texture, or bind as a buffer, is an error that names the part, its bytes and what to
+/// turn down.
 #[test]
 fn too_large_is_said() {
     let mut small = Gpu::open(&AdapterChoice::default()).unwrap();
     // A row.
-    small.limits.max_texture_dimension_2d = 1;
-    let row = 16 << tracebench_bvh::ROW_BITS;
+    let row = 1 << tracebench_kit::ROW_BITS;
+    (small.limits.max_texture_dimension_2d, small.limits.max_storage_buffer_binding_size) = (1, row);
     let small = Arc::new(small);
     let (geometry, _) = room(&small);
-    for (node, name) in [("cwbvh", "CWBVH nodes"), ("bvh2", "BVH2 nodes")] {
-        let subject = Subject::new("bvh-gpu", &[("node", node)], &small);
+    for (node, name, reads) in [
+        ("cwbvh", "CWBVH nodes", "texture"),
+        ("bvh2", "BVH2 nodes", "texture"),
+        ("cwbvh", "CWBVH nodes", "buffer"),
+        ("bvh2", "BVH2 nodes", "buffer"),
+    ] {
+        let subject = Subject::new("bvh-gpu", &[("node", node), ("reads", reads)], &small);
         let Err(error) = subject.try_build(&geometry) else { panic!("{node} was built") };
         let TracerError::TooLarge { name: part, bytes, limit, turn_down } = &error else { panic!("{error}") };
         assert!(part == name && *bytes > row && *limit == row && turn_down.contains("triangle"), "{error}");

@@ -14,7 +14,11 @@ use tracebench_api::ClockKind;
 
 pub use accuracy::{Accuracy, Shift};
 
-use crate::results::{Movement, Ratio, Run, Times, TraceRecord, TracerRun, same_rays, same_work};
+use crate::results::{
+    COVERAGE, Doubt, LEAST_ROUNDS, MOST_CHANGE, Movement, Ratio, Run, Times, TraceRecord, TracerRun, same_rays,
+    same_work,
+};
+use crate::statistics::median;
 
 /// The schema of a comparison as JSON.
 pub const SCHEMA: u32 = 1;
@@ -92,6 +96,8 @@ pub struct Speed {
     pub ratio: Option<Ratio>,
     /// What is to be said of it; `None` without a ratio.
     pub movement: Option<Movement>,
+    /// Why nothing can be said, where that is so.
+    pub undecided_because: Option<String>,
 }
 
 /// Something that must be the same and is not: its value in the first run and in the second, `None` where one has it not.
@@ -191,25 +197,21 @@ pub fn compare(a: (&str, &Run), b: (&str, &Run), threshold: f64) -> Comparison {
     let timed = |one: &TracerRun, other: &TracerRun| {
         !joined || a.1.provenance.machine_of(one.machine) == b.1.provenance.machine_of(other.machine)
     };
+    let runs = [a.1, b.1];
     let (pairs, only_in_a, only_in_b) = pairs(&a.1.runs, &b.1.runs, same_work);
     comparison.only_in_a.extend(only_in_a.into_iter().map(|run| Key::of(run, None)));
     comparison.only_in_b.extend(only_in_b.into_iter().map(|run| Key::of(run, None)));
     for (a, b) in pairs {
-        let mut build = build_row(a, b, threshold);
-        let untimed = |speed: &mut Speed| (speed.ratio, speed.movement) = (None, None);
-        if !timed(a, b) {
-            untimed(&mut build.speed);
-        }
-        comparison.builds.push(build);
+        let speed = |one: &Times, other: &Times| {
+            let doubt = doubt((runs[0], one), (runs[1], other));
+            speed(one, other, threshold, timed(a, b), doubt)
+        };
+        comparison.builds.push(build_row(a, b, speed(&a.build.times, &b.build.times)));
         let (traces, only_in_a, only_in_b) = self::pairs(&a.traces, &b.traces, same_rays);
         comparison.only_in_a.extend(only_in_a.into_iter().map(|trace| Key::of(a, Some(trace))));
         comparison.only_in_b.extend(only_in_b.into_iter().map(|trace| Key::of(b, Some(trace))));
         for (one, other) in traces {
-            let mut row = trace_row(a, one, other, threshold);
-            if !timed(a, b) {
-                untimed(&mut row.speed);
-            }
-            comparison.traces.push(row);
+            comparison.traces.push(trace_row(a, one, other, speed(&one.times, &other.times)));
         }
     }
     comparison
@@ -254,21 +256,49 @@ fn differences(a: &Run, b: &Run) -> Vec<String> {
     both.into_iter().filter(|(_, a, b)| a != b).map(|(what, a, b)| format!("{what}: {a} against {b}")).collect()
 }
 
-fn speed(a: &Times, b: &Times, threshold: f64) -> Speed {
-    let median = |times: &Times| (!times.samples_ms.is_empty()).then_some(times.median_ms);
-    let ratio = if a.clock == b.clock { Ratio::of_speeds(&a.samples_ms, &b.samples_ms) } else { None };
-    let fewest = a.samples_ms.len().min(b.samples_ms.len());
-    Speed {
-        a_ms: median(a),
-        b_ms: median(b),
-        a_clock: a.clock,
-        b_clock: b.clock,
-        ratio,
-        movement: ratio.map(|ratio| ratio.movement(fewest, threshold)),
+/// Why times of two runs decide nothing, whatever their ratio is.
+fn doubt(a: (&Run, &Times), b: (&Run, &Times)) -> Option<Doubt> {
+    let void = [a.1, b.1].iter().find_map(|times| times.void.clone());
+    let fewest = a.1.samples_ms.len().min(b.1.samples_ms.len());
+    let races = [a, b].map(|(run, times)| run.race(times));
+    let kernels = |place: usize| races[place].iter().flat_map(|race| &race.kernels).collect::<Vec<_>>();
+    let changed = kernels(0).iter().any(|kernel| {
+        let others = kernels(1);
+        let mut same = others.iter().filter(|other| (other.clock, other.steps) == (kernel.clock, kernel.steps));
+        same.any(|other| {
+            let change = median(&kernel.samples_ms) / median(&other.samples_ms);
+            change.max(1.0 / change) > 1.0 + MOST_CHANGE
+        })
+    });
+    match () {
+        () if void.is_some() => void.map(Doubt::Void),
+        () if fewest < LEAST_ROUNDS as usize => Some(Doubt::FewRounds(fewest)),
+        () if races.iter().flatten().any(|race| race.drift) => Some(Doubt::Drift("within a race".to_owned())),
+        () if changed => Some(Doubt::Drift("the fixed kernel took another time".to_owned())),
+        () => None,
     }
 }
 
-fn build_row(a: &TracerRun, b: &TracerRun, threshold: f64) -> BuildRow {
+/// `comparable`: both were timed on the same machine, as far as that is known.
+fn speed(a: &Times, b: &Times, threshold: f64, comparable: bool, doubt: Option<Doubt>) -> Speed {
+    let timed = |times: &Times| (!times.samples_ms.is_empty()).then_some(times.median_ms);
+    let ratio = Ratio::of_times(&a.samples_ms, &b.samples_ms, COVERAGE).filter(|_| comparable && a.clock == b.clock);
+    let fewest = a.samples_ms.len().min(b.samples_ms.len());
+    let movement =
+        ratio.map(|ratio| if doubt.is_some() { Movement::Undecided } else { ratio.movement(fewest, threshold) });
+    let because = doubt.unwrap_or(Doubt::Interval).to_string();
+    Speed {
+        a_ms: timed(a),
+        b_ms: timed(b),
+        a_clock: a.clock,
+        b_clock: b.clock,
+        ratio,
+        movement,
+        undecided_because: (movement == Some(Movement::Undecided)).then_some(because),
+    }
+}
+
+fn build_row(a: &TracerRun, b: &TracerRun, speed: Speed) -> BuildRow {
     let bytes = |run: &TracerRun| {
         BTreeMap::from([
             ("structure".to_owned(), run.memory.structure_bytes as f64),
@@ -280,20 +310,20 @@ fn build_row(a: &TracerRun, b: &TracerRun, threshold: f64) -> BuildRow {
     let asked = !a.structure_statistics.is_empty() && !b.structure_statistics.is_empty();
     BuildRow {
         key: Key::of(a, None),
-        speed: speed(&a.build.times, &b.build.times, threshold),
+        speed,
         bytes: changes(&bytes(a), &bytes(b)),
         statistics: if asked { changes(&a.structure_statistics, &b.structure_statistics) } else { Changes::new() },
     }
 }
 
-fn trace_row(run: &TracerRun, a: &TraceRecord, b: &TraceRecord, threshold: f64) -> TraceRow {
+fn trace_row(run: &TracerRun, a: &TraceRecord, b: &TraceRecord, speed: Speed) -> TraceRow {
     let counters = |trace: &TraceRecord| {
         trace.counters.iter().map(|(name, counter)| (name.clone(), counter.total as f64)).collect::<BTreeMap<_, _>>()
     };
     let bytes = |trace: &TraceRecord| BTreeMap::from([("a trace".to_owned(), trace.per_trace_bytes as f64)]);
     TraceRow {
         key: Key::of(run, Some(a)),
-        speed: speed(&a.times, &b.times, threshold),
+        speed,
         accuracy: Accuracy::of_both(&a.judgement, &b.judgement),
         same_hits: a.hits_sha256 == b.hits_sha256,
         bytes: changes(&bytes(a), &bytes(b)),

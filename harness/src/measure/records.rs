@@ -110,8 +110,12 @@ fn times(timings: &[Timing]) -> Times {
         interval_coverage,
         phases: PhaseRecord::collect(&phases),
         submit_to_done_median_ms: (!submissions.is_empty()).then(|| median(&submissions)),
+        submit_to_done_samples_ms: submissions,
         timestamps_refused: !believed,
         grown_samples: timings.iter().filter(|timing| timing.grown).count() as u64,
+        race: None,
+        void: None,
+        aligned_by: None,
     }
 }
 

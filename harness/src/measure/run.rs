@@ -188,6 +188,7 @@ pub(crate) fn empty<'r>(requests: impl IntoIterator<Item = &'r TracerRequest>, c
         controls: Vec::new(),
         runs: Vec::new(),
         anchors: Vec::new(),
+        races: Vec::new(),
         skipped: Vec::new(),
     }
 }

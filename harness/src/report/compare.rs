@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::format::{self, NONE, clock, optional, percent, significant, statistic, thousands};
 use super::markdown::{Table, inline};
 use crate::compare::{Accuracy, Changes, Comparison, Key, Shift, Side, Speed};
-use crate::results::{LEAST_SAMPLES, Movement, Ratio};
+use crate::results::{LEAST_ROUNDS, Movement, Ratio};
 
 /// The whole comparison, as Markdown.
 pub fn comparison_text(comparison: &Comparison) -> String {
@@ -21,10 +21,11 @@ pub fn comparison_text(comparison: &Comparison) -> String {
     let _ = writeln!(
         text,
         "\nRatios are speed of B over speed of A: below 1 is slower. Intervals combine order statistics of both; what they \
-         cover stands beside. A time moved if its interval excludes 1, the slower takes more than {} % longer, and both have at \
-         least {LEAST_SAMPLES} samples; an accuracy moved if the 95 % intervals are disjoint. Samples of one run do not tell how \
-         runs differ on a machine that does other work too.",
-        significant(comparison.threshold * 100.0, 3)
+         cover stands beside. A time moved if its interval excludes 1 and the slower takes more than {threshold} % longer; it is within \
+         {threshold} % if the whole interval is; else it is undecided, as it is with fewer than {LEAST_ROUNDS} samples, with void \
+         times, and where the fixed kernel tells of a machine that changed its speed. An accuracy moved if the 95 % intervals \
+         are disjoint.",
+        threshold = significant(comparison.threshold * 100.0, 3)
     );
     text += &moved(comparison);
     if comparison.is_empty() {
@@ -81,7 +82,7 @@ fn movement(speed: &Speed) -> Option<String> {
     let what = match speed.movement? {
         Movement::Slower => "**slower**",
         Movement::Faster => "faster",
-        Movement::Within | Movement::TooFewSamples => return None,
+        Movement::Within | Movement::Undecided => return None,
     };
     Some(format!("{what}, ratio {}", with_interval(&ratio)))
 }
@@ -96,8 +97,10 @@ fn speed_cells(speed: &Speed) -> [String; 5] {
         (_, false) => format!("clocks differ: {} against {}", clock(speed.a_clock), clock(speed.b_clock)),
         (Some(Movement::Slower), _) => "**slower**".to_owned(),
         (Some(Movement::Faster), _) => "faster".to_owned(),
-        (Some(Movement::TooFewSamples), _) => "too few samples".to_owned(),
-        (Some(Movement::Within), _) => "within noise".to_owned(),
+        (Some(Movement::Within), _) => "the same".to_owned(),
+        (Some(Movement::Undecided), _) => {
+            format!("undecided: {}", speed.undecided_because.as_deref().unwrap_or("the interval does not separate"))
+        }
         (None, _) => NONE.to_owned(),
     };
     let times = format!("{}, {}", optional(speed.a_ms, 4), optional(speed.b_ms, 4));

@@ -87,6 +87,7 @@ pub(crate) fn run(contenders: &[(&str, Quality)], sets: &[(&str, Query)]) -> Run
         controls: controls.iter().map(|(name, missed, blur)| control(name, *missed, *blur, sets)).collect(),
         runs: contenders.iter().map(|(name, quality)| contender(name, *quality, sets)).collect(),
         anchors: Vec::new(),
+        races: Vec::new(),
         skipped: vec![Skipped {
             tracer: Some("bvh-ray-query".to_owned()),
             scene: "room".to_owned(),
@@ -103,6 +104,7 @@ pub(crate) fn provenance() -> Provenance {
         commit: "0123456789abcdef0123456789abcdef01234567".to_owned(),
         dirty: Some(true),
         started: "2031-05-06T07:08:09Z".to_owned(),
+        rules_version: 1,
         resumed: Vec::new(),
         shard: None,
         further_machines: Vec::new(),
@@ -205,7 +207,7 @@ fn answer_hit(judgement: &mut Judgement) {
 
 fn contender(name: &str, quality: Quality, sets: &[(&str, Query)]) -> TracerRun {
     let (name, preset) = name.split_once(':').unwrap_or((name, "published"));
-    let samples: Vec<f64> = (0..10).map(|index| 40.0 + f64::from(index * 7 % 10)).collect();
+    let samples: Vec<f64> = (0..20).map(|index| 40.0 + f64::from(index * 7 % 10)).collect();
     let phase = |name: &str| PhaseRecord {
         name: name.to_owned(),
         median_ms: median(&samples) / 2.0,
@@ -249,13 +251,17 @@ fn times(quality: Quality, samples: &[f64], phases: Vec<PhaseRecord>) -> Times {
         submit_to_done_median_ms: (quality.clock != ClockKind::Host).then(|| median(samples) + 0.3),
         timestamps_refused: false,
         grown_samples: 0,
+        submit_to_done_samples_ms: Vec::new(),
+        race: None,
+        void: None,
+        aligned_by: None,
     }
 }
 
 fn trace(rays: &str, query: Query, index: usize, quality: Quality) -> TraceRecord {
     let speed = quality.speed / (1.0 + 0.6 * index as f64);
     let jitter = |sample: i32| 1.0 + 0.02 * f64::from(sample * 3 % 10 - 5);
-    let samples: Vec<f64> = (0..10).map(|sample| COUNT as f64 / (speed * 1e3) * jitter(sample)).collect();
+    let samples: Vec<f64> = (0..20).map(|sample| COUNT as f64 / (speed * 1e3) * jitter(sample)).collect();
     let counter = CounterRecord { total: COUNT * 37, per_ray: 37.0, greatest_per_ray: Some(412) };
     TraceRecord {
         rays: rays.to_owned(),

@@ -11,7 +11,9 @@ mod explanation;
 mod judgement;
 mod key;
 mod merge;
+mod paired;
 mod provenance;
+mod race;
 mod ratio;
 mod row;
 mod sweep;
@@ -35,8 +37,10 @@ pub use judgement::{
 };
 pub use key::{same_place, same_pose, same_rays, same_work};
 pub use merge::{MergeError, merge};
-pub use provenance::{ConvertedFrom, Provenance, ShardRecord};
-pub use ratio::{LEAST_SAMPLES, Movement, Ratio, common_clock, host_ms, time_ratio};
+pub use paired::{Answer, COVERAGE, Doubt, MOST_CHANGE, Paired, Pairing, Timed, of_rounds};
+pub use provenance::{ConvertedFrom, Provenance, RULES_VERSION, ShardRecord};
+pub use race::{EndedBy, Further, KernelRecord, LEAST_ROUNDS, RaceRecord, Sampling, TwiceRecord};
+pub use ratio::{Movement, Ratio, common_clock, host_ms, time_ratio};
 pub use row::{MemoryRecord, SceneRecord, TracerRecord, TracerRun, ViewpointRecord};
 pub use sweep::{AxisRecord, PointRecord, SweepRecord};
 pub use times::{BuildRecord, PhaseRecord, Times};
@@ -89,6 +93,9 @@ pub struct Run {
     /// windows go through it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub anchors: Vec<TracerRun>,
+    /// The races that were timed; rows name theirs by its place ([`Times::race`]). Empty in files of before they were told of.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub races: Vec<RaceRecord>,
     /// What did not run, and why.
     pub skipped: Vec<Skipped>,
 }

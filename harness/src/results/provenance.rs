@@ -5,6 +5,9 @@ use tracebench_api::Gpu;
 
 use crate::machine::{self, Machine};
 
+/// Version of the rules of measuring, RULES.md.
+pub const RULES_VERSION: u32 = 1;
+
 /// Where something was measured, by which program, and when; flattened into the record of what was measured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
@@ -16,6 +19,9 @@ pub struct Provenance {
     pub dirty: Option<bool>,
     /// When it began, UTC, ISO 8601.
     pub started: String,
+    /// Version of the rules that it was measured by ([`RULES_VERSION`]); 0 of records from before they were written down.
+    #[serde(default)]
+    pub rules_version: u32,
     /// When it was gone on with after it had been broken off, UTC.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub resumed: Vec<String>,
@@ -70,10 +76,28 @@ impl Provenance {
             commit: machine::COMMIT.to_owned(),
             dirty: machine::dirty(),
             started: machine::utc_now(),
+            rules_version: RULES_VERSION,
             resumed: Vec::new(),
             shard: None,
             further_machines: Vec::new(),
             converted_from: None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Proves that records name the version that RULES.md has, and that a record without one is told apart.
+    #[test]
+    fn the_rules_that_are_written_are_the_ones_that_records_name() {
+        let rules = include_str!("../../../RULES.md");
+        assert!(rules.contains(&format!("\nVersion {RULES_VERSION}. ")));
+        let now = serde_json::to_value(Provenance::now(None)).unwrap();
+        assert_eq!(now["rules_version"], RULES_VERSION);
+        let mut before = now;
+        before.as_object_mut().unwrap().remove("rules_version");
+        assert_eq!(serde_json::from_value::<Provenance>(before).unwrap().rules_version, 0);
     }
 }

@@ -4,7 +4,8 @@
 //! taken by the host's, which measures work on the host as such and work on a device from submission until done. Where one of
 //! them has no such time there is no ratio.
 //!
-//! The interval of a ratio comes from order statistics of each lot, [`median_interval_of`], combined: from the least of one over the
+//! Within a race ratios are of paired rounds ([`super::paired`]). Of times that were not taken together
+//! the interval of a ratio comes from order statistics of each lot, [`median_interval_of`], combined: from the least of one over the
 //! greatest of the other to the opposite. It assumes nothing about how times scatter (they are skewed, and have outliers), has
 //! no seed, and its coverage is known for any number of samples: the product of both, since the lots are independent. A
 //! bootstrap of the ratio has none of the three; of ten samples its intervals of a median are known to be too narrow. The
@@ -13,7 +14,7 @@
 use serde::Serialize;
 use tracebench_api::ClockKind;
 
-use super::Times;
+use super::{LEAST_ROUNDS, Times};
 use crate::statistics::{median, median_interval_of};
 
 /// A time by the host's clock, milliseconds: that of work on the host, or round a submission.
@@ -36,14 +37,6 @@ pub fn time_ratio(one: &Times, other: &Times) -> Option<f64> {
     common_clock(one, other).map(|[one, other]| one / other)
 }
 
-/// Coverage that is wanted of each lot, so that both together cover with 95 %: its square root.
-const WANTED_COVERAGE: f64 = 0.974_679_434_480_896_2;
-
-/// Samples on either side below which nothing is said to have moved: the ranges of two lots of three from one distribution
-/// are disjoint one time in ten, of four one time in 35 (2 / 70, by counting arrangements), of ten, whose intervals leave out
-/// the ends, less than one time in a thousand.
-pub const LEAST_SAMPLES: usize = 4;
-
 /// A ratio of medians with its interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ratio {
@@ -51,7 +44,7 @@ pub struct Ratio {
     pub value: f64,
     /// Its interval.
     pub interval: [f64; 2],
-    /// Least probability that the interval covers the ratio of the distributions' medians.
+    /// Least probability that the interval covers the true ratio.
     pub coverage: f64,
 }
 
@@ -63,40 +56,51 @@ pub enum Movement {
     Faster,
     /// Slower beyond noise and threshold.
     Slower,
-    /// Neither.
+    /// Neither: the whole interval is within the threshold.
     Within,
-    /// Fewer than [`LEAST_SAMPLES`] samples: nothing can be said.
-    TooFewSamples,
+    /// Nobody can tell.
+    Undecided,
 }
 
 impl Ratio {
-    /// The speed of `after` over that of `before`, of samples of times; `None` without samples, or for a time of nothing.
-    pub fn of_speeds(before: &[f64], after: &[f64]) -> Option<Self> {
-        if before.is_empty() || after.is_empty() {
+    /// How many times as long one takes as the other, of lots of times that were not taken together; `None` without samples, or
+    /// for a time of nothing.
+    pub fn of_times(one: &[f64], other: &[f64], coverage: f64) -> Option<Self> {
+        if one.is_empty() || other.is_empty() {
             return None;
         }
-        let (before_interval, before_coverage) = median_interval_of(before, WANTED_COVERAGE);
-        let (after_interval, after_coverage) = median_interval_of(after, WANTED_COVERAGE);
-        let ratio = Self {
-            value: median(before) / median(after),
-            interval: [before_interval[0] / after_interval[1], before_interval[1] / after_interval[0]],
-            coverage: before_coverage * after_coverage,
+        // Both must cover for the ratio to be covered.
+        let of_lot = |lot: &[f64]| {
+            let (interval, covered) = median_interval_of(lot, coverage.sqrt());
+            Self { value: median(lot), interval, coverage: covered }
         };
+        let ratio = of_lot(one).over(&of_lot(other));
         let all = [ratio.value, ratio.interval[0], ratio.interval[1]];
         all.iter().all(|value| value.is_finite() && *value > 0.0).then_some(ratio)
     }
 
-    /// What is to be said: a ratio moved if its interval excludes 1 and the slower takes more than `threshold` longer (a
-    /// share) than the faster.
+    /// This over another one that does not depend on it.
+    #[must_use]
+    pub fn over(&self, other: &Self) -> Self {
+        let ([low, high], [other_low, other_high]) = (self.interval, other.interval);
+        Self {
+            value: self.value / other.value,
+            interval: [low / other_high, high / other_low],
+            coverage: self.coverage * other.coverage,
+        }
+    }
+
+    /// What is to be said of a ratio of speeds from so many samples: it moved if its interval leaves out 1 and the slower takes
+    /// more than `threshold` longer (a share) than the faster, it did not if the whole interval is within the threshold.
     pub fn movement(&self, fewest_samples: usize, threshold: f64) -> Movement {
         let [low, high] = self.interval;
         let change = self.value.max(1.0 / self.value) - 1.0;
         match () {
-            () if fewest_samples < LEAST_SAMPLES => Movement::TooFewSamples,
-            () if change <= threshold => Movement::Within,
-            () if low > 1.0 => Movement::Faster,
-            () if high < 1.0 => Movement::Slower,
-            () => Movement::Within,
+            () if fewest_samples < LEAST_ROUNDS as usize => Movement::Undecided,
+            () if low > 1.0 && change > threshold => Movement::Faster,
+            () if high < 1.0 && change > threshold => Movement::Slower,
+            () if high <= 1.0 + threshold && low >= 1.0 / (1.0 + threshold) => Movement::Within,
+            () => Movement::Undecided,
         }
     }
 }
@@ -105,6 +109,7 @@ impl Ratio {
 mod tests {
     use super::*;
     use crate::rays::sampling::Stream;
+    use crate::results::COVERAGE;
 
     /// Times about 10 ms that scatter by `scatter` as logarithms do (skewed to long times), one in `outliers` twice as long.
     fn times(stream: &mut Stream, count: usize, scatter: f64, outliers: f64) -> Vec<f64> {
@@ -119,7 +124,7 @@ mod tests {
     }
 
     fn movement(before: &[f64], after: &[f64]) -> Movement {
-        Ratio::of_speeds(before, after).unwrap().movement(before.len().min(after.len()), 0.05)
+        Ratio::of_times(before, after, COVERAGE).unwrap().movement(before.len().min(after.len()), 0.05)
     }
 
     const TRIALS: usize = 2000;
@@ -144,64 +149,59 @@ mod tests {
     /// they scatter, where holding medians against the threshold alone (the negative control) would often say so.
     #[test]
     fn false_alarms_are_rare() {
-        for (count, most) in [(4, 0.04), (6, 0.01), (10, 0.002), (20, 0.002)] {
+        for count in [12, 20] {
             for (scatter, outliers) in [(0.02, 0.0), (0.1, 0.0), (0.3, 0.0), (0.05, 0.2)] {
                 let (moved, _) = rates(count, scatter, outliers, 1.0);
-                assert!(moved <= most, "{count} samples, scatter {scatter}: {moved}");
+                assert!(moved <= 0.001, "{count} samples, scatter {scatter}: {moved}");
             }
         }
-        let (_, naive) = rates(10, 0.2, 0.0, 1.0);
+        let (_, naive) = rates(12, 0.2, 0.0, 1.0);
         assert!(naive > 0.3, "{naive}");
-        // Four samples are the fewest: three would be wrong too often.
-        let disjoint = (0..TRIALS).filter(|trial| {
-            let mut stream = Stream::new(8, 901, *trial as u64);
-            let (before, after) = (times(&mut stream, 3, 0.2, 0.0), times(&mut stream, 3, 0.2, 0.0));
-            matches!(
-                Ratio::of_speeds(&before, &after).unwrap().movement(LEAST_SAMPLES, 0.0),
-                Movement::Slower | Movement::Faster
-            )
-        });
-        assert!(disjoint.count() as f64 / TRIALS as f64 > 0.05);
     }
 
     /// Proves that a true slowdown of 20 % is said where samples scatter less than it, and one of 3 %, below the threshold,
-    /// is not however clear it is.
+    /// is not however clear it is; fewer samples than a verdict needs say nothing however clear it is.
     #[test]
     fn true_changes_are_found() {
-        assert!(rates(10, 0.03, 0.0, 1.2).0 > 0.99);
-        // Two slow outliers among ten samples hide it, which is one lot in four: the price of few false alarms.
-        assert!(rates(10, 0.03, 0.1, 1.2).0 > 0.6);
-        assert!(rates(6, 0.02, 0.0, 1.2).0 > 0.95);
-        assert_eq!(rates(10, 0.001, 0.0, 1.03).0, 0.0);
+        assert!(rates(12, 0.03, 0.0, 1.2).0 > 0.99);
+        // Slow outliers, one sample in ten, hide it in few lots of thirty: the price of few false alarms.
+        assert!(rates(30, 0.03, 0.1, 1.2).0 > 0.8);
+        assert_eq!(rates(12, 0.001, 0.0, 1.03).0, 0.0);
+        assert_eq!(rates(11, 0.001, 0.0, 2.0).0, 0.0);
     }
 
     /// Proves that intervals cover the true ratio at least as often as they say.
     #[test]
     fn intervals_cover() {
-        for count in [6, 10, 15] {
+        for count in [12, 15, 20] {
             let mut stream = Stream::new(9, 902, count as u64);
             let mut covered = 0;
             let mut coverage = 0.0;
             for _ in 0..TRIALS {
                 let before = times(&mut stream, count, 0.2, 0.0);
                 let after: Vec<f64> = times(&mut stream, count, 0.1, 0.0).iter().map(|ms| ms * 1.25).collect();
-                let ratio = Ratio::of_speeds(&before, &after).unwrap();
+                let ratio = Ratio::of_times(&before, &after, COVERAGE).unwrap();
                 coverage = ratio.coverage;
                 covered += usize::from(ratio.interval[0] <= 0.8 && 0.8 <= ratio.interval[1]);
             }
-            assert!(covered as f64 / TRIALS as f64 >= coverage && coverage > 0.93, "{count}: {covered} {coverage}");
+            assert!(
+                coverage >= COVERAGE && covered as f64 / TRIALS as f64 >= COVERAGE,
+                "{count}: {covered} {coverage}"
+            );
         }
     }
 
-    /// Ends: nothing timed, times of nothing, too few samples, either direction.
+    /// Ends: nothing timed, times of nothing, either direction, the same, and neither.
     #[test]
     fn movements_have_directions() {
-        assert!(Ratio::of_speeds(&[], &[1.0]).is_none() && Ratio::of_speeds(&[0.0; 4], &[1.0; 4]).is_none());
-        let (quick, slow) = (vec![1.0, 1.1, 1.2, 1.3, 1.1], vec![2.0, 2.1, 2.2, 2.3, 2.2]);
+        assert!(Ratio::of_times(&[], &[1.0], COVERAGE).is_none());
+        assert!(Ratio::of_times(&[0.0; 4], &[1.0; 4], COVERAGE).is_none());
+        let lot = |scale: f64| (0..12).map(|sample| scale * (1.0 + 0.01 * f64::from(sample % 5))).collect::<Vec<_>>();
+        let (quick, slow) = (lot(1.0), lot(2.0));
         assert_eq!(movement(&quick, &slow), Movement::Slower);
         assert_eq!(movement(&slow, &quick), Movement::Faster);
         assert_eq!(movement(&quick, &quick), Movement::Within);
-        assert_eq!(movement(&quick[..3], &slow), Movement::TooFewSamples);
-        assert_eq!(Ratio::of_speeds(&quick, &quick).unwrap().value, 1.0);
+        assert_eq!(movement(&quick, &lot(1.03)), Movement::Undecided);
+        assert_eq!(Ratio::of_times(&quick, &quick, COVERAGE).unwrap().value, 1.0);
     }
 }

@@ -20,12 +20,25 @@ pub struct Times {
     pub phases: Vec<PhaseRecord>,
     /// The same samples by the host's clock round the submission, their median; of work on the host nothing.
     pub submit_to_done_median_ms: Option<f64>,
+    /// These samples. Empty in files of before they were kept.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub submit_to_done_samples_ms: Vec<f64>,
     /// Whether the device's timestamps cannot be true, so that `clock` is `submit_to_done` instead.
     pub timestamps_refused: bool,
     /// Samples that were taken again because memory sized from counts had been too small; theirs is the second time. None
     /// in files of before there were such structures.
     #[serde(default)]
     pub grown_samples: u64,
+    /// The race that they were taken in: its place in the record's. None where nothing was timed, and in files of before races
+    /// were told of.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub race: Option<u32>,
+    /// Why they may not be believed, whatever else of the row may.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub void: Option<String>,
+    /// By what they were multiplied to be as in the first window ([`Run::aligned`](super::Run::aligned)); never kept.
+    #[serde(skip)]
+    pub aligned_by: Option<f64>,
 }
 
 /// Times of the builds.

@@ -63,10 +63,13 @@ impl Times {
     fn scale(&mut self, factor: Option<f64>) {
         let Some(factor) = factor else {
             (self.samples_ms, self.phases, self.submit_to_done_median_ms) = (Vec::new(), Vec::new(), None);
+            self.submit_to_done_samples_ms.clear();
             (self.median_ms, self.interval_ms, self.interval_coverage) = (0.0, [0.0; 2], 0.0);
             return;
         };
+        self.aligned_by = Some(factor);
         let by = |ms: &mut f64| *ms *= factor;
+        self.submit_to_done_samples_ms.iter_mut().for_each(by);
         self.samples_ms.iter_mut().chain(&mut self.interval_ms).chain(&mut self.submit_to_done_median_ms).for_each(by);
         by(&mut self.median_ms);
         for phase in &mut self.phases {

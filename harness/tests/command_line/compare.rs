@@ -23,8 +23,8 @@ impl Bench {
 }
 
 fn set_times(times: &mut Value, median_ms: f64) {
-    times["samples_ms"] = (0..10).map(|index| json!(median_ms * (0.98 + 0.004 * f64::from(index)))).collect();
-    times["median_ms"] = json!(median_ms * 0.998);
+    times["samples_ms"] = (0..20).map(|index| json!(median_ms * (0.98 + 0.002 * f64::from(index)))).collect();
+    times["median_ms"] = json!(median_ms * 0.999);
 }
 
 /// Proves that a run is the same as itself, as text and as JSON, and that this is no regression.
@@ -43,9 +43,16 @@ fn a_run_is_the_same_as_itself() {
     assert_eq!(json["traces"].as_array().unwrap().len(), 2 * json["builds"].as_array().unwrap().len());
     for row in json["traces"].as_array().unwrap() {
         let movement = row["speed"]["movement"].as_str();
-        assert_eq!((row["same_hits"].as_bool(), movement), (Some(true), Some("within")), "{row}");
+        assert_eq!((row["same_hits"].as_bool(), movement), (Some(true), Some("undecided")), "{row}");
+        assert_eq!(row["speed"]["undecided_because"], "5 rounds, fewer than 12");
     }
     assert!(json["only_in_a"].as_array().unwrap().is_empty() && json["differences"].as_array().unwrap().is_empty());
+    // With samples enough it can be told.
+    bench.even_run("even");
+    let json: Value = serde_json::from_str(&bench.call(&["compare", "even", "even", "--json"]).stdout).unwrap();
+    for row in json["traces"].as_array().unwrap() {
+        assert_eq!(row["speed"]["movement"], "within");
+    }
 }
 
 /// Proves that two runs of the same work have every row in common and the same answers, whatever their times.
@@ -61,7 +68,7 @@ fn two_runs_have_the_same_answers() {
     for row in rows {
         assert!(row["same_hits"] == true && row["counters"] == json!({}), "{row}");
         // Three samples say nothing of times.
-        assert_eq!(row["speed"]["movement"], "too_few_samples");
+        assert_eq!(row["speed"]["movement"], "undecided");
     }
 }
 

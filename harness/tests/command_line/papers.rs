@@ -119,12 +119,12 @@ fn storages_of_the_other_paper() {
     assert_eq!(runs.len(), 9);
     for run in &runs {
         let buckets = run["tracer"]["parameters"]["buckets"].as_f64().unwrap();
-        let [of_pixel, of_fragment] = match run["tracer"]["parameters"]["storage"].as_str().unwrap() {
-            "s-buffer" => [8.0, 8.0],
-            "ll" => [4.0, 8.0],
-            "dll" => [8.0, 12.0],
-            "llb" => [8.0 + 4.0 * buckets, 8.0],
-            "dllb" => [8.0 + 8.0 * buckets, 12.0],
+        let (words, [of_pixel, of_fragment]) = match run["tracer"]["parameters"]["storage"].as_str().unwrap() {
+            "s-buffer" => ("begins and counts", [8.0, 8.0]),
+            "ll" => ("heads", [4.0, 8.0]),
+            "dll" => ("heads and tails", [8.0, 12.0]),
+            "llb" => ("depth bounds and heads", [8.0 + 4.0 * buckets, 8.0]),
+            "dllb" => ("depth bounds, heads and tails", [8.0 + 8.0 * buckets, 12.0]),
             other => panic!("{other}"),
         };
         let count = |name: &str| run["structure_statistics"][name].as_f64().unwrap();
@@ -134,7 +134,7 @@ fn storages_of_the_other_paper() {
             own.map(|part| part["used_bytes"].as_f64().unwrap()).sum::<f64>()
         };
         assert!(count("fragments") > 0.0);
-        assert_eq!(used("pixel records"), count("pixels") * of_pixel, "{}", run["tracer"]);
+        assert_eq!(used(words), count("pixels") * of_pixel, "{}", run["tracer"]);
         assert_eq!(used("id buffer"), count("fragments") * of_fragment, "{}", run["tracer"]);
         assert_eq!(used("data buffer"), count("fragments") * 16.0, "{}", run["tracer"]);
     }

@@ -26,6 +26,6 @@ mod touched;
 mod wide;
 
 pub use cpu::{BvhCpu, description};
-pub use gpu::{BINARY_STACK, BvhGpu, ROW_BITS, WIDE_STACK, description as gpu_description};
+pub use gpu::{BINARY_STACK, BvhGpu, WIDE_STACK, description as gpu_description};
 pub use lbvh::{LbvhGpu, description as lbvh_description};
 pub use ray_query::{RayQuery, description as ray_query_description};

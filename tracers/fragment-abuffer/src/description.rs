@@ -27,6 +27,16 @@ choice! {
 }
 
 choice! {
+    /// Where the words of a pixel lie.
+    pub(crate) enum Words {
+        /// In an image each, as the paper has it:
+        Planar = "planar",
+        /// In one record a pixel:
+        Interleaved = "interleaved",
+    }
+}
+
+choice! {
     /// Which views there are.
     pub(crate) enum Views { Seven = "seven", Six = "six", Frame = "frame" }
 }
@@ -82,6 +92,12 @@ parameters! {
             "B, depth buckets of a pixel, uniform in eye depth, of llb and dllb: more have shorter lists and more pointers",
         )
         .sweep([1, 2, 4, 8, 12, 16]),
+        layout: Words = Parameter::choice(
+            Build,
+            Words::Planar,
+            "where the words of a pixel lie: planar, in an image each (section 3.3: two of depth bounds, B of heads, B of tails), \
+             or interleaved, in one record a pixel; the s-buffer's are planar either way",
+        ),
         decoupled: Switch = Parameter::choice(
             Build,
             Switch::On,
@@ -134,11 +150,24 @@ parameters! {
             "the depths that a step asks for: those that the ray has along the step, or within the pixel that is looked at, which \
              leaves out what lies between pixels looked at",
         ),
-        skipping: Switch = Parameter::choice(
+        skip_bounds: Switch = Parameter::choice(
             Trace,
             Switch::On,
-            "whether pixels, buckets and rest of lists that cannot hold a hit are skipped (section 3.4); the hits are the same",
+            "whether pixels are skipped whose depth bounds the ray misses (section 3.4, step a; of s-buffer, ll and dll the depths at \
+             their ends, of ll the near one alone); the hits are the same",
         ),
+        skip_buckets: Switch = Parameter::choice(
+            Trace,
+            Switch::On,
+            "whether buckets are skipped that the ray does not meet (section 3.4, step b); the hits are the same",
+        ),
+        skip_lists: Switch = Parameter::choice(
+            Trace,
+            Switch::Off,
+            "whether a list is left where its fragments lie beyond the ray; section 3.4 goes through all of an intersected bucket (step \
+             c); the hits are the same",
+        )
+        .improved(Switch::On),
         thickness: f64 = Parameter::real(
             Trace,
             0.0..=1e4,

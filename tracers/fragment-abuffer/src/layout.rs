@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use tracebench_api::{SharedLayout, View, Viewpoint};
 use tracebench_kit::{MOST_LEVELS, Pyramid, ViewUniform};
 
-use crate::description::{Bounds, Centre, FragmentParameters, Kind, Layers, March, Switch, Views};
+use crate::description::{Bounds, Centre, FragmentParameters, Kind, Layers, March, Switch, Views, Words};
 use crate::trace::MarchSettings;
 
 /// Views at most: the camera's and six faces.
@@ -95,8 +95,8 @@ pub(crate) fn layouts() -> Vec<SharedLayout> {
             view, first_pixel, first_node, levels, is_face, beyond, word_stride, node_capacity, padding, level_offsets,
         }
         MarchSettings {
-            ray_count, view_count, march, steps, max_steps, centred, span_by_pixel, skipping, binary_search_above,
-            thickness, thickness_in_pixels, start_bias, thick_before, padding_a, padding_b, padding_c,
+            ray_count, view_count, march, steps, max_steps, centred, span_by_pixel, binary_search_above, thickness,
+            thickness_in_pixels, start_bias, thick_before, skip_bounds, skip_buckets, skip_lists, padding,
         }
     }
 }
@@ -137,6 +137,8 @@ pub(crate) struct Layout {
     pub kind: Kind,
     /// Depth buckets of a pixel; 1 for a storage without.
     pub buckets: u32,
+    /// Whether the words of a pixel lie in an image each.
+    pub planar: bool,
     /// Whether what shading needs lies in a buffer of its own.
     pub decoupled: bool,
     /// Whether only the nearest fragment of a pixel is kept.
@@ -167,6 +169,8 @@ impl Layout {
             has_camera,
             kind,
             buckets: if kind.is_bucketed() { parameters.buckets } else { 1 },
+            // Of the s-buffer a prefix sum goes over the pixels' begins alone.
+            planar: parameters.layout == Words::Planar || kind.is_contiguous(),
             decoupled: parameters.decoupled == Switch::On,
             one_layer,
             // Which fragment is the nearest the boxes do not tell.
@@ -192,6 +196,23 @@ impl Layout {
     /// Words of a pixel: m_p of VVP16's Table 2 in words, and two more where a storage that needs no depth bounds has them.
     pub(crate) fn pixel_words(&self) -> u32 {
         self.pointer_words() + if self.has_bounds() { 2 } else { 0 }
+    }
+
+    /// What a ledger calls the words of pixels, by section 3.3.
+    pub(crate) fn pixels_name(&self) -> String {
+        if !self.planar {
+            return "pixel records".to_owned();
+        }
+        let pointers = match self.kind {
+            Kind::SBuffer => "begins and counts",
+            Kind::Ll | Kind::Llb => "heads",
+            Kind::Dll | Kind::Dllb => "heads and tails",
+        };
+        match (self.has_bounds(), pointers.contains(' ')) {
+            (false, _) => pointers.to_owned(),
+            (true, false) => format!("depth bounds and {pointers}"),
+            (true, true) => format!("depth bounds, {pointers}"),
+        }
     }
 
     /// Words of a node without what shading needs: m_f of VVP16's Table 2 in words. The s-buffer's is its depth alone where
@@ -245,12 +266,9 @@ impl Layout {
 
     /// The uniform for so many pixels and nodes.
     pub(crate) fn storage(&self, pixel_count: u32, node_capacity: u32) -> Storage {
-        // Of the s-buffer begins lie together, then counts: a prefix sum goes over the former.
-        let planar = self.kind.is_contiguous();
-        let words = self.pixel_words();
         Storage {
-            pixel_stride: if planar { 1 } else { words },
-            word_stride: if planar { pixel_count } else { 1 },
+            pixel_stride: if self.planar { 1 } else { self.pixel_words() },
+            word_stride: if self.planar { pixel_count } else { 1 },
             buckets: self.buckets,
             double: u32::from(self.kind.is_double()),
             bounds_word: if self.has_bounds() { self.pointer_words() } else { 0 },
@@ -260,7 +278,7 @@ impl Layout {
             node_capacity,
             one_layer: u32::from(self.one_layer),
             pixel_count,
-            contiguous: u32::from(planar),
+            contiguous: u32::from(self.kind.is_contiguous()),
         }
     }
 

@@ -11,7 +11,6 @@ use crate::layout::{Layout, PAYLOAD_WORDS, Placed};
 const TURN_DOWN: &str = "--face, --frame or fragment-abuffer.buckets, or choose fewer fragment-abuffer.views or layers";
 
 /// What ledgers call the buffers.
-const PIXELS: &str = "pixel records";
 const IDS: &str = "id buffer";
 const PAYLOADS: &str = "data buffer";
 const TAKEN: &str = "fragment counts";
@@ -78,7 +77,7 @@ impl Part {
             pixel_count += layout.pixels_of(view);
         }
         let bytes = pixel_count * u64::from(layout.pixel_words()) * 4;
-        let pixels = storage(gpu, &format!("{PIXELS}{suffix}"), bytes)?;
+        let pixels = storage(gpu, &format!("{}{suffix}", layout.pixels_name()), bytes)?;
         let pixel_count = pixel_count as u32;
         let begins = match layout.kind.is_contiguous() {
             true => Some(sums.plan(gpu, &pixels, pixel_count, None)?),
@@ -207,7 +206,7 @@ impl Parts {
             let mut keep = |name: &str, buffer: &Buffer, used_bytes: u64| {
                 ledger.keep(&format!("{name}{}", part.suffix), buffer.size(), used_bytes);
             };
-            keep(PIXELS, &part.pixels, part.pixels.size());
+            keep(&layout.pixels_name(), &part.pixels, part.pixels.size());
             keep(IDS, &part.ids, used * u64::from(layout.node_words()) * 4);
             if let Some(payloads) = &part.payloads {
                 keep(PAYLOADS, payloads, used * u64::from(PAYLOAD_WORDS) * 4);

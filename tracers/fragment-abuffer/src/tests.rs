@@ -13,6 +13,7 @@ use super::description;
 use super::structure::{FragmentAbuffer, FragmentStructure};
 
 const STORAGES: [&str; 5] = ["s-buffer", "ll", "dll", "llb", "dllb"];
+const SKIPS: [&str; 3] = ["skip_bounds", "skip_buckets", "skip_lists"];
 
 /// Round the origin, 40 pixels along a face's edge, a frame of odd edges.
 fn viewpoint() -> Viewpoint {
@@ -142,6 +143,7 @@ fn what_is_stored_is_what_a_rasterizer_draws() {
         vec![("storage", "dll"), ("layers", "one"), ("views", "six")],
         vec![("views", "frame"), ("march", "hi-z")],
         vec![("centre", "eye")],
+        vec![("layout", "interleaved")],
     ]);
     for settings in all {
         let statistics = built_by(&tracer, &gpu, &geometry, &settings).check(&geometry);
@@ -152,7 +154,7 @@ fn what_is_stored_is_what_a_rasterizer_draws() {
     }
 }
 
-/// All storages, with data in nodes or beside them, with skipping or without, with bounds by geometry or by boxes, over one
+/// All storages, with data in nodes or beside them, words of pixels apart or together, with or without each kind of skipping, with bounds by geometry or by boxes, over one
 /// buffer of a kind or one a view, give the same bits: hits and surfaces, for every march and several thicknesses.
 #[test]
 fn every_variant_gives_the_same_bits() {
@@ -164,21 +166,33 @@ fn every_variant_gives_the_same_bits() {
     for march in ["steps", "pixels", "hi-z"] {
         let mut expected: Vec<Option<(Vec<Hit>, Vec<Surface>)>> = vec![None; 3];
         for storage in STORAGES {
-            let mut builds = vec![(0, "on", "geometry"), (0, "off", "boxes")];
+            let mut builds = vec![(0, "on", "geometry", "planar"), (0, "off", "boxes", "interleaved")];
             // A device that binds little has a buffer a view.
-            builds.extend((march != "pixels").then_some((1, "on", "geometry")));
-            for (device, decoupled, bounds) in builds {
+            builds.extend((march != "pixels").then_some((1, "on", "geometry", "planar")));
+            for (device, decoupled, bounds, layout) in builds {
                 let gpu = [&gpu, &small][device];
-                let shape = [("storage", storage), ("decoupled", decoupled), ("bounds", bounds), ("march", march)];
+                let shape = [
+                    ("storage", storage),
+                    ("decoupled", decoupled),
+                    ("bounds", bounds),
+                    ("layout", layout),
+                    ("march", march),
+                ];
                 let structure = built_by(&tracers[device], gpu, &geometries[device], &shape);
                 assert_eq!(structure.parts.is_by_view(), device == 1, "{shape:?}");
                 structure.check(&geometries[device]).unwrap();
-                let searches = [("0", "on", "16"), ("0.02", "off", "0"), ("2", "on", "1000")];
+                // Of bounds, buckets and lists none, one or two are not skipped.
+                let searches = [
+                    ("0", ["on on on", "off on on"], "16"),
+                    ("0.02", ["off off off", "on off on"], "0"),
+                    ("2", ["on on off", "off on off"], "1000"),
+                ];
                 for (index, (thickness, skipping, above)) in searches.into_iter().enumerate() {
                     let unit = if index == 2 { "pixels" } else { "diagonals" };
-                    for other in [skipping, if skipping == "on" { "off" } else { "on" }] {
+                    for switches in skipping {
                         let mut settings = shape.to_vec();
-                        settings.extend([("thickness", thickness), ("thickness_in", unit), ("skipping", other)]);
+                        settings.extend([("thickness", thickness), ("thickness_in", unit)]);
+                        settings.extend(SKIPS.into_iter().zip(switches.split(' ')));
                         settings.push(("binary_search_above", above));
                         let found = answer(gpu, &structure, &rays, &settings, EndPoint::Surface);
                         let to_hits = answer(gpu, &structure, &rays, &settings, EndPoint::Hit).0;
@@ -196,6 +210,53 @@ fn every_variant_gives_the_same_bits() {
         assert_ne!(expected[0], expected[1]);
     }
     assert!(hits_seen > 10_000, "{hits_seen}");
+}
+
+/// Each kind of skipping saves what it says and nothing else: bounds and buckets lists, lists fragments; all of them leave the
+/// pixels looked at, and the hits.
+#[test]
+fn each_skip_saves_what_it_says() {
+    let gpu = gpu();
+    let eye = viewpoint().eye.as_dvec3();
+    // A dozen walls from 2 to 4.2 away; rays before, between and behind them, along them and at a slant.
+    let wall = |depth: f64| rectangle(eye + DVec3::new(-3.0, -3.0, -depth), DVec3::X * 6.0, DVec3::Y * 6.0);
+    let walls: Vec<[[f32; 3]; 3]> = (0..12).flat_map(|index| wall(2.0 + 0.2 * f64::from(index))).collect();
+    let geometry = soup(&walls, Some(&gpu));
+    let slanted = |depth: f64| {
+        let from = move |height: i32| eye + DVec3::new(-1.0, 0.05 * f64::from(height), -depth);
+        (-8..8).flat_map(move |height| [0.0, 0.2, -0.2].map(|slant| ray(from(height), DVec3::new(1.0, 0.0, slant))))
+    };
+    let rays: Vec<Ray> = [1.0, 2.5, 3.1, 3.7, 6.0].into_iter().flat_map(slanted).collect();
+    let tracer = FragmentAbuffer::new(Arc::clone(&gpu)).unwrap();
+    for storage in STORAGES {
+        let shape = [("storage", storage), ("views", "frame"), ("binary_search_above", "1000")];
+        let structure = built_by(&tracer, &gpu, &geometry, &shape);
+        // Pixels and lists visited, fragments tested, hits.
+        let counted = |switches: [&str; 3]| {
+            let settings = [&shape[..], &SKIPS.into_iter().zip(switches).collect::<Vec<_>>()].concat();
+            let rays = RayBuffer::new(Arc::new(rays.clone()), Query::Closest, Some(&gpu));
+            let mut hits = HitBuffer::for_end(EndPoint::Hit, rays.host.len(), Residency::Device, Some(&gpu)).unwrap();
+            hits.poison(Some(&gpu)).unwrap();
+            let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters: &parameters(&settings) };
+            let counters = structure.trace_counted(job, &mut hits).unwrap();
+            let of = |name: &str| counters.iter().find(|counter| counter.name == name).unwrap().total;
+            (["pixels_visited", "lists_visited", "fragments_tested"].map(of), hits.read(Some(&gpu)).unwrap())
+        };
+        let ([pixels, lists, fragments], hits) = counted(["off", "off", "off"]);
+        assert!(fragments > 1000 && hits.iter().any(Hit::is_hit), "{storage}: {fragments}");
+        let is_bucketed = ["llb", "dllb"].contains(&storage);
+        for (switches, saves_lists, saves_fragments) in [
+            (["on", "off", "off"], is_bucketed || storage == "dll", true),
+            (["off", "on", "off"], is_bucketed, is_bucketed),
+            (["off", "off", "on"], false, true),
+        ] {
+            let ([same, fewer_lists, fewer_fragments], found) = counted(switches);
+            let context = format!("{storage} {switches:?}: {fewer_lists} of {lists}, {fewer_fragments} of {fragments}");
+            assert!(same == pixels && found == hits, "{context}");
+            assert_eq!((fewer_lists < lists, fewer_fragments < fragments), (saves_lists, saves_fragments), "{context}");
+            assert!(saves_lists || fewer_lists == lists, "{context}");
+        }
+    }
 }
 
 /// A device that binds no more bytes at once.
@@ -258,15 +319,19 @@ fn memory_is_that_of_table_2() {
     let gpu = gpu();
     let geometry = soup(&hostile(), Some(&gpu));
     let pixels = 63 * 41 + 6 * 40 * 40;
-    for (storage, per_pixel, per_fragment) in
-        [("s-buffer", 8, 8), ("ll", 4, 8), ("dll", 8, 12), ("llb", 8 + 4 * 5, 8), ("dllb", 8 + 8 * 5, 12)]
-    {
+    for (storage, words, per_pixel, per_fragment) in [
+        ("s-buffer", "begins and counts", 8, 8),
+        ("ll", "heads", 4, 8),
+        ("dll", "heads and tails", 8, 12),
+        ("llb", "depth bounds and heads", 8 + 4 * 5, 8),
+        ("dllb", "depth bounds, heads and tails", 8 + 8 * 5, 12),
+    ] {
         let structure = built(&gpu, &geometry, &[("storage", storage), ("buckets", "5")]);
         let fragments =
             structure.check(&geometry).unwrap().iter().find(|(name, _)| *name == "fragments").unwrap().1 as u64;
         let report = structure.memory();
         let used = |name: &str| report.structure.iter().find(|entry| entry.name == name).unwrap().used_bytes;
-        assert_eq!(used("pixel records"), pixels * per_pixel, "{storage}");
+        assert_eq!(used(words), pixels * per_pixel, "{storage}");
         assert_eq!(used("id buffer") + used("data buffer"), fragments * (per_fragment + 16), "{storage}");
         assert_eq!((report.geometry_bytes, report.surface_geometry_bytes), (0, 0));
         // With data in the nodes the same is stored, but for the s-buffer's index of it.
@@ -368,10 +433,14 @@ fn a_spoilt_structure_is_noticed() {
         let (pixels, ids) = (read(&part.pixels), read(&part.ids));
         let next = |link: u32| ids[(link as usize - 1) * 3 + 1];
         let long = |word: &usize| pixels[*word] != 0 && next(pixels[*word]) != 0 && next(next(pixels[*word])) != 0;
-        // Heads of the first bucket: ten words a pixel.
-        let word = (0..part.pixel_count as usize).map(|pixel| pixel * 10).find(long).unwrap();
-        let first = pixels[word] - 1;
-        (word, first as usize, next(first + 1) as usize - 1)
+        // Heads of the first bucket.
+        let pixel = (0..part.pixel_count as usize).find(long).unwrap();
+        let first = pixels[pixel] - 1;
+        (pixel, first as usize, next(first + 1) as usize - 1)
+    };
+    // Of a pixel, in images one behind the other.
+    let word = |structure: &FragmentStructure, pixel: usize, word: usize| {
+        pixel + word * structure.parts.parts[0].pixel_count as usize
     };
     let dllb: &[(&str, &str)] = &[];
     spoils(dllb, "a depth out of order", &|structure| {
@@ -391,12 +460,12 @@ fn a_spoilt_structure_is_noticed() {
         write(&structure.parts.parts[0].ids, second * 3 + 2, 0);
     });
     spoils(dllb, "a tail", &|structure| {
-        let (word, first, _) = listed(structure);
-        write(&structure.parts.parts[0].pixels, word + 4, first as u32 + 1);
+        let (pixel, first, _) = listed(structure);
+        write(&structure.parts.parts[0].pixels, word(structure, pixel, 4), first as u32 + 1);
     });
     spoils(dllb, "a near bound", &|structure| {
-        let (word, _, _) = listed(structure);
-        write(&structure.parts.parts[0].pixels, word + 8, !1e-6_f32.to_bits());
+        let (pixel, _, _) = listed(structure);
+        write(&structure.parts.parts[0].pixels, word(structure, pixel, 8), !1e-6_f32.to_bits());
     });
     spoils(&[("storage", "s-buffer")], "pieces that overlap", &|structure| {
         let part = &structure.parts.parts[0];

@@ -12,7 +12,8 @@ use crate::layout::MOST_VIEWS;
 use crate::structure::FragmentStructure;
 
 /// As `COUNTS` in shaders/fragment-abuffer/trace.wgsl.
-const COUNTERS: [&str; 5] = ["pixels_visited", "pixels_opened", "fragments_tested", "views_entered", "views_tested"];
+const COUNTERS: [&str; 6] =
+    ["pixels_visited", "pixels_opened", "fragments_tested", "views_entered", "views_tested", "lists_visited"];
 
 /// `MarchSettings` of shaders/fragment-abuffer/store.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -32,8 +33,6 @@ pub struct MarchSettings {
     pub centred: u32,
     /// 1: a step asks for depths within its pixel alone.
     pub span_by_pixel: u32,
-    /// 1: pixels, buckets and rests of lists that hold no hit are skipped.
-    pub skipping: u32,
     /// Fragments beyond which a piece of the s-buffer is searched by halving.
     pub binary_search_above: u32,
     /// Scene units.
@@ -44,17 +43,19 @@ pub struct MarchSettings {
     pub start_bias: f32,
     /// 1: fragments are as thick as that before their depth, not behind it.
     pub thick_before: u32,
+    /// 1: pixels whose depth bounds the ray misses are skipped.
+    pub skip_bounds: u32,
+    /// 1: buckets that the ray does not meet are skipped.
+    pub skip_buckets: u32,
+    /// 1: lists are left where their fragments lie beyond the ray.
+    pub skip_lists: u32,
     /// Nothing.
-    pub padding_a: u32,
-    /// Nothing.
-    pub padding_b: u32,
-    /// Nothing.
-    pub padding_c: u32,
+    pub padding: u32,
 }
 
 /// The buffers of a trace that counts.
 pub(crate) struct Counting {
-    counts: RayCounts<5>,
+    counts: RayCounts<6>,
     touched: TouchedBits,
     payloads_touched: TouchedBits,
 }
@@ -71,15 +72,15 @@ impl FragmentStructure {
             max_steps: parameters.max_steps,
             centred: u32::from(parameters.jitter == Switch::Off),
             span_by_pixel: u32::from(parameters.span == Span::Pixel),
-            skipping: u32::from(parameters.skipping == Switch::On),
             binary_search_above: parameters.binary_search_above,
             thickness: if by_pixels { 0.0 } else { (thickness * self.diagonal) as f32 },
             thickness_in_pixels: if by_pixels { thickness as f32 } else { 0.0 },
             start_bias: parameters.start_bias as f32,
             thick_before: u32::from(parameters.thickness_side == ThicknessSide::Before),
-            padding_a: 0,
-            padding_b: 0,
-            padding_c: 0,
+            skip_bounds: u32::from(parameters.skip_bounds == Switch::On),
+            skip_buckets: u32::from(parameters.skip_buckets == Switch::On),
+            skip_lists: u32::from(parameters.skip_lists == Switch::On),
+            padding: 0,
         }
     }
 

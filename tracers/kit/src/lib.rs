@@ -1,7 +1,6 @@
 //! Device parts that several tracers share: views as uniforms, pipelines and dispatches, buffers that are kept and grow,
 //! pyramids' levels, prefix sums and sorts, rasterized eye depth and triangles, surfaces of hits, counts of rays, bits for what
-//! is touched; and clipping in f64, which what
-//! they rasterize is held against.
+//! is touched, how searches read and are launched; and clipping in f64, which what they rasterize is held against.
 
 mod clip;
 mod compute;
@@ -9,6 +8,7 @@ mod counts;
 mod empty_target;
 mod eye_depth;
 mod gather;
+mod lanes;
 mod last_count;
 mod nearest_raster;
 mod prefix_sum;
@@ -17,6 +17,7 @@ mod pyramid;
 mod radix_sort;
 mod raster;
 mod raster_probe;
+mod reads;
 mod room;
 mod touched;
 mod view_uniform;
@@ -30,6 +31,7 @@ pub use counts::RayCounts;
 pub use empty_target::EmptyTarget;
 pub use eye_depth::{EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
 pub use gather::{Gather, SurfaceGeometry};
+pub use lanes::{LANES_OF_WORKGROUP, dispatch_rays, rays_per_lane_parameter};
 pub use last_count::LastCount;
 pub use nearest_raster::DEPTH_TEST_FORMAT;
 pub use prefix_sum::{PrefixSum, PrefixSumPlan};
@@ -38,6 +40,7 @@ pub use pyramid::{MOST_LEVELS, Pyramid};
 pub use radix_sort::{RadixSort, RadixSortPlan};
 pub use raster::{RasterTargets, raster_pipeline};
 pub use raster_probe::rasterizer;
+pub use reads::{READS_GROUP, ROW_BITS, ReadSlot, Readable, Reads, bind_arrays, reads_parameter, record_copies};
 pub use room::{Room, grow, storage_buffer, uniform_buffer};
 pub use touched::TouchedBits;
 pub use view_uniform::ViewUniform;

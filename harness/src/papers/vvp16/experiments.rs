@@ -15,7 +15,7 @@ const OF_TABLE_1: &[StandIn] = &[
     stands_for("solids", "Pool"),
     stands_for("smithy", "Smithy"),
 ];
-const ON_OFF: &[&str] = &["on", "off"];
+const OFF: &[&str] = &["off"];
 const STORAGES: &[&str] = &["s-buffer", "ll", "dll", "llb", "dllb"];
 
 /// Table 1.
@@ -27,7 +27,10 @@ const TABLE1: Experiment = Experiment {
     rays: "diffuse,bounce2,ao",
     settings: &[],
     end: EndPoint::Surface,
-    steps: &[at(1.0, &[abuffer(&[("skipping", ON_OFF)]), abuffer(&[("buckets", &["8", "12"])])])],
+    steps: &[at(
+        1.0,
+        &[abuffer(&[]), abuffer(&[("skip_bounds", OFF), ("skip_buckets", OFF)]), abuffer(&[("buckets", &["8", "12"])])],
+    )],
     sections: &[sections::bounces],
     charts: &[],
     notes: &[
@@ -105,13 +108,14 @@ const FIGURE12: Experiment = Experiment {
     steps: &[at(
         1.0,
         &[
-            abuffer(&[("views", &["frame"]), ("storage", STORAGES), ("decoupled", &["off"]), ("skipping", &["off"])]),
             abuffer(&[
                 ("views", &["frame"]),
                 ("storage", STORAGES),
-                ("decoupled", &["on"]),
-                ("skipping", &["off", "on"]),
+                ("decoupled", &["off", "on"]),
+                ("skip_bounds", OFF),
+                ("skip_buckets", OFF),
             ]),
+            abuffer(&[("views", &["frame"]), ("storage", STORAGES), ("decoupled", &["on"])]),
         ],
     )],
     sections: &[sections::variants],

@@ -46,6 +46,11 @@ pub(super) fn row<'a>(scene: &SceneRows<'a>, values: &[(&str, &str)]) -> Option<
     scene.like_first(ABUFFER, values)
 }
 
+/// What the paper calls empty-space skipping, on or off: of depth bounds and of buckets (section 3.4, steps a and b).
+pub(super) fn skipping(switch: &str) -> [(&'static str, &str); 2] {
+    ["skip_bounds", "skip_buckets"].map(|name| (name, switch))
+}
+
 fn step(step: &Step) -> bool {
     (step.resolution, step.faces) == (1.0, 1.0)
 }

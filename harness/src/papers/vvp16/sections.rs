@@ -2,7 +2,7 @@
 
 use super::quantities::variants::{STORAGES, WAYS, with};
 use super::quantities::{counted, memory, rays, search};
-use super::{ABUFFER, PAPER};
+use super::{ABUFFER, PAPER, skipping};
 use crate::papers::SceneRows;
 use crate::papers::page::Page;
 use crate::papers::page::beside::beside;
@@ -76,7 +76,7 @@ pub(super) fn bounces(page: &Page<'_>) -> String {
             optional(of(None, "Fragments"), 4),
             format!("{} / {}", optional(of(None, "Avg layers"), 3), optional(of(None, "Max layers"), 3)),
         ]);
-        let Some(off) = scene.like_first(ABUFFER, &[("skipping", "off")]) else { continue };
+        let Some(off) = scene.like_first(ABUFFER, &skipping("off")) else { continue };
         for (name, column, effect, with, without) in parts(on, off) {
             let printed = |start: &str, end: &str| of(Some(effect), &format!("{start}, {column}{end}"));
             let [on, off] = [&with, &without].map(|traces| time_with_accuracy(traces));
@@ -110,7 +110,7 @@ pub(super) fn formula(page: &Page<'_>) -> String {
         "tracer",
         "pixels of all views",
         "fragments",
-        "pixel records: formula (bytes)",
+        "words of pixels: formula (bytes)",
         "ledger over formula",
         "id buffer: formula (bytes)",
         "ledger over formula",

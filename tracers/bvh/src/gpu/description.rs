@@ -3,6 +3,7 @@
 use tracebench_api::{
     Description, EndPoint, Invalidation, Parameter, ParameterScope, Query, Residency, choice, parameters,
 };
+use tracebench_kit::{Reads, rays_per_lane_parameter, reads_parameter};
 
 use crate::input::{BuildPreset, build_parameter};
 use crate::layouts::layouts;
@@ -17,6 +18,7 @@ parameters! {
     pub(crate) struct GpuParameters {
         build: BuildPreset = build_parameter(),
         node: NodeKind = node_parameter(),
+        reads: Reads = reads_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),
     }
 }
@@ -43,18 +45,4 @@ pub fn description() -> Description {
 pub(crate) fn node_parameter() -> Parameter<NodeKind> {
     let effect = "kind of node: compressed with eight children, or binary";
     Parameter::choice(ParameterScope::Build, NodeKind::Wide, effect)
-}
-
-/// The parameter `rays_per_lane`.
-pub(crate) fn rays_per_lane_parameter() -> Parameter<u32> {
-    Parameter::integer(
-        ParameterScope::Trace,
-        1..=256,
-        32,
-        "rays that a lane answers one after the other (persistent lanes), so that lanes with short searches \
-         need not wait for others: many suit incoherent rays and few cores, few suit coherent rays and \
-         many cores; hierarchies too deep for private stacks take one",
-    )
-    .unit("rays")
-    .sweep([1, 2, 4, 8, 16, 32, 64])
 }

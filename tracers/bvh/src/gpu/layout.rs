@@ -15,7 +15,7 @@ use crate::{hierarchy, refit, sah};
 
 use super::description::{GpuParameters, NodeKind};
 
-/// `Triangle` of shaders/bvh/search.wgsl.
+/// `Triangle` of shaders/bvh/triangle.wgsl.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct DeviceTriangle {

@@ -10,7 +10,6 @@ pub(crate) mod resident;
 pub(crate) mod search;
 #[cfg(test)]
 pub(crate) mod tests;
-pub(crate) mod texels;
 
 use std::sync::Arc;
 
@@ -20,13 +19,12 @@ use tracebench_api::{
     Tracer, TracerError, Update, Viewpoint,
 };
 
-use tracebench_kit::SurfaceGeometry;
+use tracebench_kit::{Reads, SurfaceGeometry};
 
 use description::GpuParameters;
 pub use description::description;
 pub use layout::DeviceTriangle;
 pub use search::{BINARY_STACK, SearchSettings, WIDE_STACK};
-pub use texels::ROW_BITS;
 
 use crate::input::{check_fits, gather, scale_for};
 use layout::Tree;
@@ -80,7 +78,7 @@ impl BvhGpuStructure {
         Ok(Searched { resident: &self.resident, geometry: &self.geometry, scale: self.scale, rays_per_lane })
     }
 
-    /// Builds, into the textures of `there` where these are large enough.
+    /// Builds, into the buffers or textures of `there` where these are large enough.
     fn build(
         searches: &Arc<Searches>,
         geometry: &Geometry,
@@ -96,7 +94,7 @@ impl BvhGpuStructure {
         ledger.borrow_transient(size_of_val(triangles.as_slice()) as u64);
         let tree = Tree::build(&triangles, parameters, &mut ledger, clock);
         ledger.borrow_transient((tree.node_bytes().len() + size_of_val(tree.primitive_indices())) as u64);
-        let resident = place(&searches.gpu, &tree, &triangles, there, &mut ledger, clock)?;
+        let resident = place(&searches.gpu, parameters.reads, &tree, &triangles, there, &mut ledger, clock)?;
         Ok(Self {
             searches: Arc::clone(searches),
             scale,
@@ -121,7 +119,8 @@ impl BvhGpuStructure {
         let scale = scale_for(geometry.diagonal());
         let triangles = gather(geometry, scale, clock);
         clock.host_phase("refit boxes", || tree.refit(&triangles));
-        self.resident = place(&gpu, &tree, &triangles, Some(&self.resident), &mut Ledger::new(), clock)?;
+        let (reads, there) = (self.resident.reads(), Some(&self.resident));
+        self.resident = place(&gpu, reads, &tree, &triangles, there, &mut Ledger::new(), clock)?;
         (self.scale, self.geometry) = (scale, surfaces);
         self.fitted = Some(tree);
         Ok(())
@@ -131,6 +130,7 @@ impl BvhGpuStructure {
 /// Lays a hierarchy out and uploads it.
 fn place(
     gpu: &Gpu,
+    reads: Reads,
     tree: &Tree,
     triangles: &[Triangle],
     there: Option<&Resident>,
@@ -140,7 +140,8 @@ fn place(
     let (depth, ordered) = clock.host_phase("order triangles", || (tree.depth(), tree.order(triangles)));
     ledger.borrow_transient(size_of_val(ordered.as_slice()) as u64);
     let depth = depth?;
-    let resident = clock.host_phase("upload (until done)", || Resident::upload(gpu, tree, depth, &ordered, there))?;
+    let upload = || Resident::upload(gpu, reads, tree, depth, &ordered, there);
+    let resident = clock.host_phase("upload (until done)", upload)?;
     resident.enter(ledger);
     Ok(resident)
 }

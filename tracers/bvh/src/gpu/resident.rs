@@ -1,16 +1,22 @@
 //! A hierarchy in the device's memory.
 
-use tracebench_api::wgpu::{Buffer, BufferUsages, TextureView};
+use tracebench_api::wgpu::{Buffer, BufferUsages};
 use tracebench_api::{Gpu, Ledger, TracerError};
+use tracebench_kit::{LANES_OF_WORKGROUP, ReadSlot, Readable, Reads};
 
 use super::description::NodeKind;
 use super::layout::{DeviceTriangle, Tree};
-use super::search::{WORKGROUP_SIZE, private_stack, stack_entry_bytes};
-use super::texels::Texels;
+use super::search::{private_stack, stack_entry_bytes};
 
 const TURN_DOWN: &str = "the scene's triangle count, or take a build without splits (--set bvh-gpu.build=medium)";
 
 pub(crate) const TRIANGLES: &str = "triangles in leaf order";
+
+/// Where the searches of shaders/bvh read nodes.
+pub(crate) const NODES_SLOT: ReadSlot = ReadSlot::Quads0;
+
+/// Where they read triangles.
+pub(crate) const TRIANGLES_SLOT: ReadSlot = ReadSlot::Quads1;
 
 const STACKS: &str = "traversal stacks";
 
@@ -26,8 +32,8 @@ pub(crate) struct Resident {
     pub(crate) kind: NodeKind,
     pub(crate) depth: usize,
     with_splits: bool,
-    nodes: Texels,
-    triangles: Texels,
+    /// Nodes and triangles.
+    arrays: [Readable; 2],
     /// With the number of lanes that have one.
     stacks: Option<(Buffer, u32)>,
 }
@@ -35,17 +41,18 @@ pub(crate) struct Resident {
 impl Resident {
     /// Takes over what kernels fill: nodes of no more than `depth` levels, which private stacks must serve, and triangles
     /// in the order of the leaves.
-    pub(crate) fn of_texels(kind: NodeKind, depth: usize, nodes: Texels, triangles: Texels) -> Self {
-        Self { kind, depth, with_splits: false, nodes, triangles, stacks: None }
+    pub(crate) fn of_arrays(kind: NodeKind, depth: usize, arrays: [Readable; 2]) -> Self {
+        Self { kind, depth, with_splits: false, arrays, stacks: None }
     }
 
-    /// Uploads, into the textures of `there` where these are large enough, and waits until the device has everything. What
+    /// Uploads, into the buffers or textures of `there` where these are large enough, and waits until the device has everything. What
     /// was there is as it was after an error that a size has caused.
     ///
     /// # Errors
     /// [`TracerError::TooLarge`] if the device cannot hold a part.
     pub(crate) fn upload(
         gpu: &Gpu,
+        reads: Reads,
         tree: &Tree,
         depth: usize,
         ordered: &[DeviceTriangle],
@@ -54,38 +61,40 @@ impl Resident {
         let kind = tree.kind();
         let there = there.filter(|there| there.kind == kind);
         let ordered: &[u8] = bytemuck::cast_slice(ordered);
-        Texels::check(gpu, kind.name(), tree.node_bytes().len(), TURN_DOWN)?;
-        Texels::check(gpu, TRIANGLES, ordered.len(), TURN_DOWN)?;
+        for (name, bytes) in [(kind.name(), tree.node_bytes().len()), (TRIANGLES, ordered.len())] {
+            Readable::check(gpu, reads, name, bytes as u64, TURN_DOWN)?;
+        }
         let stacks = (depth > private_stack(kind)).then(|| stacks(gpu, kind, depth)).transpose()?;
-        let uploaded = Self {
-            kind,
-            depth,
-            with_splits: tree.with_splits(),
-            nodes: Texels::write(gpu, kind.name(), tree.node_bytes(), there.map(|there| &there.nodes), TURN_DOWN)?,
-            triangles: Texels::write(gpu, TRIANGLES, ordered, there.map(|there| &there.triangles), TURN_DOWN)?,
-            stacks,
+        let array = |slot: ReadSlot, name, contents: &[u8]| {
+            let there = there.map(|there| &there.arrays[slot as usize]);
+            Readable::written(gpu, reads, slot, contents, name, there, TURN_DOWN)
         };
+        let nodes = array(NODES_SLOT, kind.name(), tree.node_bytes())?;
+        let arrays = [nodes, array(TRIANGLES_SLOT, TRIANGLES, ordered)?];
+        let uploaded = Self { kind, depth, with_splits: tree.with_splits(), arrays, stacks };
         gpu.queue.submit([]);
         gpu.wait()?;
         Ok(uploaded)
     }
 
-    pub(crate) fn nodes(&self) -> &TextureView {
-        self.nodes.view()
+    /// What a search reads.
+    pub(crate) fn arrays(&self) -> &[Readable] {
+        &self.arrays
     }
 
-    pub(crate) fn triangles(&self) -> &TextureView {
-        self.triangles.view()
+    /// How a search reads it.
+    pub(crate) fn reads(&self) -> Reads {
+        self.arrays[0].reads()
     }
 
     /// Nodes that there is room for.
     pub(crate) fn node_room(&self) -> u64 {
-        self.nodes.used() / self.kind.node_bytes()
+        self.arrays[0].used() / self.kind.node_bytes()
     }
 
     /// Slots of the leaves.
     pub(crate) fn reference_count(&self) -> u64 {
-        self.triangles.used() / size_of::<DeviceTriangle>() as u64
+        self.arrays[1].used() / size_of::<DeviceTriangle>() as u64
     }
 
     /// Stacks in device memory, if the hierarchy needs them, and for how many lanes.
@@ -93,10 +102,9 @@ impl Resident {
         self.stacks.as_ref().map(|(stacks, lanes)| (stacks, *lanes))
     }
 
-    /// Enters every texture and buffer.
+    /// Enters every texture and buffer but those that a build fills.
     pub(crate) fn enter(&self, ledger: &mut Ledger) {
-        self.nodes.enter(ledger);
-        self.triangles.enter(ledger);
+        self.arrays.iter().for_each(|array| array.enter(ledger));
         if let Some((stacks, _)) = &self.stacks {
             ledger.keep(STACKS, stacks.size(), stacks.size());
         }
@@ -107,7 +115,7 @@ impl Resident {
     /// # Errors
     /// [`TracerError::Failed`] if the device fails.
     pub(crate) fn read(&self, gpu: &Gpu) -> Result<(Tree, Vec<DeviceTriangle>), TracerError> {
-        self.read_first(gpu, self.nodes.used())
+        self.read_first(gpu, self.arrays[0].used())
     }
 
     /// Reads a hierarchy back of whose nodes no more than the first `node_bytes` are in use.
@@ -115,9 +123,10 @@ impl Resident {
     /// # Errors
     /// [`TracerError::Failed`] if the device fails.
     pub(crate) fn read_first(&self, gpu: &Gpu, node_bytes: u64) -> Result<(Tree, Vec<DeviceTriangle>), TracerError> {
-        let mut nodes = self.nodes.read(gpu)?;
+        let [nodes, triangles] = &self.arrays;
+        let mut nodes = nodes.read(gpu)?;
         nodes.truncate(node_bytes as usize);
-        let triangles: Vec<DeviceTriangle> = bytemuck::pod_collect_to_vec(&self.triangles.read(gpu)?);
+        let triangles: Vec<DeviceTriangle> = bytemuck::pod_collect_to_vec(&triangles.read(gpu)?);
         Ok((Tree::from_device(self.kind, &nodes, &triangles, self.with_splits), triangles))
     }
 }
@@ -125,7 +134,7 @@ impl Resident {
 /// Room for stacks of the hierarchy's depth, for a workgroup at least.
 fn stacks(gpu: &Gpu, kind: NodeKind, depth: usize) -> Result<(Buffer, u32), TracerError> {
     let stack_bytes = depth as u64 * stack_entry_bytes(kind);
-    let lanes = (STACK_BYTES / stack_bytes).clamp(1, MOST_DEEP_LANES).next_multiple_of(u64::from(WORKGROUP_SIZE));
+    let lanes = (STACK_BYTES / stack_bytes).clamp(1, MOST_DEEP_LANES).next_multiple_of(u64::from(LANES_OF_WORKGROUP));
     let bytes = lanes * stack_bytes;
     let turn_down = "the number of triangles that coincide, of which such deep hierarchies come";
     gpu.check_storage_binding(STACKS, bytes, turn_down)?;

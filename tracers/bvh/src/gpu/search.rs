@@ -1,22 +1,18 @@
 //! Searching on the device.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use tracebench_api::wgpu::{BindingResource, Buffer, ComputePipeline};
+use tracebench_api::wgpu::Buffer;
 use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
 use tracebench_kit::{
-    Gather, RayCounts, SurfaceGeometry, TouchedBits, bind_group, compute_pipeline, dispatch_linear, every_variant,
+    Gather, PipelinesOnDemand, RayCounts, Reads, SurfaceGeometry, TouchedBits, bind_arrays, bind_group, dispatch_rays,
     uniform_buffer,
 };
 use tracebench_shaders::bvh::{Binary, Cwbvh};
 
 use super::description::NodeKind;
 use super::resident::Resident;
-
-/// As `WORKGROUP_SIZE` in shaders/bvh.
-pub(crate) const WORKGROUP_SIZE: u32 = 64;
 
 /// Entries of a lane's private stack over CWBVH nodes: `PRIVATE_STACK` in shaders/bvh/cwbvh.wgsl. A search of a hierarchy
 /// of that many levels at most fits; deeper ones are searched with stacks in device memory, a ray a lane: Mesa's software
@@ -140,21 +136,21 @@ pub(crate) struct Searched<'a> {
     pub(crate) rays_per_lane: u32,
 }
 
-/// The device with every variant.
+/// The device with the pipelines, each made when it is first asked for.
 pub(crate) struct Searches {
     pub(crate) gpu: Arc<Gpu>,
     gather: Gather,
-    wide: BTreeMap<Cwbvh, ComputePipeline>,
-    binary: BTreeMap<Binary, ComputePipeline>,
+    wide: PipelinesOnDemand<Cwbvh>,
+    binary: PipelinesOnDemand<Binary>,
 }
 
 impl Searches {
-    /// Compiles them.
+    /// None yet.
     pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         Ok(Self {
             gather: Gather::new(&gpu)?,
-            wide: every_variant(|variant: Cwbvh| compute_pipeline(&gpu, variant, "trace"))?,
-            binary: every_variant(|variant: Binary| compute_pipeline(&gpu, variant, "trace"))?,
+            wide: PipelinesOnDemand::new("trace"),
+            binary: PipelinesOnDemand::new("trace"),
             gpu,
         })
     }
@@ -171,17 +167,17 @@ impl Searches {
         let Searched { resident, geometry, .. } = searched;
         let gpu = &*self.gpu;
         let (deep, counters) = (resident.stacks().is_some(), counting.is_some());
+        let textures = resident.reads() == Reads::Texture;
         let pipeline = match resident.kind {
-            NodeKind::Wide => &self.wide[&Cwbvh { deep, counters }],
-            NodeKind::Binary => &self.binary[&Binary { deep, counters }],
+            NodeKind::Wide => self.wide.of(gpu, Cwbvh { textures, deep, counters })?,
+            NodeKind::Binary => self.binary.of(gpu, Binary { textures, deep, counters })?,
         };
+        let arrays = bind_arrays(gpu, &pipeline, resident.arrays());
         let mut dispatches = Vec::new();
         for settings in SearchSettings::of_dispatches(job, searched) {
             let uniform = uniform_buffer(gpu, SETTINGS, &settings)?;
             let mut resources = vec![
                 uniform.as_entire_binding(),
-                BindingResource::TextureView(resident.nodes()),
-                BindingResource::TextureView(resident.triangles()),
                 job.rays.on_device()?.as_entire_binding(),
                 hits.on_device(job.rays.host.len())?.as_entire_binding(),
             ];
@@ -189,11 +185,12 @@ impl Searches {
             let others = counting.into_iter().flatten().chain(resident.stacks().map(|(stacks, _)| stacks));
             resources.extend(others.map(Buffer::as_entire_binding));
             let bindings = bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources);
-            dispatches.push((bindings, settings.ray_count.div_ceil(settings.rays_per_lane)));
+            dispatches.push((bindings, settings));
         }
         clock.device_phase("traverse", |encoder| {
-            for (bindings, lanes) in &dispatches {
-                dispatch_linear(encoder, pipeline, bindings, *lanes, WORKGROUP_SIZE);
+            for (bindings, settings) in &dispatches {
+                let SearchSettings { ray_count, rays_per_lane, .. } = *settings;
+                dispatch_rays(encoder, &pipeline, &[bindings, &arrays], ray_count, rays_per_lane);
             }
         })?;
         match job.end {

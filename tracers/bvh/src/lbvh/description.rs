@@ -2,8 +2,9 @@
 
 use tracebench_api::ParameterScope::Build;
 use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, parameters};
+use tracebench_kit::{Reads, rays_per_lane_parameter, reads_parameter};
 
-use crate::gpu::description::{NodeKind, node_parameter, rays_per_lane_parameter};
+use crate::gpu::description::{NodeKind, node_parameter};
 use crate::layouts::layouts;
 
 /// Most neighbours on each side. One workgroup merges the last clusters, 8 a lane, and Mesa's software driver ends a lane's
@@ -33,6 +34,7 @@ parameters! {
         .unit("clusters")
         .improved(2)
         .sweep([1, 2, 4, 8]),
+        reads: Reads = reads_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),
     }
 }

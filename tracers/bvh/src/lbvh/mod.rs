@@ -111,12 +111,13 @@ impl LbvhStructure {
         clock: &mut PhaseClock<'_>,
     ) -> Result<Self, TracerError> {
         let parameters = LbvhParameters::try_from(parameters)?;
-        let (kind, radii) = (parameters.node, [parameters.search_radius, parameters.early_search_radius]);
-        let plan = Plan::new(kernels, kind, geometry.triangles.len() as u32, radii, there)?;
+        let LbvhParameters { node: kind, reads, search_radius, early_search_radius, .. } = parameters;
+        let radii = [search_radius, early_search_radius];
+        let plan = Plan::new(kernels, kind, reads, geometry.triangles.len() as u32, radii, there)?;
         let scale = scale_for(geometry.diagonal());
         plan.build(kernels, geometry, scale, clock)?;
         // Neither kind of node has more levels than a private stack serves.
-        let resident = Resident::of_texels(kind, private_stack(kind), plan.nodes.clone(), plan.triangles.clone());
+        let resident = Resident::of_arrays(kind, private_stack(kind), plan.arrays.clone());
         Ok(Self {
             kernels: Arc::clone(kernels),
             searches: Arc::clone(searches),
@@ -155,7 +156,7 @@ impl LbvhStructure {
     fn read(&self) -> Result<(Tree, Vec<DeviceTriangle>), TracerError> {
         let node_bytes = match self.plan.kind {
             NodeKind::Wide => self.wide_nodes()? * WIDE_NODE_BYTES,
-            NodeKind::Binary => self.plan.nodes.used(),
+            NodeKind::Binary => self.plan.arrays[0].used(),
         };
         self.resident.read_first(&self.kernels.gpu, node_bytes)
     }

@@ -2,7 +2,7 @@
 
 use tracebench_api::wgpu::{self, BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline};
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
-use tracebench_kit::{RadixSortPlan, bind_group_at, dispatch_linear};
+use tracebench_kit::{RadixSortPlan, ReadSlot, Readable, Reads, Room, bind_group_at, dispatch_linear, record_copies};
 
 use super::iterations::{Bound, bounds};
 use super::kernels::{
@@ -11,8 +11,7 @@ use super::kernels::{
 use super::rooms::{Rooms, TURN_DOWN};
 use crate::gpu::WIDE_STACK;
 use crate::gpu::description::NodeKind;
-use crate::gpu::resident::TRIANGLES;
-use crate::gpu::texels::Texels;
+use crate::gpu::resident::{NODES_SLOT, TRIANGLES, TRIANGLES_SLOT};
 
 /// Most lanes of a level's dispatch: each takes several nodes where there are more.
 const MOST_LEVEL_LANES: u64 = 1 << 13;
@@ -34,8 +33,7 @@ pub(super) struct Plan {
     pub(super) rooms: Rooms,
     pub(super) sort: RadixSortPlan,
     /// What is searched: nodes of the kind, triangles in the order of the leaves.
-    pub(super) nodes: Texels,
-    pub(super) triangles: Texels,
+    pub(super) arrays: [Readable; 2],
     bounds: Vec<Bound>,
     search_radius: u32,
     early_radius: u32,
@@ -81,21 +79,23 @@ impl Plan {
     pub(super) fn new(
         kernels: &Kernels,
         kind: NodeKind,
+        reads: Reads,
         triangle_count: u32,
         [search_radius, early_radius]: [u32; 2],
         there: Option<&Plan>,
     ) -> Result<Self, TracerError> {
         let gpu = &*kernels.gpu;
-        let rooms = Rooms::new(gpu, kind, triangle_count, there.map(|there| &there.rooms))?;
+        let rooms = Rooms::new(gpu, kind, reads, triangle_count, there.map(|there| &there.rooms))?;
         let (codes, order) = (&rooms.codes.buffer, &rooms.order.buffer);
         let sort = kernels.sort.plan(gpu, codes, order, triangle_count, CODE_BITS, there.map(|there| &there.sort))?;
-        let built = rooms.wide.as_ref().unwrap_or(&rooms.binary).used_bytes;
-        let same_kind = there.filter(|there| there.kind == kind);
-        let nodes = Texels::room(gpu, kind.name(), built, same_kind.map(|there| &there.nodes), TURN_DOWN)?;
-        let ordered = rooms.triangles.used_bytes;
-        let triangles = Texels::room(gpu, TRIANGLES, ordered, there.map(|there| &there.triangles), TURN_DOWN)?;
+        let array = |slot: ReadSlot, room: &Room, name| {
+            let there = there.map(|there| &there.arrays[slot as usize]);
+            Readable::built(gpu, reads, slot, &room.buffer, room.used_bytes, name, there, TURN_DOWN)
+        };
+        let nodes = array(NODES_SLOT, rooms.wide.as_ref().unwrap_or(&rooms.binary), kind.name())?;
+        let arrays = [nodes, array(TRIANGLES_SLOT, &rooms.triangles, TRIANGLES)?];
         let bounds = bounds(triangle_count);
-        Ok(Self { kind, triangle_count, rooms, sort, nodes, triangles, bounds, search_radius, early_radius })
+        Ok(Self { kind, triangle_count, rooms, sort, arrays, bounds, search_radius, early_radius })
     }
 
     /// Bytes of the uniforms of a build, which are kept until it is done.
@@ -103,14 +103,6 @@ impl Plan {
         let iterations = (self.bounds.len() + 1) * size_of::<ClusterIteration>();
         let levels = if self.kind == NodeKind::Wide { WIDE_STACK * size_of::<ConversionLevel>() } else { 0 };
         (size_of::<BuildSettings>() + iterations + levels) as u64
-    }
-
-    /// Records that nodes and triangles are copied to the textures that searches read.
-    fn copy_to_textures(&self, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        clock.device_phase("copy to textures", |encoder| {
-            self.nodes.record_copy(encoder, &self.rooms.wide.as_ref().unwrap_or(&self.rooms.binary).buffer);
-            self.triangles.record_copy(encoder, &self.rooms.triangles.buffer);
-        })
     }
 
     /// Records a build.
@@ -157,7 +149,7 @@ impl Plan {
             clock.device_phase("convert to CWBVH", |encoder| levels.iter().for_each(|step| step.record(encoder)))?;
         }
         clock.device_phase("order triangles", |encoder| fill.record(encoder))?;
-        self.copy_to_textures(clock)
+        record_copies(&self.arrays, clock)
     }
 
     /// The kernels of every iteration; what they start with has a bound on the host, and lanes beyond what there is end at
@@ -265,6 +257,6 @@ impl Plan {
         }
         clock.device_phase("order triangles", |encoder| fill.record(encoder))?;
         clock.device_phase("refit boxes", |encoder| steps.iter().for_each(|step| step.record(encoder)))?;
-        self.copy_to_textures(clock)
+        record_copies(&self.arrays, clock)
     }
 }

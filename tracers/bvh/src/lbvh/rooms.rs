@@ -1,14 +1,14 @@
 //! The buffers of a structure, kept from build to build.
 
 use tracebench_api::{Gpu, Ledger, TracerError};
-use tracebench_kit::{RadixSortPlan, Room};
+use tracebench_kit::{RadixSortPlan, Reads, Room};
 
 use super::kernels::{LEVELS, RUN};
 use crate::binary::BinaryNode;
 use crate::gpu::WIDE_STACK;
 use crate::gpu::description::NodeKind;
 use crate::gpu::layout::DeviceTriangle;
-use crate::gpu::texels::whole_rows;
+use crate::gpu::resident::TRIANGLES;
 
 pub(super) const TURN_DOWN: &str = "the scene's triangle count";
 
@@ -18,8 +18,7 @@ pub(super) const WIDE_NODE_BYTES: u64 = 80;
 /// Words of the buffer that tells how far a build is.
 const PROGRESS_WORDS: u64 = (LEVELS + WIDE_STACK + 1) as u64;
 
-/// Every buffer but those of the sort. Nodes and triangles are built in buffers, which kernels read and write in any order,
-/// and copied to the textures that searches read.
+/// Every buffer but those of the sort.
 pub(super) struct Rooms {
     pub(super) triangles: Room,
     /// Pairs of binary nodes: what is searched, or what compressed nodes are converted from.
@@ -41,29 +40,29 @@ impl Rooms {
     pub(super) fn new(
         gpu: &Gpu,
         kind: NodeKind,
+        reads: Reads,
         triangle_count: u32,
         there: Option<&Rooms>,
     ) -> Result<Self, TracerError> {
         let count = u64::from(triangle_count);
+        // What is searched has the name of what it is; what is only built with, or copied to what is searched, another one.
+        let name = |searched: bool, plain, of_build| if searched && reads == Reads::Buffer { plain } else { of_build };
         let room = |name, bytes, there: Option<&Room>| Room::new(gpu, name, bytes, TURN_DOWN, there);
-        // What textures are copied from has whole rows of them.
-        let copied = |name, bytes, there: Option<&Room>| {
-            let padded = Room::new(gpu, name, whole_rows(bytes), TURN_DOWN, there)?;
-            Ok::<_, TracerError>(Room { used_bytes: bytes, ..padded })
-        };
         let node_bytes = size_of::<BinaryNode>() as u64;
         let pairs = count.max(2) - 1;
         // A node with a child that is a node has eight children, others have four triangles at least (but for the root):
         // with i of the first and l of the second, 8 i <= i + l - 1 + t where t triangles are leaves of the first.
         let wide_nodes = 2 * count / 7 + 2;
-        let wide = || copied("CWBVH nodes (build)", wide_nodes * WIDE_NODE_BYTES, there.and_then(|r| r.wide.as_ref()));
+        let wide_name = name(true, NodeKind::Wide.name(), "CWBVH nodes (build)");
+        let binary_name = name(kind == NodeKind::Binary, NodeKind::Binary.name(), "binary nodes (build)");
+        let wide = || room(wide_name, wide_nodes * WIDE_NODE_BYTES, there.and_then(|r| r.wide.as_ref()));
         Ok(Self {
-            triangles: copied(
-                "triangles in leaf order (build)",
+            triangles: room(
+                name(true, TRIANGLES, "triangles in leaf order (build)"),
                 count * size_of::<DeviceTriangle>() as u64,
                 there.map(|r| &r.triangles),
             )?,
-            binary: copied("binary nodes (build)", pairs * 2 * node_bytes, there.map(|r| &r.binary))?,
+            binary: room(binary_name, pairs * 2 * node_bytes, there.map(|r| &r.binary))?,
             wide: (kind == NodeKind::Wide).then(wide).transpose()?,
             progress: room("progress of the build", PROGRESS_WORDS * 4, there.map(|r| &r.progress))?,
             codes: room("Morton codes, nearest neighbours (build)", count * 4, there.map(|r| &r.codes))?,

@@ -289,7 +289,7 @@ fn dirt_stands_beside_the_abuffer() {
             run
         });
         let mut other = abuffer(name, json!({ "buckets": 4 }), &[("fragments", fragments), ("pixels", 100.0)]);
-        set_bytes(&mut other, &[("pixel records", bytes)]);
+        set_bytes(&mut other, &[("depth bounds, heads and tails", bytes)]);
         set_build(&mut other, 20.0);
         set_time(&mut other, "diffuse", 24.0);
         [&rows[..], &[other]].concat()

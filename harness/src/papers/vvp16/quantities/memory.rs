@@ -16,9 +16,13 @@ pub(super) const QUANTITIES: &[Quantity] = &[
 /// Bytes of a fragment's data: normal and material.
 const DATA_BYTES: f64 = 16.0;
 /// What the ledger calls the parts of Table 2: m_p, m_f, data. Where one binding is too small each has a part a view.
-const PARTS: [&str; 3] = ["pixel records", "id buffer", "data buffer"];
+const PARTS: [&[&str]; 3] = [
+    &["depth bounds, heads and tails", "depth bounds and heads", "heads and tails", "heads", "begins and counts"],
+    &["id buffer"],
+    &["data buffer"],
+];
 
-/// Bytes of the pixel records, the id buffer and the data buffer by Table 2 with the device's own counts: m_p a pixel, m_f and the
+/// Bytes of the pixels' words, the id buffer and the data buffer by Table 2 with the device's own counts: m_p a pixel, m_f and the
 /// data a fragment; none where data is not apart, of which the table does not speak.
 pub(in crate::papers::vvp16) fn formula(run: &TracerRun) -> Option<[f64; 3]> {
     let buckets = integer(run, "buckets")? as f64;
@@ -36,8 +40,9 @@ pub(in crate::papers::vvp16) fn formula(run: &TracerRun) -> Option<[f64; 3]> {
 
 /// Bytes used of the same parts by the ledger.
 pub(in crate::papers::vvp16) fn ledger(run: &TracerRun) -> [f64; 3] {
-    PARTS.map(|name| {
-        let own = |part: &str| part.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(','));
+    PARTS.map(|names| {
+        let is_of = |rest: &str| rest.is_empty() || rest.starts_with(", view");
+        let own = |part: &str| names.iter().any(|name| part.strip_prefix(name).is_some_and(is_of));
         run.memory.structure.iter().filter(|part| own(&part.name)).map(|part| part.used_bytes as f64).sum()
     })
 }
@@ -76,7 +81,7 @@ fn dllb<'a>(scene: &SceneRows<'a>) -> impl Iterator<Item = &'a TracerRun> {
     scene.of_tracer(ABUFFER).filter(|run| has(run, "storage", "dllb"))
 }
 
-/// Bytes a pixel of dllb's pixel records over 2 + 2B textures of 32 bits, over B that which lies farthest from 1.
+/// Bytes a pixel of dllb's depth bounds, heads and tails over 2 + 2B textures of 32 bits, over B that which lies farthest from 1.
 fn dllb_pixel_bytes_over_textures(scene: &SceneRows<'_>) -> Option<f64> {
     let ratio = |run: &TracerRun| {
         let textures = 2.0 + 2.0 * integer(run, "buckets")? as f64;

@@ -3,7 +3,7 @@
 use super::{counted, phase, rays};
 use crate::papers::quantity::{Quantity, least, of_scene, of_scenes, rank_correlation};
 use crate::papers::rows::{SceneRows, statistic, trace, trace_ratio};
-use crate::papers::vvp16::{PAPER, row};
+use crate::papers::vvp16::{self, PAPER, row};
 use crate::results::host_ms;
 use crate::results::time_ratio;
 use crate::results::{TraceRecord, TracerRun};
@@ -47,7 +47,7 @@ pub(in crate::papers::vvp16) fn views(traces: &[&TraceRecord]) -> Option<f64> {
 
 /// With and without skipping.
 fn skipping<'a>(scene: &SceneRows<'a>) -> Option<[&'a TracerRun; 2]> {
-    Some([row(scene, &[("skipping", "on")])?, row(scene, &[("skipping", "off")])?])
+    Some([row(scene, &vvp16::skipping("on"))?, row(scene, &vvp16::skipping("off"))?])
 }
 
 /// Time of diffuse rays without skipping over that with it.
@@ -70,7 +70,7 @@ fn same_hits_without_skipping(scene: &SceneRows<'_>) -> Option<f64> {
 /// How the time of a diffuse ray is ranked by the efficiency of skipping over the scenes.
 fn rank_of_time_by_efficiency(scenes: &[SceneRows<'_>]) -> Option<f64> {
     let point = |scene: &SceneRows<'_>| {
-        let traced = trace(row(scene, &[("skipping", "on")])?, "diffuse")?;
+        let traced = trace(row(scene, &vvp16::skipping("on"))?, "diffuse")?;
         Some([efficiency(&[traced])?, host_ms(&traced.times)? / traced.count as f64])
     };
     rank_correlation(&scenes.iter().filter_map(point).collect::<Vec<_>>())

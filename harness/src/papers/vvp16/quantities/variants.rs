@@ -2,7 +2,7 @@
 
 use crate::papers::quantity::{PERCENT, Quantity, greatest, least, mean, of_scene, of_scenes};
 use crate::papers::rows::{SceneRows, statistic, trace};
-use crate::papers::vvp16::row;
+use crate::papers::vvp16::{self, row};
 use crate::results::time_ratio;
 use crate::results::{Times, TracerRun};
 
@@ -33,7 +33,7 @@ pub(in crate::papers::vvp16) fn with<'a>(
     storage: &str,
     [decoupled, skipping]: [&str; 2],
 ) -> Option<&'a TracerRun> {
-    row(scene, &[("storage", storage), ("decoupled", decoupled), ("skipping", skipping)])
+    row(scene, &[&[("storage", storage), ("decoupled", decoupled)][..], &vvp16::skipping(skipping)].concat())
 }
 
 fn traced(run: &TracerRun) -> Option<&Times> {

@@ -85,6 +85,17 @@ fn table_2(storage: &str, buckets: u64) -> [u64; 2] {
     }
 }
 
+/// What a ledger calls the words of pixels.
+fn pixels_name(storage: &str) -> &'static str {
+    match storage {
+        "s-buffer" => "begins and counts",
+        "ll" => "heads",
+        "dll" => "heads and tails",
+        "llb" => "depth bounds and heads",
+        _ => "depth bounds, heads and tails",
+    }
+}
+
 /// All storages as Table 2 has them, with as many pixels and fragments.
 fn storages(pixels: u64, fragments: u64) -> Vec<TracerRun> {
     let kinds = [("s-buffer", 4), ("ll", 4), ("dll", 4), ("llb", 4), ("llb", 8), ("dllb", 4), ("dllb", 8)];
@@ -95,9 +106,9 @@ fn storages(pixels: u64, fragments: u64) -> Vec<TracerRun> {
         set_bytes(
             &mut run,
             &[
-                ("pixel records", of_pixel * pixels),
-                ("id buffer, view 0", of_fragment * (fragments / 2)),
-                ("id buffer, view 1", of_fragment * (fragments - fragments / 2)),
+                (pixels_name(storage), of_pixel * pixels),
+                ("id buffer, view 1", of_fragment * (fragments / 2)),
+                ("id buffer, view 2", of_fragment * (fragments - fragments / 2)),
                 ("data buffer", 16 * fragments),
                 ("depth pyramid", 12_345),
             ],
@@ -140,14 +151,14 @@ fn bytes_are_those_of_table_2() {
 /// Table 1 of a scene: with and without skipping, 8 and 12 buckets.
 fn table_1(scene: &str, fragments: f64, ms: f64) -> Vec<TracerRun> {
     let make = |(skipping, buckets, factor): (&str, u64, f64)| {
-        let parameters = json!({ "skipping": skipping, "buckets": buckets });
+        let parameters = json!({ "skip_bounds": skipping, "skip_buckets": skipping, "buckets": buckets });
         let mut run = abuffer(scene, parameters, &[("fragments", fragments), ("average_layers", 6.0)]);
         run.traces.truncate(3);
         set_time(&mut run, "diffuse", ms * factor);
         set_time(&mut run, "bounce2", 1.5 * ms * factor);
         set_build(&mut run, fragments / 1e4);
         set_phase(&mut run, "reorder", factor.recip());
-        set_bytes(&mut run, &[("pixel records", 8 + 8 * buckets)]);
+        set_bytes(&mut run, &[("depth bounds, heads and tails", 8 + 8 * buckets)]);
         for (rays, visited, opened, tested) in
             [("diffuse", 1000, 50, 100), ("bounce2", 3000, 150, 450), ("ao", 10, 1, 1)]
         {
@@ -252,7 +263,10 @@ pub(in crate::papers) fn variants(scene: &str, [decoupled, skipping]: [f64; 2]) 
     let mut runs = Vec::new();
     for (storage, factor) in [("s-buffer", 1.0), ("ll", 2.0), ("dll", 1.5), ("llb", 0.9), ("dllb", 0.5)] {
         for (values, ms) in [(["off", "off"], 6.0), (["on", "off"], decoupled), (["on", "on"], skipping)] {
-            let parameters = json!({ "storage": storage, "decoupled": values[0], "skipping": values[1] });
+            let [decoupled, skipping] = values;
+            let parameters = json!({
+                "storage": storage, "decoupled": decoupled, "skip_bounds": skipping, "skip_buckets": skipping,
+            });
             let counts = [("fragments", 1e6), ("pixels", 100.0), ("covered_pixels", 80.0)];
             let mut run = abuffer(scene, parameters, &counts);
             set_time(&mut run, "pixel-random", ms * factor);

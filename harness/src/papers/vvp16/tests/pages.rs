@@ -4,6 +4,7 @@ use serde_json::json;
 use tracebench_api::{ClockKind, Query};
 
 use crate::papers::fixture::{self, Quality, page_of, take_judgements};
+use crate::papers::vvp16::skipping;
 use crate::papers::{files, find};
 use crate::results::{CounterRecord, Run};
 
@@ -25,7 +26,7 @@ fn abuffer(rows: &[&[(&str, &str)]], sets: &[(&str, Query)]) -> Run {
 #[test]
 fn table_1_of_vvp16_stands_beside_its_scene() {
     let sets = [("diffuse", Query::Closest), ("bounce2", Query::Closest), ("ao", Query::Any)];
-    let mut run = abuffer(&[&[("skipping", "on")], &[("skipping", "off")]], &sets);
+    let mut run = abuffer(&[&skipping("on"), &skipping("off")], &sets);
     for (one, factor) in run.runs.iter_mut().zip([1.0, 3.0]) {
         for (trace, ms) in one.traces.iter_mut().zip([10.0, 30.0, 5.0]) {
             trace.times.submit_to_done_median_ms = Some(ms * factor);
@@ -53,11 +54,11 @@ fn table_1_of_vvp16_stands_beside_its_scene() {
 fn pages_of_vvp16_tell_no_time_without_accuracy() {
     let closest = |rays| vec![(rays, Query::Closest)];
     let ways = [["off", "off"], ["on", "off"], ["on", "on"]];
-    let variants = ways.map(|[decoupled, skipping]| {
-        ["storage", "decoupled", "skipping"].into_iter().zip(["dllb", decoupled, skipping]).collect::<Vec<_>>()
-    });
+    let variants = ways
+        .map(|[decoupled, switch]| [&[("storage", "dllb"), ("decoupled", decoupled)][..], &skipping(switch)].concat());
     let variants: Vec<&[(&str, &str)]> = variants.iter().map(Vec::as_slice).collect();
-    let skipping: [&[(&str, &str)]; 2] = [&[("skipping", "on")], &[("skipping", "off")]];
+    let skipping = ["on", "off"].map(skipping);
+    let skipping = skipping.each_ref().map(|row| &row[..]);
     let views: [&[(&str, &str)]; 2] = [&[("views", "seven")], &[("views", "frame")]];
     let bounces = vec![("diffuse", Query::Closest), ("bounce2", Query::Closest)];
     for (name, rows, sets) in [

@@ -1,0 +1,307 @@
+//! Ratios within a run: of paired rounds, with what may be made of them.
+//!
+//! In every round of a race all contenders are sampled once, in an order drawn by lot. So the ratio of two contenders is that of
+//! their times in the same round: what slows the machine for a while slows both. Where both are alike the lot alone decides who
+//! comes out slower in a round, so logarithms of paired ratios are symmetric about 0 and independent from round to round, however
+//! times scatter, drift or hang together. That is all that the interval of [`middle`] takes for granted.
+//!
+//! Rows of different windows are paired each with the anchor of its window. What was timed in different races cannot be paired:
+//! there the interval is that of two lots, [`Ratio::of_times`], and the fixed kernels of both must have taken the same time.
+
+use std::fmt;
+
+use serde::Serialize;
+use tracebench_api::ClockKind;
+
+use super::{LEAST_ROUNDS, RaceRecord, Ratio, Run, Times, TraceRecord, TracerRun, same_place, same_rays};
+use crate::statistics::{median, middle};
+
+/// What the interval of a verdict covers.
+pub const COVERAGE: f64 = 0.999;
+
+/// By how much the fixed kernel's time may differ between races whose times are set against one another, a share.
+pub const MOST_CHANGE: f64 = 0.1;
+
+/// Something that was timed, of one row: a build, a trace, a phase, or several of them one after the other.
+#[derive(Clone, Debug)]
+pub struct Timed<'a> {
+    row: &'a TracerRun,
+    parts: Vec<Part<'a>>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Part<'a> {
+    times: &'a Times,
+    /// None of a build.
+    trace: Option<&'a TraceRecord>,
+    phase: Option<&'a str>,
+    factor: f64,
+}
+
+impl<'a> Timed<'a> {
+    /// The build of a row.
+    pub fn build(row: &'a TracerRun) -> Self {
+        Self { row, parts: vec![Part { times: &row.build.times, trace: None, phase: None, factor: 1.0 }] }
+    }
+
+    /// One of the row's traces.
+    pub fn trace(row: &'a TracerRun, trace: &'a TraceRecord) -> Self {
+        Self { row, parts: vec![Part { times: &trace.times, trace: Some(trace), phase: None, factor: 1.0 }] }
+    }
+
+    /// A phase alone.
+    #[must_use]
+    pub fn phase(mut self, name: &'a str) -> Self {
+        self.parts.iter_mut().for_each(|part| part.phase = Some(name));
+        self
+    }
+
+    /// What takes so many times as long: the factor is 1 over the number of rays for the time of a ray.
+    #[must_use]
+    pub fn times(mut self, factor: f64) -> Self {
+        self.parts.iter_mut().for_each(|part| part.factor *= factor);
+        self
+    }
+
+    /// This and then another of the same row.
+    #[must_use]
+    pub fn and(mut self, other: Self) -> Self {
+        self.parts.extend(other.parts);
+        self
+    }
+
+    fn races(&self) -> Vec<Option<u32>> {
+        self.parts.iter().map(|part| part.times.race).collect()
+    }
+
+    fn clocks(&self) -> impl Iterator<Item = ClockKind> + '_ {
+        self.parts.iter().map(|part| part.times.clock)
+    }
+
+    /// The same of the row of another tracer in the same place, whole where this is a phase.
+    fn of<'b>(&self, row: &'b TracerRun) -> Option<Timed<'b>> {
+        let part = |part: &Part<'_>| {
+            let trace = part.trace.map(|own| row.traces.iter().find(|other| same_rays(own, other)));
+            let trace = match trace {
+                None => None,
+                Some(found) => Some(found?),
+            };
+            let times = trace.map_or(&row.build.times, |trace| &trace.times);
+            Some(Part { times, trace, phase: None, factor: part.factor })
+        };
+        Some(Timed { row, parts: self.parts.iter().map(part).collect::<Option<_>>()? })
+    }
+
+    /// The time of every round, milliseconds; `None` where a part has none by the clock.
+    fn rounds(&self, by_host: bool) -> Option<Vec<f64>> {
+        let mut sums: Option<Vec<f64>> = None;
+        for part in &self.parts {
+            let times = part.times;
+            let samples = match (part.phase, by_host && times.clock != ClockKind::Host) {
+                (None, false) => &times.samples_ms,
+                (None, true) => &times.submit_to_done_samples_ms,
+                (Some(_), true) => return None,
+                (Some(name), false) => &times.phases.iter().find(|phase| phase.name == name)?.samples_ms,
+            };
+            // A phase that only some rounds have belongs to no round.
+            let whole = !samples.is_empty() && (part.phase.is_none() || samples.len() == times.samples_ms.len());
+            let scale = part.factor / times.aligned_by.unwrap_or(1.0);
+            let scaled = whole.then(|| samples.iter().map(|ms| ms * scale));
+            sums = Some(match sums {
+                None => scaled?.collect(),
+                Some(sums) => sums.iter().zip(scaled?).map(|(sum, ms)| sum + ms).collect(),
+            });
+        }
+        sums.filter(|rounds| rounds.iter().all(|ms| ms.is_finite() && *ms > 0.0))
+    }
+}
+
+/// How two times came to be set against one another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Pairing {
+    /// Round by round of the same race.
+    Rounds,
+    /// Each round by round with the anchor of its window.
+    ThroughAnchor,
+    /// They were timed in different races.
+    Unpaired,
+}
+
+/// How many times as long one took as another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Paired {
+    /// The ratio with an interval that covers with [`COVERAGE`] where there are enough rounds; `None` without times by one clock.
+    pub ratio: Option<Ratio>,
+    /// How it was had.
+    pub pairing: Pairing,
+    /// Why no verdict rests on it, if none does.
+    pub doubt: Option<Doubt>,
+}
+
+/// Why a time decides nothing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Doubt {
+    /// One of both was not timed, or not by a clock that the other has.
+    NoTimes,
+    /// Times are void.
+    Void(String),
+    /// The record does not tell of its races.
+    Unrecorded,
+    /// So many rounds are too few.
+    FewRounds(usize),
+    /// The machine's speed drifted in a race, or changed between races.
+    Drift(String),
+    /// The interval does not separate.
+    Interval,
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoTimes => to.write_str("there are no times by one clock"),
+            Self::Void(why) => write!(to, "times are void: {why}"),
+            Self::Unrecorded => to.write_str("the record does not tell of its races"),
+            Self::FewRounds(rounds) => write!(to, "{rounds} rounds, fewer than {LEAST_ROUNDS}"),
+            Self::Drift(what) => write!(to, "drift: {what}"),
+            Self::Interval => to.write_str("the interval does not separate"),
+        }
+    }
+}
+
+/// What is to be said of how long one takes beside another.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// Longer.
+    Longer,
+    /// Shorter.
+    Shorter,
+    /// The same, but for a margin.
+    Same,
+    /// Nobody can tell, and why.
+    Undecided(Doubt),
+}
+
+impl Paired {
+    /// The ratio, if verdicts may rest on it.
+    ///
+    /// # Errors
+    /// Why none may.
+    pub fn sure(&self) -> Result<Ratio, Doubt> {
+        match (&self.doubt, self.ratio) {
+            (Some(doubt), _) => Err(doubt.clone()),
+            (None, None) => Err(Doubt::NoTimes),
+            (None, Some(ratio)) => Ok(ratio),
+        }
+    }
+
+    /// What is to be said: the interval leaves out 1, or lies within a margin (a share) about it, or neither.
+    pub fn answer(&self, margin: f64) -> Answer {
+        match self.sure() {
+            Err(doubt) => Answer::Undecided(doubt),
+            Ok(Ratio { interval: [low, high], .. }) => match () {
+                () if low > 1.0 => Answer::Longer,
+                () if high < 1.0 => Answer::Shorter,
+                () if high < 1.0 + margin && low > 1.0 / (1.0 + margin) => Answer::Same,
+                () => Answer::Undecided(Doubt::Interval),
+            },
+        }
+    }
+}
+
+/// The ratio of times in the same rounds; `None` for no rounds.
+pub fn of_rounds(one: &[f64], other: &[f64], coverage: f64) -> Option<Ratio> {
+    let logarithms: Vec<f64> = one.iter().zip(other).map(|(one, other)| (one / other).ln()).collect();
+    let found = middle(&logarithms, coverage)?;
+    Some(Ratio { value: found.value.exp(), interval: found.interval.map(f64::exp), coverage: found.coverage })
+}
+
+impl Run {
+    /// How many times as long one takes as the other, rows of this record both.
+    pub fn paired(&self, one: &Timed<'_>, other: &Timed<'_>) -> Paired {
+        let both = || one.parts.iter().chain(&other.parts);
+        let clocks: Vec<ClockKind> = one.clocks().chain(other.clocks()).collect();
+        let by_host = clocks.windows(2).any(|pair| pair[0] != pair[1]);
+        let (ratio, pairing) = self.ratio(one, other, by_host);
+        let lots = [one, other].map(|timed| timed.rounds(by_host));
+        let fewest = lots.iter().flatten().map(Vec::len).min().unwrap_or(0);
+        let void = both().find_map(|part| part.times.void.clone());
+        let known = both().all(|part| self.race(part.times).is_some());
+        let doubt = if lots.contains(&None) || ratio.is_none() {
+            Some(Doubt::NoTimes)
+        } else if let Some(why) = void {
+            Some(Doubt::Void(why))
+        } else if !known {
+            Some(Doubt::Unrecorded)
+        } else if fewest < LEAST_ROUNDS as usize {
+            Some(Doubt::FewRounds(fewest))
+        } else {
+            self.drift(one, other, pairing).map(Doubt::Drift)
+        };
+        Paired { ratio, pairing, doubt }
+    }
+
+    /// The race that times were taken in.
+    pub fn race(&self, times: &Times) -> Option<&RaceRecord> {
+        self.races.get(times.race? as usize)
+    }
+
+    fn ratio(&self, one: &Timed<'_>, other: &Timed<'_>, by_host: bool) -> (Option<Ratio>, Pairing) {
+        let known = one.races().iter().all(Option::is_some);
+        if known && one.races() == other.races() {
+            let both = one.rounds(by_host).zip(other.rounds(by_host));
+            return (both.and_then(|(one, other)| of_rounds(&one, &other, COVERAGE)), Pairing::Rounds);
+        }
+        // Both lots must cover for the whole to cover.
+        let each = COVERAGE.sqrt();
+        let anchored = |timed: &Timed<'_>| {
+            let anchor = timed.of(self.anchor(timed.row)?)?;
+            let paired = anchor.races() == timed.races() && anchor.races().iter().all(Option::is_some);
+            let by_host = by_host || !anchor.clocks().eq(timed.clocks());
+            let both = timed.rounds(by_host).zip(anchor.rounds(by_host)).filter(|_| paired);
+            both.and_then(|(own, anchor)| of_rounds(&own, &anchor, each))
+        };
+        let same_work = other.of(one.row).is_some_and(|work| work.races() == one.races());
+        let apart = one.row.window != other.row.window && same_work && same_place(one.row, other.row);
+        if let Some((one, other)) = anchored(one).zip(anchored(other)).filter(|_| apart) {
+            return (Some(one.over(&other)), Pairing::ThroughAnchor);
+        }
+        let lots = one.rounds(by_host).zip(other.rounds(by_host));
+        (lots.and_then(|(one, other)| Ratio::of_times(&one, &other, COVERAGE)), Pairing::Unpaired)
+    }
+
+    /// The contender that stands in every window of a row's place, as it was measured in the row's.
+    fn anchor(&self, row: &TracerRun) -> Option<&TracerRun> {
+        let here = |one: &&TracerRun| one.machine == row.machine && same_place(one, row);
+        if row.window > 0 {
+            return self.anchors.iter().filter(here).find(|one| one.window == row.window);
+        }
+        let anchor = self.anchors.iter().find(here)?;
+        self.runs.iter().filter(here).find(|one| one.window == 0 && one.tracer == anchor.tracer)
+    }
+
+    /// What the fixed kernels say against a ratio.
+    fn drift(&self, one: &Timed<'_>, other: &Timed<'_>, pairing: Pairing) -> Option<String> {
+        let races = |timed: &Timed<'_>| timed.parts.iter().filter_map(|part| self.race(part.times)).collect::<Vec<_>>();
+        let (ours, theirs) = (races(one), races(other));
+        if let Some(race) = ours.iter().chain(&theirs).find(|race| race.drift) {
+            return Some(format!("{} of {}", race.work, race.scene));
+        }
+        if pairing != Pairing::Unpaired {
+            return None;
+        }
+        if one.row.machine != other.row.machine {
+            return Some("other machines".to_owned());
+        }
+        for kernel in ours.iter().flat_map(|race| &race.kernels) {
+            let others = theirs.iter().flat_map(|race| &race.kernels);
+            for beside in others.filter(|each| (each.clock, each.steps) == (kernel.clock, kernel.steps)) {
+                let change = median(&kernel.samples_ms) / median(&beside.samples_ms);
+                if change.max(1.0 / change) > 1.0 + MOST_CHANGE {
+                    return Some("the machine was faster in one race than in the other".to_owned());
+                }
+            }
+        }
+        None
+    }
+}
