@@ -107,6 +107,9 @@ pub(crate) struct Refusal {
     pub reason: String,
     /// The device is too small.
     pub too_large: bool,
+    /// A limit of the device forbids it.
+    #[serde(default)]
+    pub unavailable: bool,
     /// It may have been for want of room beside others.
     pub for_room: bool,
 }

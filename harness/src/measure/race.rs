@@ -410,12 +410,13 @@ impl Refusal {
     /// Why a tracer was taken out. `for_room`: it may have been for want of room beside others.
     pub fn of(error: &TracerError, for_room: bool) -> Self {
         let too_large = matches!(error, TracerError::TooLarge { .. });
+        let unavailable = matches!(error, TracerError::Unavailable(_));
         // Limits of a device are the same with or without others.
         let for_room = for_room && matches!(error, TracerError::Failed(_));
-        Self { reason: error.to_string(), too_large, for_room }
+        Self { reason: error.to_string(), too_large, unavailable, for_room }
     }
 
     pub(super) fn of_session(error: &SessionError) -> Self {
-        Self { reason: error.to_string(), too_large: false, for_room: false }
+        Self { reason: error.to_string(), too_large: false, unavailable: false, for_room: false }
     }
 }

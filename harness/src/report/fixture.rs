@@ -155,7 +155,12 @@ fn machine() -> Machine {
             timestamps: true,
             limits: DeviceLimits::Adapter,
         }),
-        rasterizer: Some(Rasterizer { snap_pixels: 0.002, depth_error: 1e-6, depth_error_beyond_view: 1e-5 }),
+        rasterizer: Some(Rasterizer {
+            snap_pixels: 0.002,
+            depth_error: 1e-6,
+            depth_error_beyond_view: 1e-5,
+            reach: 1e5,
+        }),
     }
 }
 

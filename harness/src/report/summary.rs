@@ -96,12 +96,13 @@ pub(super) fn head_of(from: &Provenance, preset: &str, seed: u64, controls: &Ver
         );
     }
     if let Some(found) = &from.machine.rasterizer {
-        let Rasterizer { snap_pixels, depth_error, depth_error_beyond_view } = found;
+        let Rasterizer { snap_pixels, depth_error, depth_error_beyond_view, reach } = found;
         item(
             "Rasterizer",
             format!(
                 "borders drawn up to {snap_pixels:.4} pixels from where they are; interpolated depth off by {depth_error:.1e}, of \
-                 triangles that reach far out of the view by {depth_error_beyond_view:.1e}"
+                 triangles that reach far out of the view by {depth_error_beyond_view:.1e}; triangles drawn whole up to {reach:.0} heights of \
+                 the eye above them"
             ),
         );
     }
