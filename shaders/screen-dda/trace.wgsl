@@ -4,6 +4,7 @@
 #import tracebench::types::{Ray, Hit, miss, NO_PRIMITIVE, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, STATUS_THICKNESS_REJECTED}
 #import tracebench::view::{View, pixel_position}
 #import tracebench::image_walk::{Span, eye_ray_of, span_in_view}
+#import tracebench::image_line::between
 #import tracebench::dispatch::linear_invocation
 
 struct Settings {
@@ -90,14 +91,14 @@ fn march(ray: Ray) -> Answer {
         let place = u32(pixel.y) * u32(view.size.x) + u32(pixel.x);
         atomicOr(&pixels_touched[place >> 5u], 1u << (place & 31u));
 #endif
-        let k_low = mix(k.x, k.y, low);
-        let k_high = mix(k.x, k.y, high);
+        let k_low = between(k, low);
+        let k_high = between(k, high);
         let nearest = min(1.0 / k_low, 1.0 / k_high);
         let farthest = max(1.0 / k_low, 1.0 / k_high);
         if (farthest >= stored && nearest <= stored + settings.thickness) {
-            let t_low = mix(t_over_z.x, t_over_z.y, low) / k_low;
-            let t_high = mix(t_over_z.x, t_over_z.y, high) / k_high;
-            var t = mix(t_over_z.x, t_over_z.y, s) / mix(k.x, k.y, s);
+            let t_low = between(t_over_z, low) / k_low;
+            let t_high = between(t_over_z, high) / k_high;
+            var t = between(t_over_z, s) / between(k, s);
             // A ray that falls on one pixel has no other position than the stored depth.
             if ((settings.hit_point == 1u || step == 1.0) && direction.z != 0.0) {
                 t = (stored - origin.z) / direction.z;

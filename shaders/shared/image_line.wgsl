@@ -35,11 +35,17 @@ fn place_after(line: ImageLine, pixels: f32) -> f32 {
     return min(pixels / max(line.major, 1e-6), 1.0);
 }
 
+// Between two values, exact at both ends. The built-in mix may be a + (b - a) * share, which is not: by it the far end of a ray that
+// begins near the eye has no depth.
+fn between(ends: vec2<f32>, share: f32) -> f32 {
+    return ends.x * (1.0 - share) + ends.y * share;
+}
+
 fn depth_on(line: ImageLine, place: f32) -> f32 {
-    return 1.0 / mix(line.inverse_depths.x, line.inverse_depths.y, place);
+    return 1.0 / between(line.inverse_depths, place);
 }
 
 // The parameter at a place, whose depth is known.
 fn t_on(line: ImageLine, place: f32, depth: f32) -> f32 {
-    return mix(line.ts_over_depth.x, line.ts_over_depth.y, place) * depth;
+    return between(line.ts_over_depth, place) * depth;
 }

@@ -108,26 +108,29 @@ fn rasterize(gpu: &Gpu, geometry: &Geometry, view: &View) -> Vec<f32> {
     target.read(gpu).unwrap()
 }
 
-/// Rasterizers round vertices to at least 1/256 of a pixel: this far round a centre the same triangle must be seen for
-/// the pixel to be compared.
-const SNAP_PIXELS: f64 = 1.0 / 64.0;
+/// This far round a centre the same triangle must be seen for the pixel to be compared: by so much the device snaps borders, and
+/// positions of corners are f32.
+fn snap_pixels() -> f64 {
+    1.0 / 64.0 + tracebench_kit::rasterizer(&gpu()).unwrap().border_pixels()
+}
 
-/// Interpolation of depth in f32 between corners that may lie far outside of the frame, relative.
+/// Planes in f32 of corners that may lie far outside of the frame: share of the depth.
 const INTERPOLATION: f64 = 2e-5;
 
-/// Pixels compared, and how many of them are off. Not compared are those where within `SNAP_PIXELS` of the centre
+/// Pixels compared, and how many of them are off. Not compared are those where within `snap_pixels` of the centre
 /// another triangle, or none, is seen; the tolerance is the range of depths seen there, widened by `INTERPOLATION`.
 fn compare_depths(truth: &Truth, view: &View, depths: &[f32]) -> (usize, usize) {
     let shown = |x: f64, y: f64| {
         let direction = view.direction_through(x, y);
         truth.closest(&Ray64 { origin: view.eye, direction, t_min: view.near, t_max: view.far })
     };
+    let snap = snap_pixels();
     let (mut compared, mut off) = (0, 0);
     for (pixel, depth) in depths.iter().enumerate() {
         let (column, row) = (pixel as u32 % view.size[0], pixel as u32 / view.size[0]);
         let (x, y) = (f64::from(column) + 0.5, f64::from(row) + 0.5);
         let around = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (0.0, 0.0)]
-            .map(|(across, down)| shown(x + across * SNAP_PIXELS, y + down * SNAP_PIXELS));
+            .map(|(across, down)| shown(x + across * snap, y + down * snap));
         let primitives = around.map(|hit| hit.map(|hit| hit.primitive));
         if primitives.iter().any(|primitive| *primitive != primitives[0]) {
             continue;

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use tracebench_api::{Query, TracerError};
 
-use super::sketch::{Camera, RAYS, Shots, Sketch};
+use super::sketch::{Camera, RAYS, Shots, Sketch, Stage};
 use super::{Case, Feature, Knob, Probe, Setup};
 
 pub(super) const INSIDE: Case = Case {
@@ -121,16 +121,71 @@ pub(super) const DEPTH_RANGE: Case = Case {
     },
 };
 
-fn depth_range(decades: f64) -> Result<Setup, TracerError> {
+/// A plate a decade of depth side by side in one view: corner, and the two edges that start there.
+fn plates_by_decade(decades: f64) -> Vec<[DVec3; 3]> {
     let plates = decades as i32 + 1;
     let width = 1.1 / f64::from(plates);
-    let mut sketch = Sketch::default();
-    for plate in 0..plates {
-        let depth = 1e-3 * 10_f64.powi(plate);
+    let plate = |plate: i32| {
         let corner = DVec3::new(-0.55 + width * f64::from(plate), -0.4, -1.0);
-        sketch.plate(corner * depth, DVec3::X * (0.9 * width * depth), DVec3::new(0.0, 0.75, 0.2) * depth);
+        let edges = [corner, DVec3::X * (0.9 * width), DVec3::new(0.0, 0.75, 0.2)];
+        edges.map(|each| each * (1e-3 * 10_f64.powi(plate)))
+    };
+    (0..plates).map(plate).collect()
+}
+
+fn seen_by_decade(plates: &[[DVec3; 3]]) -> Result<Stage, TracerError> {
+    let mut sketch = Sketch::default();
+    for [corner, along, upward] in plates {
+        sketch.plate(*corner, *along, *upward);
     }
-    sketch.seen_by(Camera { near: Some(5e-4), target: Vec3::NEG_Z, ..Camera::default() })?.through_centres(15)
+    sketch.seen_by(Camera { near: Some(5e-4), target: Vec3::NEG_Z, ..Camera::default() })
+}
+
+fn depth_range(decades: f64) -> Result<Setup, TracerError> {
+    seen_by_decade(&plates_by_decade(decades))?.through_centres(15)
+}
+
+pub(super) const SECONDARY_DEPTH_RATIO: Case = Case {
+    name: "secondary-depth-ratio",
+    summary: "rays from surfaces to deeper ones, in a view whose depths are ten times as deep from plate to plate",
+    knob: Knob { name: "range", unit: "decades of depth", values: &[1.0, 2.0, 4.0, 6.0, 8.0] },
+    make: secondary_depth_ratio,
+    feature: Feature {
+        what: "start at less than a hundred-thousandth of the depth of their hit",
+        least: 0.12,
+        has: |probe, index| {
+            let start = f64::from(probe.ray(index).origin[2]);
+            probe.point(index).is_some_and(|point| start > 1e-5 * point.z)
+        },
+    },
+};
+
+/// The plates that rays start on: so far apart are they from the deepest.
+const STARTED_ON: f64 = 3.0;
+
+fn secondary_depth_ratio(decades: f64) -> Result<Setup, TracerError> {
+    let plates = plates_by_decade(decades);
+    let stage = seen_by_decade(&plates)?;
+    let mut shots = Shots::new(27);
+    let deepest = plates.len() - 1;
+    for index in 0..RAYS {
+        // Of starts that are deeper ulps are as large as near plates, which truth could not tell.
+        let from = (shots.unit() * STARTED_ON.min(deepest as f64)) as usize;
+        let to = from + 1 + (shots.unit() * (deepest - from) as f64) as usize;
+        let on = |[corner, along, upward]: [DVec3; 3], shots: &mut Shots| {
+            corner + along * (0.1 + 0.8 * shots.unit()) + upward * (0.1 + 0.8 * shots.unit())
+        };
+        let (start, target) = (on(plates[from], &mut shots), on(plates[to], &mut shots));
+        // Off the surface, on the side away from the eye, by more than ties are told by.
+        let lifted = start + DVec3::NEG_Z * (0.05 * start.z.abs());
+        if index % 4 == 0 {
+            let aside = shots.direction();
+            shots.towards(lifted, lifted + DVec3::new(aside.x, aside.y, -aside.z.abs()) * start.z.abs());
+        } else {
+            shots.towards(lifted, target);
+        }
+    }
+    Ok(stage.with(shots, Query::Closest))
 }
 
 pub(super) const PLANE_THROUGH_EYE: Case = Case {

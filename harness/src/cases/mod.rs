@@ -96,6 +96,7 @@ pub const CASES: &[Case] = &[
     eye::BEFORE_NEAR,
     frames::CUBE_BORDERS,
     eye::DEPTH_RANGE,
+    eye::SECONDARY_DEPTH_RATIO,
     frames::COARSE_FRAME,
     frames::WIDE_FRAME,
     frames::SURFACE_STARTS,

@@ -2,6 +2,7 @@
 
 pub use crate::judge::Rule;
 use crate::results::{ExpectationRecord, Surprise, Wrong};
+use tracebench_api::Rasterizer;
 
 /// What is expected of a tracer with its published preset on a case. Shares are of the rays that are no tie.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +41,17 @@ pub enum Expectation {
         /// What is expected of its answers.
         otherwise: &'static Expectation,
     },
+    /// Something else of these, and beside it what the device's rasterizer does, as its probe has found.
+    Rasterized {
+        /// Wrong rays by pixels that borders are drawn off, share.
+        wrong_by_snapping: f64,
+        /// Whether the knob says how far a triangle reaches, in heights of the eye: rasterizers lose such triangles.
+        reaches_far: bool,
+        /// Why.
+        reason: &'static str,
+        /// What is expected where rasterizers are exact.
+        otherwise: &'static Expectation,
+    },
 }
 
 /// What is expected of one tracer, by case.
@@ -63,22 +75,22 @@ impl Expectation {
         match self {
             Self::Exact => Rule::Tight,
             Self::Bounded { rule, .. } | Self::KnownFailure { rule, .. } => *rule,
-            Self::Refusable { otherwise, .. } => otherwise.rule(),
+            Self::Refusable { otherwise, .. } | Self::Rasterized { otherwise, .. } => otherwise.rule(),
         }
     }
 
     /// Whether a device may be too small at one of a knob's values.
     pub fn may_be_refused(&self, values: &[f64], index: usize) -> bool {
-        self.record().may_be_refused(values, index)
+        self.record(values, None).may_be_refused(values, index)
     }
 
     /// What is surprising about the wrong rays at one of a knob's values.
     pub fn surprise(&self, values: &[f64], index: usize, shares: &Wrong) -> Option<Surprise> {
-        self.record().surprise(values, index, shares)
+        self.record(values, None).surprise(values, index, shares)
     }
 
-    /// As records have it.
-    pub fn record(&self) -> ExpectationRecord {
+    /// As records have it, on a knob's values, by a device's rasterizer; without one as if that were exact.
+    pub fn record(&self, values: &[f64], rasterizer: Option<&Rasterizer>) -> ExpectationRecord {
         let record = |kind: &str, most_wrong, reason: &str| ExpectationRecord {
             kind: kind.to_owned(),
             rule: self.rule(),
@@ -86,12 +98,23 @@ impl Expectation {
             from: None,
             least_wrong: None,
             refusable_from: None,
+            lost_from: None,
             reason: reason.to_owned(),
             source: String::new(),
         };
         match *self {
             Self::Refusable { from, otherwise } => {
-                ExpectationRecord { refusable_from: Some(from), ..otherwise.record() }
+                ExpectationRecord { refusable_from: Some(from), ..otherwise.record(values, rasterizer) }
+            }
+            Self::Rasterized { wrong_by_snapping, reaches_far, reason, otherwise } => {
+                let exact = otherwise.record(values, rasterizer);
+                let Some(rasterizer) = rasterizer else { return exact };
+                ExpectationRecord {
+                    most_wrong: exact.most_wrong + wrong_by_snapping * rasterizer.snap_pixels,
+                    lost_from: values.iter().find(|value| reaches_far && **value > rasterizer.reach).copied(),
+                    reason: format!("{}; {reason}", exact.reason),
+                    ..exact
+                }
             }
             Self::Exact => record("exact", 0.0, ""),
             Self::Bounded { most_wrong, reason, .. } => record("bounded", most_wrong, reason),
@@ -148,5 +171,27 @@ mod tests {
         assert_eq!(refusable.rule(), EXACT.rule());
         assert!(refusable.surprise(&values, 3, &wrong(0.0)).is_none());
         assert!(matches!(refusable.surprise(&values, 3, &wrong(0.1)), Some(Surprise::Failure { .. })));
+    }
+
+    /// What a rasterizer spoils is expected of it by its probe: more wrong rays by what it snaps, and from the first value beyond its
+    /// reach on nothing is judged; where nothing was probed it is taken for exact.
+    #[test]
+    fn rasterizers_are_judged_by_their_probe() {
+        const EXACT: Expectation = Expectation::Bounded { rule: Rule::HitMiss, most_wrong: 0.01, reason: "edges" };
+        const HUGE: Expectation =
+            Expectation::Rasterized { wrong_by_snapping: 2.0, reaches_far: true, reason: "lost", otherwise: &EXACT };
+        let values = [1.0, 10.0, 100.0];
+        let device =
+            |snap_pixels, reach| Rasterizer { snap_pixels, reach, depth_error: 0.0, depth_error_beyond_view: 0.0 };
+        let fails = |device: Option<&Rasterizer>, index, share| {
+            let wrong = Wrong { hit_miss: share, tight: share, footprint: share };
+            HUGE.record(&values, device).surprise(&values, index, &wrong).is_some()
+        };
+        let (fine, coarse) = (device(0.0, 100.0), device(0.03, 10.0));
+        assert_eq!([0.01, 0.02].map(|share| fails(None, 2, share)), [false, true]);
+        assert_eq!([0.01, 0.02].map(|share| fails(Some(&fine), 2, share)), [false, true]);
+        assert_eq!([0.06, 0.08].map(|share| fails(Some(&coarse), 1, share)), [false, true]);
+        assert_eq!([0.06, 0.9].map(|share| fails(Some(&coarse), 2, share)), [false, false]);
+        assert!(fails(Some(&fine), 2, 0.9));
     }
 }

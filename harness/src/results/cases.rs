@@ -90,6 +90,9 @@ pub struct NoAnswer {
     pub error: String,
     /// Whether that is because the device is too small.
     pub refused: bool,
+    /// Whether a limit of the device forbids it.
+    #[serde(default)]
+    pub unavailable: bool,
 }
 
 /// What is expected of a tracer on a case.
@@ -107,6 +110,9 @@ pub struct ExpectationRecord {
     pub least_wrong: Option<f64>,
     /// The strength from which on a device may be too small.
     pub refusable_from: Option<f64>,
+    /// The strength from which on the device's rasterizer loses triangles, by its probe: whatever is wrong there is not the tracer's.
+    #[serde(default)]
+    pub lost_from: Option<f64>,
     /// Why.
     pub reason: String,
     /// Where that is written.
@@ -165,8 +171,17 @@ impl ExpectationRecord {
         from.is_some_and(|at| index >= at)
     }
 
+    /// Whether the device's rasterizer loses triangles at one of a knob's values.
+    pub fn may_be_lost(&self, values: &[f64], index: usize) -> bool {
+        let from = self.lost_from.and_then(|from| values.iter().position(|value| *value == from));
+        from.is_some_and(|at| index >= at)
+    }
+
     /// What is surprising about the wrong rays at one of a knob's values.
     pub fn surprise(&self, values: &[f64], index: usize, shares: &Wrong) -> Option<Surprise> {
+        if self.may_be_lost(values, index) {
+            return None;
+        }
         let (rule, most) = (self.rule, self.most_wrong);
         let wrong = shares.under(rule);
         let at_most = |allowed: f64| (wrong > allowed).then_some(Surprise::Failure { wrong, rule, allowed });

@@ -141,6 +141,10 @@ fn the_registry_is_sane() {
                     assert!(case.knob.values[1..].contains(from), "{tracer}, {name}: {from}");
                     otherwise
                 }
+                Expectation::Rasterized { wrong_by_snapping, reason, otherwise, .. } => {
+                    assert!(*wrong_by_snapping >= 0.0 && !reason.is_empty(), "{tracer}, {name}");
+                    otherwise
+                }
                 expected => expected,
             };
             if let Expectation::KnownFailure { from, below, least_wrong, reason, source, .. } = expected {

@@ -14,4 +14,14 @@ pub struct Rasterizer {
     pub depth_error: f64,
     /// The same of triangles that reach far out of the view.
     pub depth_error_beyond_view: f64,
+    /// How far triangles may reach, in heights of the eye above their plane, without a pixel that they cover being left out: drivers
+    /// clip in f32, and lose the largest ones whole.
+    pub reach: f64,
+}
+
+impl Rasterizer {
+    /// By how much a border between two corners that are snapped is off, at most, pixels.
+    pub fn border_pixels(&self) -> f64 {
+        std::f64::consts::SQRT_2 * self.snap_pixels
+    }
 }

@@ -18,7 +18,7 @@ const COMPARED_PARTS: u32 = 50_000;
 /// As `DEPTH_SLACK` in shaders/dirt/fill.wgsl.
 const DEPTH_SLACK: f64 = 9.536_743_164_062_5e-7;
 
-/// Bits that a rasterizer keeps of a position in a pixel, with room: half a sixty-fourth of a tile.
+/// By how much a border may be off in the rasterizer's sample rule, beside what the device snaps, tiles: positions of corners are f32.
 const SAMPLE_SLACK_TILES: f64 = 1.0 / 64.0;
 
 /// As `tile_margin` in shaders/shared/tile_clip.wgsl, in tiles.
@@ -121,6 +121,7 @@ impl DirtStructure {
         let layout = &self.layout;
         let stride = layout.grid(0, 1).bounds_stride as usize;
         let edge = f64::from(layout.tile_size);
+        let sample_slack = SAMPLE_SLACK_TILES + tracebench_kit::rasterizer(&self.pipelines.gpu)?.border_pixels();
         for primitive in (0..geometry.triangles.len() as u32).step_by(step as usize) {
             let begin = stored.partition_point(|each| each.primitive < primitive);
             let end = stored.partition_point(|each| each.primitive <= primitive);
@@ -131,7 +132,7 @@ impl DirtStructure {
                 let (of_view, after) = rest.split_at(count);
                 rest = after;
                 let triangle = corners.map(|corner| eye_space(view, corner));
-                let checked = Checked { view, layout, triangle, standard: !self.filling.conservative };
+                let checked = Checked { view, layout, triangle, standard: !self.filling.conservative, sample_slack };
                 let codes = &read.codes[index * stride..];
                 if checked.meets_centre() {
                     continue;
@@ -149,6 +150,8 @@ struct Checked<'a> {
     layout: &'a Layout,
     triangle: [DVec3; 3],
     standard: bool,
+    /// By how much a border may be off in the rasterizer's sample rule, tiles.
+    sample_slack: f64,
 }
 
 impl Checked<'_> {
@@ -273,7 +276,7 @@ impl Checked<'_> {
 
     /// The corners of a box round a tile's centre, as directions in eye space of depth 1.
     fn centre_box(&self, [x, y]: [u32; 2], edge: f64, loss: f64) -> TileBounds {
-        let half = DVec2::splat(SAMPLE_SLACK_TILES + loss);
+        let half = DVec2::splat(self.sample_slack + loss);
         let centre = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
         TileBounds { low: (centre - half) * edge, high: (centre + half) * edge }
     }

@@ -7,8 +7,10 @@ use tracebench_tests::{Numbers, gpu};
 use super::tests::{built, hostile, viewpoint};
 
 /// By how far rays are moved aside to see what lies next to a pixel's centre, pixels: silhouettes that near are decided by
-/// rounding.
-const ASIDE: f64 = 0.01;
+/// rounding and by what the device snaps.
+fn aside() -> f64 {
+    0.01 + tracebench_kit::rasterizer(&gpu()).unwrap().border_pixels()
+}
 
 /// Hits within this of the nearest, relative to their depth, may be in front of it for a depth test in f32.
 const DEPTH_SLACK: f64 = 1e-4;
@@ -29,8 +31,9 @@ fn depth_of(eye: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<f64> 
 /// What a pixel may show: triangles, and whether nothing.
 fn may_show(view: &View, triangles: &[[DVec3; 3]], x: f64, y: f64) -> (Vec<usize>, bool) {
     let (mut shown, mut nothing) = (Vec::new(), false);
-    for (aside, above) in [(0.0, 0.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, 0.0), (-1.0, 0.0)] {
-        let direction = view.direction_through(x + aside * ASIDE, y + above * ASIDE);
+    let by = aside();
+    for (right, above) in [(0.0, 0.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, 0.0), (-1.0, 0.0)] {
+        let direction = view.direction_through(x + right * by, y + above * by);
         let hits: Vec<(usize, f64)> = triangles
             .iter()
             .enumerate()
@@ -63,7 +66,7 @@ fn wrong(view: &View, triangles: &[[DVec3; 3]], surface: &Surface, pixel: usize)
     let pixel_edge = 2.0 * view.tan_half_height / f64::from(view.size[1]);
     let off = view.project(position).map(|at| (at.x - x).hypot(at.y - y));
     let depth = (position - view.eye).dot(view.forward);
-    let slack = 4.0 * ASIDE + position.abs().max_element() * 1e-5 / (depth * pixel_edge);
+    let slack = 4.0 * aside() + position.abs().max_element() * 1e-5 / (depth * pixel_edge);
     let [a, b, c] = triangles[surface.material as usize];
     let grazing = {
         let normal = (b - a).cross(c - a).normalize_or_zero();
@@ -72,7 +75,7 @@ fn wrong(view: &View, triangles: &[[DVec3; 3]], surface: &Surface, pixel: usize)
     (!grazing && off.is_none_or(|off| off > slack)).then(|| format!("{off:?} pixels off the centre"))
 }
 
-/// Every pixel of the frame has the surface that a primary ray through its centre meets, but where rays a hundredth of a pixel
+/// Every pixel of the frame has the surface that a primary ray through its centre meets, but where rays a little
 /// aside meet another one, over hostile triangles, most of them hidden, and over scattered ones; and the check
 /// notices a surface of another pixel, and none where one is.
 #[test]

@@ -1,16 +1,21 @@
 //! The fragments that pixels may and must have, by a rasterizer on the host, in f64, triangle by triangle.
 
 use tracebench_api::glam::{DVec2, DVec3, Vec3};
-use tracebench_api::{Geometry, View};
+use tracebench_api::{Geometry, Rasterizer, View};
 use tracebench_kit::{TileBounds, clipped_polygon, eye_space};
 
 use crate::validate::Fragment;
 
-/// Within which distance of a triangle's border the device may decide either way, pixels: it snaps corners to a grid of 1/256
-/// of a pixel.
-const BORDER: f64 = 1.0 / 64.0;
+/// Within which distance of a triangle's border the device may decide either way, pixels, beside what it snaps: positions of corners
+/// are f32.
+const BORDER_SLACK: f64 = 1.0 / 64.0;
 
-/// Relative difference of depths that interpolation in f32 may make.
+/// The same with what the device was found to snap.
+pub(crate) fn border(rasterizer: &Rasterizer) -> f64 {
+    rasterizer.border_pixels() + BORDER_SLACK
+}
+
+/// Relative difference of depths that planes in f32 may make.
 const DEPTH_SLACK: f64 = 2e-5;
 
 /// Length by which a normal in f32 may be off, over the sine of the triangle's angle.
@@ -99,20 +104,19 @@ impl Drawn {
         (0..count).map(|index| distance(edge(index))).fold(f64::INFINITY, f64::min)
     }
 
-    /// The eye depths that a fragment at a pixel's centre may have, where corners are off by the border's width. The rasterizer does
-    /// not hold what it interpolates within the triangle's own depths.
-    fn depths_at(&self, at: DVec2, far: f64) -> [f64; 2] {
+    /// The eye depths that a fragment at a pixel's centre may have, where corners are off by the border's width.
+    fn depths_at(&self, at: DVec2, far: f64, border: f64) -> [f64; 2] {
         let [least, greatest] = self.depths;
         let Some(plane) = self.plane else { return [least * (1.0 - DEPTH_SLACK), greatest * (1.0 + DEPTH_SLACK)] };
         let inverse = plane.dot(at.extend(1.0));
-        let off = (plane.x.abs() + plane.y.abs()) * BORDER;
+        let off = (plane.x.abs() + plane.y.abs()) * border;
         let depth = |inverse: f64| if inverse * far > 1.0 { 1.0 / inverse } else { far };
         [depth(inverse + off) * (1.0 - DEPTH_SLACK), depth(inverse - off) * (1.0 + DEPTH_SLACK)]
     }
 }
 
-/// What every `step`-th pixel of a view may and must have of a scene.
-pub(crate) fn allowed_fragments(view: &View, scene: &Geometry, step: u32) -> AllowedFragments {
+/// What every `step`-th pixel of a view may and must have of a scene, where the device decides within `border` of borders.
+pub(crate) fn allowed_fragments(view: &View, scene: &Geometry, step: u32, border: f64) -> AllowedFragments {
     let [width, height] = view.size.map(|edge| edge.div_ceil(step));
     let mut pixels = vec![Vec::new(); (width * height) as usize];
     for (triangle, material) in scene.triangles.iter().zip(scene.triangle_materials.iter()) {
@@ -132,12 +136,12 @@ pub(crate) fn allowed_fragments(view: &View, scene: &Geometry, step: u32) -> All
             for column in range(low.x, high.x, width) {
                 let at = DVec2::new(f64::from(column * step) + 0.5, f64::from(row * step) + 0.5);
                 let inside = drawn.inside(at);
-                if inside > -BORDER {
-                    let depths = drawn.depths_at(at, view.far);
+                if inside > -border {
+                    let depths = drawn.depths_at(at, view.far, border);
                     // In the near plane or the far one rounding decides.
                     let in_range = depths[0] > view.near && depths[1] < view.far;
                     pixels[(row * width + column) as usize].push(Allowed {
-                        must: inside > BORDER && in_range,
+                        must: inside > border && in_range,
                         depths,
                         normal: across.normalize_or_zero(),
                         normal_slack: NORMAL_SLACK / across.length().max(1e-30),

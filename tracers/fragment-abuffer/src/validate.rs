@@ -3,7 +3,7 @@
 use tracebench_api::glam::Vec3;
 use tracebench_api::{Geometry, TracerError};
 
-use crate::brute_force::{Allowed, allowed_fragments};
+use crate::brute_force::{Allowed, allowed_fragments, border};
 use crate::layout::{Layout, Storage};
 use crate::parts::Part;
 use crate::structure::{FragmentStructure, check_order};
@@ -236,7 +236,8 @@ impl FragmentStructure {
             let [width, height] = self.layout.views[view].size;
             let step = (1..).find(|step| self.layout.pixels_of(view) / (step * step) <= MOST_COMPARED).unwrap_or(1);
             let step = step as u32;
-            let allowed = allowed_fragments(&self.layout.views[view], geometry, step);
+            let border = border(&tracebench_kit::rasterizer(&self.pipelines.gpu)?);
+            let allowed = allowed_fragments(&self.layout.views[view], geometry, step, border);
             for y in 0..height {
                 for x in 0..width {
                     let nodes = back.nodes_of(first_pixel + y * width + x)?;

@@ -29,9 +29,11 @@ const LINE_PIXELS: u32 = 64;
 const SQUARE_PIXELS: u32 = 32;
 const SQUARES: u32 = 8;
 
-/// How far triangles with a depth reach, in heights of the eye above their plane: the last are those that reach far out of
-/// the view.
-const REACHES: [f64; 4] = [1.0, 100.0, 1e4, 1e5];
+/// How far triangles with a depth reach, in heights of the eye above their plane: the first are whole in the view.
+const REACHES: [f64; 8] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7];
+
+/// Nearer than this, in heights, triangles are cut.
+const NEAR: f64 = 0.2;
 
 /// What a device's rasterizer does; found once and kept.
 ///
@@ -44,8 +46,8 @@ pub fn rasterizer(gpu: &Gpu) -> Result<Rasterizer, TracerError> {
 fn probe(gpu: &Gpu) -> Result<Rasterizer, TracerError> {
     let prober = Prober::new(gpu)?;
     let snap_pixels = f64::max(prober.snapping(Axis::Across)?, prober.snapping(Axis::Down)?);
-    let [depth_error, depth_error_beyond_view] = prober.interpolation(snap_pixels)?;
-    Ok(Rasterizer { snap_pixels, depth_error, depth_error_beyond_view })
+    let [depth_error, depth_error_beyond_view, reach] = prober.interpolation(snap_pixels)?;
+    Ok(Rasterizer { snap_pixels, depth_error, depth_error_beyond_view, reach })
 }
 
 /// x, y, z, w.
@@ -190,12 +192,13 @@ impl<'a> Prober<'a> {
         Ok(greatest_snap(covered))
     }
 
-    /// By how much depths are off beside what snapping explains, of triangles in the view and of those that reach out of it.
-    fn interpolation(&self, snap_pixels: f64) -> Result<[f64; 2], TracerError> {
+    /// By how much depths are off beside what snapping explains, of triangles in the view and of those that reach out of it; and how far
+    /// they reach without losing pixels.
+    fn interpolation(&self, snap_pixels: f64) -> Result<[f64; 3], TracerError> {
         let edge = SQUARE_PIXELS * SQUARES;
         let triangles: Vec<[Clip; 3]> = (0..SQUARES * SQUARES).map(slanted).collect();
         let drawn = self.draw([edge; 2], SQUARES, triangles.as_flattened())?;
-        let mut errors = [0.0_f64; 2];
+        let (mut errors, mut lost_from) = ([0.0_f64; 2], f64::INFINITY);
         for (square, triangle) in (0..).zip(&triangles) {
             let beyond = usize::from(reach_of(square) > 1.0);
             let [left, top] = [square % SQUARES, square / SQUARES].map(|place| place * SQUARE_PIXELS);
@@ -204,10 +207,13 @@ impl<'a> Prober<'a> {
                 if depth != NOTHING {
                     let off = depth_off(triangle, [x, y], f64::from(depth), snap_pixels);
                     errors[beyond] = errors[beyond].max(off);
+                } else if covers(triangle, [x, y], 2.0 * snap_pixels) {
+                    lost_from = lost_from.min(reach_of(square));
                 }
             }
         }
-        Ok(errors)
+        let reach = REACHES.into_iter().take_while(|reach| *reach < lost_from).last().unwrap_or(0.0);
+        Ok([errors[0], errors[1], reach])
     }
 }
 
@@ -228,22 +234,43 @@ fn slanted(square: u32) -> [Clip; 3] {
             false => (x * 1.5, -0.8 + 0.05 * x, 3.0 + 1.8 * z),
         };
         let at = DVec2::new(cosine * across - sine * upward, sine * across + cosine * upward);
-        // From 0 to 1 over all that is deeper than 0.2: what is nearer, or behind the eye, is cut away.
-        [at.x as f32, at.y as f32, (0.5 * deep + 0.1) as f32, deep as f32]
+        // From 0 to 1 over all that is deeper than near: what is nearer, or behind the eye, is cut away.
+        [at.x as f32, at.y as f32, (0.5 * (deep + NEAR)) as f32, deep as f32]
     };
     [corner(-0.9, 1.0), corner(1.0, 0.9), corner(0.1, -1.0)]
+}
+
+/// The line through a place in a square, as the depth of 1 has it.
+fn direction(x: f64, y: f64) -> DVec3 {
+    let pixel = 2.0 / f64::from(SQUARE_PIXELS);
+    DVec3::new(x * pixel - 1.0, 1.0 - y * pixel, 1.0)
+}
+
+/// Corners in clip space without depth, in f64.
+fn exact(triangle: &[Clip; 3]) -> [DVec3; 3] {
+    triangle.map(|[x, y, _, w]| DVec3::new(x.into(), y.into(), w.into()))
+}
+
+/// Whether a triangle covers a pixel's centre, and all that is so near to it, beyond near.
+fn covers(triangle: &[Clip; 3], [x, y]: [u32; 2], within: f64) -> bool {
+    let [a, b, c] = exact(triangle);
+    let normal = (b - a).cross(c - a);
+    [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].into_iter().all(|(right, lower)| {
+        let at = direction(f64::from(x) + 0.5 + right * within, f64::from(y) + 0.5 + lower * within);
+        let sides = [a.cross(b), b.cross(c), c.cross(a)].map(|side| side.dot(at));
+        let depth = normal.dot(a) / normal.dot(at);
+        depth > 1.1 * NEAR && (sides.iter().all(|side| *side > 0.0) || sides.iter().all(|side| *side < 0.0))
+    })
 }
 
 /// By how much a depth at a pixel's centre is off its triangle's plane, beside what a border that is so far off explains: share of
 /// the depth. None counts where the plane is seen so edge-on that snapping explains any depth.
 fn depth_off(triangle: &[Clip; 3], [x, y]: [u32; 2], depth: f64, snap_pixels: f64) -> f64 {
-    let [a, b, c] = triangle.map(|[x, y, _, w]| DVec3::new(x.into(), y.into(), w.into()));
+    let [a, b, c] = exact(triangle);
     let normal = (b - a).cross(c - a);
-    let pixel = 2.0 / f64::from(SQUARE_PIXELS);
-    let direction = DVec3::new((f64::from(x) + 0.5) * pixel - 1.0, 1.0 - (f64::from(y) + 0.5) * pixel, 1.0);
     let plane = normal / normal.dot(a);
-    let inverse = plane.dot(direction);
-    let off = (plane.x.abs() + plane.y.abs()) * pixel * snap_pixels;
+    let inverse = plane.dot(direction(f64::from(x) + 0.5, f64::from(y) + 0.5));
+    let off = (plane.x.abs() + plane.y.abs()) * (2.0 / f64::from(SQUARE_PIXELS)) * snap_pixels;
     if inverse <= 2.0 * off {
         return 0.0;
     }
@@ -278,7 +305,7 @@ mod tests {
         let gpu = Gpu::open(&AdapterChoice::from_environment(None, None).unwrap()).unwrap();
         let found = rasterizer(&gpu).unwrap();
         assert!(found.snap_pixels > 0.0 && found.snap_pixels <= 1.0 / 16.0, "{found:?}");
-        assert!(found.depth_error < 1e-3, "{found:?}");
+        assert!(found.depth_error < 1e-3 && found.reach >= 1e3, "{found:?}");
         assert_eq!(probe(&gpu).unwrap(), found);
     }
 
@@ -295,5 +322,17 @@ mod tests {
         let off = depth_off(&triangle, [16, 28], depth * 1.5, 0.0);
         assert!((0.4..0.6).contains(&off), "{depth} {off}");
         assert!(depth_off(&triangle, [16, 28], depth * 1.5, 8.0) < off);
+    }
+
+    /// Triangles that reach beyond the view cover much of it and not all; a border within reach is no sure cover.
+    #[test]
+    fn cover_is_sure_inside_alone() {
+        for square in 0..SQUARES * SQUARES {
+            let triangle = slanted(square);
+            let pixels = || (0..SQUARE_PIXELS).flat_map(|y| (0..SQUARE_PIXELS).map(move |x| [x, y]));
+            let [exactly, surely] =
+                [0.0, 2.0].map(|within| pixels().filter(|at| covers(&triangle, *at, within)).count());
+            assert!(exactly > 100 && exactly < 1000 && surely < exactly, "{square}: {exactly} {surely}");
+        }
     }
 }

@@ -1,18 +1,17 @@
 //! Building and tracing on the device.
 
 use std::cell::RefCell;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline, TextureView};
+use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, TextureView};
 use tracebench_api::{
     Counter, EndPoint, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock,
     Projection, Sampling, SharedLayout, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_kit::{
-    EyeDepthRaster, EyeDepthTarget, Gather, NO_SURFACE, PrimitiveRaster, PrimitiveTexture, RayCounts, SurfaceGeometry,
-    TouchedBits, ViewUniform, bind_group_at, compute_pipeline, dispatch_linear, every_variant, uniform_buffer,
+    EyeDepthRaster, EyeDepthTarget, Gather, NO_SURFACE, PipelinesOnDemand, PrimitiveRaster, PrimitiveTexture,
+    RayCounts, SurfaceGeometry, TouchedBits, ViewUniform, bind_group_at, dispatch_linear, uniform_buffer,
 };
 use tracebench_shaders::screen_dda::Trace;
 
@@ -47,7 +46,7 @@ struct Pipelines {
     /// The triangles at the view's pixels, for surfaces.
     primitives: PrimitiveRaster,
     gather: Gather,
-    trace: BTreeMap<Trace, ComputePipeline>,
+    traces: PipelinesOnDemand<Trace>,
 }
 
 /// The tracer.
@@ -65,7 +64,7 @@ impl ScreenDda {
             raster: EyeDepthRaster::new(&gpu)?,
             primitives: PrimitiveRaster::new(&gpu)?,
             gather: Gather::new(&gpu)?,
-            trace: every_variant(|variant: Trace| compute_pipeline(&gpu, variant, "trace"))?,
+            traces: PipelinesOnDemand::new("trace"),
             gpu,
         };
         Ok(Self { pipelines: Arc::new(pipelines) })
@@ -182,7 +181,7 @@ impl ScreenDdaStructure {
     ) -> Result<(), TracerError> {
         let gpu = &self.pipelines.gpu;
         let variant = Trace { surfaces: surfaces.is_some(), counters: counting.is_some() };
-        let pipeline = &self.pipelines.trace[&variant];
+        let pipeline = &self.pipelines.traces.of(gpu, variant)?;
         let view = uniform_buffer(gpu, "view", &ViewUniform::from(&self.view))?;
         let settings = self.settings(job)?;
         let settings_buffer = uniform_buffer(gpu, "settings", &settings)?;

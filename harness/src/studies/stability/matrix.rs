@@ -54,6 +54,8 @@ pub struct Measured {
     pub error: Option<String>,
     /// Whether that is because the device is too small.
     pub refused: bool,
+    /// Whether a limit of the device forbids it.
+    pub unavailable: bool,
     /// Whether it came as expected; `None` if nothing is.
     pub as_expected: Option<bool>,
 }
@@ -107,7 +109,7 @@ fn measured(run: &Run, case: &CaseRecord, of: &CaseTracer, strength: f64) -> Mea
         row.scene.name == case.name && row.strength == Some(strength) && row.tracer == of.tracer
     };
     let judgement = run.runs.iter().find(is_row).and_then(|row| row.traces.first()).map(|trace| &trace.judgement);
-    let none = Measured { strength, wrong: None, error: None, refused: false, as_expected: None };
+    let none = Measured { strength, wrong: None, error: None, refused: false, unavailable: false, as_expected: None };
     let wrong = |right: Option<[f64; 3]>| {
         right.map(|[hit_miss, tight, footprint]| Wrong {
             hit_miss: 1.0 - hit_miss,
@@ -118,9 +120,9 @@ fn measured(run: &Run, case: &CaseRecord, of: &CaseTracer, strength: f64) -> Mea
     match judgement {
         None => {
             let said = of.no_answers.iter().find(|each| each.strength == strength);
-            let (error, refused) =
-                said.map_or(("not measured", false), |NoAnswer { error, refused, .. }| (error.as_str(), *refused));
-            Measured { error: Some(error.to_owned()), refused, ..none }
+            let (refused, unavailable) = said.map_or((false, false), |said| (said.refused, said.unavailable));
+            let error = said.map_or("not measured", |said| said.error.as_str());
+            Measured { error: Some(error.to_owned()), refused, unavailable, ..none }
         }
         Some(Judgement::Closest(closest)) => {
             let right = &closest.agreement;

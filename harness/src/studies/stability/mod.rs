@@ -11,7 +11,7 @@ use crate::cases::{CASES, Case, Probe, Setup};
 use crate::contenders::Expectation;
 use crate::hash;
 use crate::measure::session::Session;
-use crate::measure::{self, Context, Effort, Place, Placed, Request, RunError, records};
+use crate::measure::{self, Context, Effort, Place, Placed, Refusal, Request, RunError, records};
 use crate::plan::TracerRequest;
 use crate::rays::RaySet;
 use crate::results::{CaseRecord, CaseTracer, CasesRecord, KnobRecord, NoAnswer, Run, SceneRecord, Skipped, Strength};
@@ -96,7 +96,8 @@ fn measure_case(
     context: &Context<'_>,
 ) -> Result<CaseRecord, RunError> {
     let expected_on = |candidate: &Candidate| {
-        candidate.expected.iter().find(|(name, _)| *name == case.name).map(|(_, expected)| expected.record())
+        let found = candidate.expected.iter().find(|(name, _)| *name == case.name);
+        found.map(|(_, expected)| expected.record(case.knob.values, run.provenance.machine.rasterizer.as_ref()))
     };
     let mut tracers: Vec<CaseTracer> = candidates
         .iter()
@@ -130,8 +131,8 @@ fn measure_case(
             void.get_or_insert_with(|| format!("at {strength}: {reason}"));
         }
         for (request, (_, refusal)) in measure::add(run, found) {
-            let (error, refused) = (refusal.reason, refusal.too_large);
-            tracers[running[request]].no_answers.push(NoAnswer { strength, error, refused });
+            let Refusal { reason: error, too_large: refused, unavailable, .. } = refusal;
+            tracers[running[request]].no_answers.push(NoAnswer { strength, error, refused, unavailable });
         }
     }
     Ok(CaseRecord {

@@ -88,6 +88,8 @@ fn stated(case: &CaseRecord, expected: &ExpectationRecord, measured: &mut [Measu
         let at = at.trim_end();
         let surprise = match each.wrong {
             None if each.refused && expected.may_be_refused(values, index) => None,
+            // A limit of the device forbids it: which one depends on the device.
+            None if each.unavailable && expected.refusable_from.is_some() => None,
             None => {
                 let reason = each.error.as_deref().unwrap_or("every ray is a tie");
                 Some((Verdict::UnexpectedFailure, format!("UNEXPECTED failure {at}: {reason}")))
@@ -104,15 +106,20 @@ fn stated(case: &CaseRecord, expected: &ExpectationRecord, measured: &mut [Measu
     if let Some(success) = surprises.pop() {
         return success;
     }
-    let (verdict, text) = as_expected(expected, measured);
-    // Where the device was too small the text says so.
-    match measured.iter().find(|each| each.refused) {
-        None => (verdict, text),
-        Some(first) => {
+    let lost = (0..measured.len()).find(|index| expected.may_be_lost(values, *index));
+    let (verdict, mut text) = as_expected(expected, &measured[..lost.unwrap_or(measured.len())]);
+    // What the device does to it the text says.
+    let mut say = |first: Option<&Measured>, what: &str, why: &str| {
+        if let Some(first) = first {
             let at = format!("{} {}", first.strength, case.knob.unit);
-            (verdict, format!("{text}, refused from {} on: too large for the device", at.trim_end()))
+            text.push_str(&format!(", {what} from {} on: {why}", at.trim_end()));
         }
-    }
+    };
+    say(measured.iter().find(|each| each.refused), "refused", "too large for the device");
+    say(measured.iter().find(|each| each.unavailable), "unavailable", "the device's limits forbid it");
+    let beyond = percent(worst(&measured[lost.unwrap_or(measured.len())..], expected.rule));
+    say(lost.map(|lost| &measured[lost]), "not judged", &format!("the rasterizer loses triangles, {beyond} wrong"));
+    (verdict, text)
 }
 
 /// The verdict where nothing is surprising.
