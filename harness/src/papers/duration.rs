@@ -28,7 +28,10 @@ impl Duration {
     /// By the rows of a run of the same scene, tracer and parameters, at the resolution nearest to the wanted one. Builds are taken to
     /// grow with the pixels of a face, traces with the rays; several rays a pixel count as such.
     pub fn of(plans: &[Plan], run: &Run) -> Self {
-        let mut sum = Self { rounds: plans.first().map_or(0, |plan| plan.preset.samples + 1), ..Self::default() };
+        let mut sum = Self {
+            rounds: plans.first().map_or(0, |plan| plan.preset.sampling.least_rounds as usize + 1),
+            ..Self::default()
+        };
         for plan in plans {
             for (source, request) in
                 plan.scenes.iter().flat_map(|scene| plan.tracers.iter().map(move |request| (scene, request)))
@@ -58,7 +61,7 @@ impl Duration {
             }
         };
         format!(
-            "{table}: about {} for {} rounds of {} rows (builds {}, traces {}), by {} rows that were measured; controls, ground truth \
+            "{table}: about {} for {} rounds, the first to warm up, of {} rows (builds {}, traces {}), by {} rows that were measured; controls, ground truth \
              and judging come on top",
             time(factor * (self.builds_s + self.traces_s)),
             self.rounds,
@@ -109,6 +112,7 @@ mod tests {
     use crate::plan::{RUN_PRESETS, RunPreset, ViewRequest};
     use crate::rays::{RAY_SETS, default_parameters};
     use crate::registry;
+    use crate::results::Sampling;
 
     /// A measured row is taken to the wanted rays, faces and rounds; rows that were not measured count as the others do, and a run
     /// without any tells nothing.
@@ -129,7 +133,7 @@ mod tests {
             tracers: vec![request],
             ray_sets: RAY_SETS.iter().filter(|set| set.name == "pixel-random").copied().collect(),
             ray_parameters,
-            preset: RunPreset { ray_image: [200, 50], face: 128, samples: 12, ..RUN_PRESETS[1] },
+            preset: RunPreset { ray_image: [200, 50], face: 128, sampling: Sampling::rounds(12), ..RUN_PRESETS[1] },
             view: ViewRequest::Default,
             time_s: 0.0,
             seed: 1,
@@ -139,7 +143,11 @@ mod tests {
         let found = Duration::of(std::slice::from_ref(&plan), &run);
         assert_eq!((found.rows, found.known, found.rounds), (2, 1, 13));
         assert!((found.builds_s - 13.0 * 0.4).abs() < 1e-9 && (found.traces_s - 13.0 * 8.0).abs() < 1e-9, "{found:?}");
-        assert!(found.words("t").contains("about 4 min for 13 rounds of 2 rows"), "{}", found.words("t"));
+        assert!(
+            found.words("t").contains("about 4 min for 13 rounds, the first to warm up, of 2 rows"),
+            "{}",
+            found.words("t")
+        );
         run.runs[0].scene.name = "barn".to_owned();
         assert!(Duration::of(&[plan], &run).words("t").contains("none of the 2 rows"));
     }

@@ -5,11 +5,8 @@ use std::collections::BTreeMap;
 use tracebench_api::{ClockKind, MemoryEntry, Query};
 
 use super::{Paper, Rows, files, find};
-pub(super) use crate::report::fixture::{COUNT, Quality, run};
-use crate::results::{
-    CounterRecord, EndedBy, Judgement, LEAST_ROUNDS, PhaseRecord, RaceRecord, Run, Sampling, Times, TraceRecord,
-    TracerRun,
-};
+pub(super) use crate::report::fixture::{COUNT, Quality, race, run};
+use crate::results::{CounterRecord, Judgement, PhaseRecord, Run, Times, TraceRecord, TracerRun};
 
 /// A contender of a scene: its parameters, what its structure says of itself, its ray sets.
 pub(super) fn contender(
@@ -77,25 +74,7 @@ pub(super) fn in_races(mut run: Run) -> Run {
             works.extend(known.is_none().then(|| trace.rays.clone()));
         }
     }
-    let race = |work: String| RaceRecord {
-        scene: "room".to_owned(),
-        viewpoint: "door".to_owned(),
-        window: 0,
-        work,
-        lanes: Vec::new(),
-        order_seed: 1,
-        orders: Vec::new(),
-        warm_up_rounds: 1,
-        sampling: Sampling { least_rounds: LEAST_ROUNDS, further: None },
-        ended_by: EndedBy::Rounds,
-        sampled_s: 1.0,
-        widest_interval: None,
-        kernels: Vec::new(),
-        drift: false,
-        twice: Vec::new(),
-        repeated_because: None,
-    };
-    run.races = works.into_iter().map(race).collect();
+    run.races = works.iter().map(|work| race(work)).collect();
     run
 }
 
