@@ -52,10 +52,17 @@ pub(super) struct TableArguments {
     /// Frames of the animation, for a table over animations; 8 if not given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_FRAMES))]
     pub frames: Option<u32>,
+    /// Of a paper's table the rows alone of this tracer that have one of these values, and all of other tracers. May be repeated.
+    #[arg(long, value_name = "T.P=V,V")]
+    pub only: Vec<String>,
+    /// Measures nothing: tells how long the table would take, by the rows of a run that have the same parameters; a file or the folder
+    /// that holds it.
+    #[arg(long, value_name = "RUN", conflicts_with_all = ["from", "resume", "shard", "out"])]
+    pub estimate: Option<PathBuf>,
     /// Measures nothing: makes the table of what was measured before, a file or the folder that holds it.
     #[arg(long, value_name = "RUN", conflicts_with_all = [
         "scene", "rays", "frames", "size", "frame", "face", "view", "time", "scale", "settings", "adapter", "limits",
-        "preset", "samples", "interval", "time_limit", "seed", "resume", "shard",
+        "preset", "samples", "interval", "time_limit", "seed", "resume", "shard", "only",
     ])]
     pub from: Option<PathBuf>,
     #[command(flatten)]
@@ -247,7 +254,11 @@ impl TableArguments {
         };
         let tracers = match table {
             Table::Peers(peers) => names::peers(peers, settings)?,
-            Table::Paper(_, experiment) => names::steps(experiment, settings)?.concat(),
+            Table::Paper(_, experiment) => {
+                let mut steps = names::steps(experiment, settings)?;
+                names::only(&mut steps, &self.only)?;
+                steps.concat()
+            }
         };
         let ray_sets = match self.rays.as_deref().unwrap_or(table.rays()) {
             "" => Vec::new(),

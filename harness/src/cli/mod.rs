@@ -1,5 +1,5 @@
 //! The command line: `tracebench adapters | list | run | sweep | table | claims | compare | merge | report | picture | stability |
-//! explain | tune | clock`.
+//! explain | tune | clock | docs`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
 
@@ -7,6 +7,7 @@ mod arguments;
 mod claims;
 mod clock;
 mod compare;
+mod docs;
 mod explain;
 mod list;
 mod merge;
@@ -74,6 +75,8 @@ enum Verb {
     Tune(tune::TuneArguments),
     /// Try the clock of this machine: race a tracer against itself, and against itself with more to do, and count what is said.
     Clock(clock::ClockArguments),
+    /// Hold the numbers that README.md and docs/ quote of records against these, or write them there.
+    Docs(docs::DocsArguments),
 }
 
 /// What ends the program early.
@@ -137,6 +140,7 @@ pub fn main() -> ExitCode {
         Verb::Explain(arguments) => explain::explain(arguments, &progress),
         Verb::Tune(arguments) => tune::tune(arguments, &progress),
         Verb::Clock(arguments) => clock::clock(arguments, &progress),
+        Verb::Docs(arguments) => docs::docs(arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
