@@ -59,7 +59,7 @@ pub(super) struct ClockArguments {
 }
 
 fn slowdown(text: &str) -> Result<u32, String> {
-    let found = text.parse().ok().filter(|percent: &u32| (5..=50).contains(percent) && percent % 5 == 0);
+    let found = text.parse().ok().filter(|percent: &u32| (5..=50).contains(percent) && percent.is_multiple_of(5));
     found.ok_or_else(|| "a multiple of 5 from 5 to 50".to_owned())
 }
 
@@ -91,7 +91,7 @@ pub(super) fn clock(arguments: &ClockArguments, progress: &Progress) -> Result<(
         table: None,
     };
     let needed = needs_device(&plan.tracers);
-    let device = open_device(arguments.common.adapter.as_deref(), needed, needed)?;
+    let device = open_device(&arguments.common.device, needed, needed)?;
     let _turn = wait_for_turn();
     let (cache, journal) = (Cache::of_user(), Journal::none());
     let context = Context::new(&device, &cache, progress, &journal);
