@@ -6,6 +6,7 @@
 
 mod contender;
 pub mod controls;
+mod following;
 mod journal;
 mod kernels;
 mod place;

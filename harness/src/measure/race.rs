@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
-use tracebench_api::{Geometry, Residency, Timing, TracerError, Update, Viewpoint};
+use tracebench_api::{Residency, Timing, TracerError, Update, Viewpoint};
 
 use super::controls::Control;
+use super::following::UPDATES;
 use super::kernels::{Kernels, Side};
 use super::place::{Effort, Film, Refusal, Request};
 use super::records;
@@ -22,18 +23,16 @@ const LONG_VALIDATION: Duration = Duration::from_secs(2);
 
 /// The race of structures that are built.
 const BUILDS: &str = "builds";
-/// The race of structures that follow an animation.
-const UPDATES: &str = "updates";
 
 /// A structure with the contender that builds it. Several lanes trace it where they differ in trace parameters alone.
-struct Stall {
-    contender: Contender,
+pub(super) struct Stall {
+    pub contender: Contender,
     /// What it builds from: the session's viewpoint, at a resolution of its own if it has one.
-    viewpoint: Viewpoint,
+    pub viewpoint: Viewpoint,
     /// How it follows an animation, if it does.
-    follows: Option<Update>,
+    pub follows: Option<Update>,
     /// Counted samples of its builds, or of its updates.
-    builds: Vec<Timing>,
+    pub builds: Vec<Timing>,
     statistics: BTreeMap<String, f64>,
 }
 
@@ -102,11 +101,11 @@ pub(crate) struct Setting<'a> {
 /// One window in one place.
 pub(crate) struct Race<'a> {
     pub(super) session: &'a Session,
-    film: Option<&'a Film>,
+    pub(super) film: Option<&'a Film>,
     pub(super) effort: Effort,
     pub(super) progress: &'a Progress,
     pub(super) setting: Setting<'a>,
-    stalls: Vec<Stall>,
+    pub(super) stalls: Vec<Stall>,
     pub(super) lanes: Vec<Lane>,
 }
 
@@ -159,7 +158,11 @@ impl<'a> Race<'a> {
     }
 
     /// Does something with a stall unless it has failed before; a failure takes its lanes out.
-    fn attempt<R>(&mut self, stall: usize, work: impl FnOnce(&mut Stall) -> Result<R, TracerError>) -> Option<R> {
+    pub(super) fn attempt<R>(
+        &mut self,
+        stall: usize,
+        work: impl FnOnce(&mut Stall) -> Result<R, TracerError>,
+    ) -> Option<R> {
         if !self.is_in(stall) {
             return None;
         }
@@ -216,6 +219,12 @@ impl<'a> Race<'a> {
             lanes,
             order_seed: seed,
             orders: rounds.orders.iter().map(|order| order.iter().map(|lane| *lane as u32).collect()).collect(),
+            each_round: match work {
+                BUILDS => "fresh builds",
+                UPDATES => "the next frame",
+                _ => "the same rays",
+            }
+            .to_owned(),
             warm_up_rounds: 1,
             sampling: rounds.sampling?,
             ended_by: rounds.ended_by,
@@ -229,7 +238,7 @@ impl<'a> Race<'a> {
     }
 
     /// A stall in words: the first lane that traces it.
-    fn stall_label(&self, stall: usize) -> String {
+    pub(super) fn stall_label(&self, stall: usize) -> String {
         self.lanes.iter().find(|lane| lane.stall == stall).map_or_else(String::new, Lane::label)
     }
 
@@ -304,44 +313,6 @@ impl<'a> Race<'a> {
         if let Some(timing) = built.filter(|_| counts) {
             self.stalls[stall].builds.push(timing);
         }
-    }
-
-    /// Lets those follow the film who do: one pass to warm up, then the counted ones; every pass begins with fresh builds over
-    /// the first frame, outside of the times. A round is a frame.
-    fn follow(&mut self, passes: u32) -> Result<Option<RaceRecord>, RunError> {
-        let Some(film) = self.film else { return Ok(None) };
-        let followers: Vec<usize> =
-            (0..self.stalls.len()).filter(|stall| self.stalls[*stall].follows.is_some()).collect();
-        let gpu = self.session.gpu();
-        let (triangles, materials) = (film.triangles.clone(), film.materials.clone());
-        let mut geometry = Geometry::with_materials(film.positions[0].clone(), triangles, materials, gpu)?;
-        let steps = film.positions.len() as u64 * followers.len() as u64;
-        let bar = self.progress.bar(UPDATES, steps * (u64::from(passes) + 1));
-        let frames = film.positions.len().saturating_sub(1);
-        let sampling = Sampling { least_rounds: passes * frames as u32, further: None };
-        let seed = self.order_seed(UPDATES, 0);
-        let sampling = (self.effort.timed && passes > 0).then_some(sampling);
-        let mut rounds = self.rounds(seed, followers.len(), followers.iter().copied(), sampling);
-        for pass in 0..=passes {
-            for (frame, positions) in film.positions.iter().enumerate() {
-                geometry = geometry.moved_to(positions.clone(), gpu)?;
-                let counts = pass > 0 && frame > 0;
-                // The first round warms up.
-                let round = if counts || (pass, frame) == (0, 0) { rounds.next(gpu, Vec::new)? } else { None };
-                let order = round.map_or_else(|| (0..followers.len()).collect(), |round| round.order);
-                for place in order {
-                    let stall = followers[place];
-                    let timing = self.attempt(stall, |one| match (frame, one.follows) {
-                        (0, _) | (_, None) => one.contender.build(&geometry, &one.viewpoint, gpu),
-                        (_, Some(update)) => one.contender.update(update, &geometry, &one.viewpoint, gpu),
-                    });
-                    self.stalls[stall].builds.extend(timing.filter(|_| counts));
-                    bar.inc(1);
-                }
-            }
-        }
-        rounds.next(gpu, || followers.iter().map(|stall| &self.stalls[*stall].builds[..]).collect())?;
-        Ok(self.record(UPDATES, seed, &rounds, followers.iter().map(|stall| self.stall_label(*stall)).collect()))
     }
 
     /// Lets every structure be read back and checked against the scene that it was last built over, outside of any time. What is unsound, or says of itself what is no

@@ -108,6 +108,7 @@ pub(crate) fn race(work: &str) -> RaceRecord {
         lanes: Vec::new(),
         order_seed: 1,
         orders: Vec::new(),
+        each_round: "the same rays".to_owned(),
         warm_up_rounds: 1,
         sampling: Sampling::rounds(20),
         ended_by: EndedBy::Rounds,

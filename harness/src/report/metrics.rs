@@ -227,7 +227,7 @@ pub(super) fn speed_interval(trace: &TraceRecord) -> Option<[f64; 2]> {
 }
 
 fn timed(trace: &TraceRecord, value: f64) -> Option<f64> {
-    (!trace.times.samples_ms.is_empty()).then_some(value)
+    (!trace.times.samples_ms.is_empty() && trace.times.void.is_none()).then_some(value)
 }
 
 fn built(run: &TracerRun) -> Option<&crate::results::BuildRecord> {

@@ -77,7 +77,8 @@ fn clock(trace: &TraceRecord) -> String {
         ClockKind::DeviceTimestamps => "device timestamps",
         ClockKind::SubmitToDone => "submit to done",
     };
-    format!("{name}{}", if trace.times.timestamps_refused { REFUSED } else { "" })
+    let void = if trace.times.void.is_some() { ", times void" } else { "" };
+    format!("{name}{void}{}", if trace.times.timestamps_refused { REFUSED } else { "" })
 }
 
 /// A line of a table; a name that is too long for its column begins in lines of its own.
@@ -142,6 +143,24 @@ mod tests {
         let heads: Vec<&str> = text.lines().filter(|line| !line.starts_with(' ')).collect();
         assert!(heads.len() == 2 && heads[1].starts_with("drone, viewpoint"), "{heads:?}");
         assert_eq!(text.matches("bvh-cpu").count(), 6);
+    }
+
+    /// Proves that void times are told as such, with no speed but with the accuracy, on the page of a run too.
+    #[test]
+    fn void_times_are_told() {
+        let mut run = fixture::run(&[("bvh-cpu", FAIR)], &fixture::SETS[..1]);
+        let speed = significant(run.runs[0].traces[0].mrays_per_s, 4);
+        assert!(run_table(&run).contains(&speed));
+        run.runs[0].traces[0].times.void = Some("why".to_owned());
+        let text = run_table(&run);
+        assert!(
+            !text.contains(&speed) && text.contains("submit to done, times void") && text.contains(" % "),
+            "{text}"
+        );
+        let folder = tempfile::TempDir::new().unwrap();
+        crate::report::write_run(&run, folder.path(), fixture::tables).unwrap();
+        let page = std::fs::read_to_string(folder.path().join("summary.md")).unwrap();
+        assert!(page.contains("**times void**") && !page.contains(&speed), "{page}");
     }
 
     /// Proves that a speed without an accuracy is not shown, and that timestamps which were not believed are told.

@@ -149,6 +149,8 @@ mod tests {
         let whole = joined(vec![second.clone(), shard(1, 2, "plan")]).unwrap();
         assert_eq!((whole.provenance.shard.as_ref(), whole.provenance.further_machines.len()), (None, 1));
         assert_eq!((whole.runs[0].machine, whole.skipped.len()), (1, 1));
+        // Races of the second stand behind that of the first.
+        assert_eq!((whole.runs[0].build.times.race, whole.races.len()), (Some(1), 2));
         let mut other_program = second.clone();
         other_program.provenance.commit = "ffff".to_owned();
         let mut other_build = second.clone();

@@ -24,7 +24,9 @@ pub struct RaceRecord {
     pub order_seed: u64,
     /// The order of every counted round: numbers of lanes.
     pub orders: Vec<Vec<u32>>,
-    /// Rounds before the counted ones. In all rounds of a ray set the same rays are traced.
+    /// What every round does: traces the same rays again, builds afresh from the same triangles, or follows them a frame further.
+    pub each_round: String,
+    /// Rounds before the counted ones.
     pub warm_up_rounds: u32,
     /// How long sampling was to go on.
     pub sampling: Sampling,
