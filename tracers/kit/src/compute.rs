@@ -1,11 +1,12 @@
 //! Pipelines and dispatches with the least ceremony.
 
 use std::collections::BTreeMap;
-use std::sync::Mutex;
 
 use tracebench_api::wgpu::{self, BindGroupEntry, BindingResource};
 use tracebench_api::{Gpu, TracerError};
 use tracebench_shaders::{Shader, Variant};
+
+use crate::OnDemand;
 
 /// Most workgroups along one dimension of a dispatch (WebGPU's limit).
 const MOST_WORKGROUPS: u32 = 65_535;
@@ -75,32 +76,50 @@ pub fn every_variant<V: Variant, Made>(
     V::ALL.iter().map(|variant| Ok((*variant, make(*variant)?))).collect()
 }
 
+/// Storage buffers that a shader binds, those of all its entry points together.
+pub fn storage_buffers(shader: impl Into<Shader>) -> u32 {
+    shader.into().source.matches("var<storage").count() as u32
+}
+
+/// Checks that a stage may bind as many storage buffers as a shader does.
+///
+/// # Errors
+/// [`TracerError::Unavailable`] with both numbers if not.
+pub fn check_storage_buffers(gpu: &Gpu, shader: impl Into<Shader>) -> Result<(), TracerError> {
+    let shader = shader.into();
+    let (bound, limit) = (storage_buffers(shader), gpu.limits.max_storage_buffers_per_shader_stage);
+    if bound <= limit {
+        return Ok(());
+    }
+    Err(TracerError::Unavailable(format!(
+        "the shader {} binds {bound} storage buffers, the device allows {limit} in a stage \
+         (max_storage_buffers_per_shader_stage)",
+        shader.name
+    )))
+}
+
 /// Pipelines of a shader of many variants: each is made when it is first asked for.
 #[derive(Debug)]
 pub struct PipelinesOnDemand<V> {
     entry_point: &'static str,
-    made: Mutex<BTreeMap<V, wgpu::ComputePipeline>>,
+    made: OnDemand<V, wgpu::ComputePipeline>,
 }
 
 impl<V: Variant> PipelinesOnDemand<V> {
     /// None yet.
     pub fn new(entry_point: &'static str) -> Self {
-        Self { entry_point, made: Mutex::default() }
+        Self { entry_point, made: OnDemand::default() }
     }
 
     /// That of a variant.
     ///
     /// # Errors
-    /// [`TracerError::Failed`] if the device refuses it.
+    /// [`TracerError::Unavailable`] if the device does not bind that many buffers, [`TracerError::Failed`] if it refuses it.
     pub fn of(&self, gpu: &Gpu, variant: V) -> Result<wgpu::ComputePipeline, TracerError> {
-        let made = self.made.lock();
-        let mut made = made.map_err(|_| TracerError::Failed("a pipeline was left half made".to_owned()))?;
-        if let Some(pipeline) = made.get(&variant) {
-            return Ok(pipeline.clone());
-        }
-        let pipeline = compute_pipeline(gpu, variant, self.entry_point)?;
-        made.insert(variant, pipeline.clone());
-        Ok(pipeline)
+        self.made.of(variant, || {
+            check_storage_buffers(gpu, variant)?;
+            compute_pipeline(gpu, variant, self.entry_point)
+        })
     }
 }
 

@@ -10,6 +10,7 @@ mod empty_target;
 mod eye_depth;
 mod gather;
 mod last_count;
+mod on_demand;
 mod prefix_sum;
 mod primitive_raster;
 mod pyramid;
@@ -21,14 +22,15 @@ mod view_uniform;
 
 pub use clip::{TileBounds, clipped_depths, clipped_polygon, eye_space, touched_tiles};
 pub use compute::{
-    PipelinesOnDemand, bind_group, bind_group_at, compute_pipeline, dispatch_linear, dispatch_linear_groups,
-    every_variant, shader_module, shader_module_testing_early,
+    PipelinesOnDemand, bind_group, bind_group_at, check_storage_buffers, compute_pipeline, dispatch_linear,
+    dispatch_linear_groups, every_variant, shader_module, shader_module_testing_early, storage_buffers,
 };
 pub use counts::RayCounts;
 pub use empty_target::EmptyTarget;
 pub use eye_depth::{EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
 pub use gather::{Gather, SurfaceGeometry};
 pub use last_count::LastCount;
+pub use on_demand::OnDemand;
 pub use prefix_sum::{PrefixSum, PrefixSumPlan};
 pub use primitive_raster::{DEPTH_TEST_FORMAT, PrimitiveRaster, PrimitiveTexture, create_texture};
 pub use pyramid::{MOST_LEVELS, Pyramid};
