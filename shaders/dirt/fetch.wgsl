@@ -1,28 +1,29 @@
 // DIRT's fetch pass (section 4.2.2): the scene is drawn into every view, and where a triangle covers a pixel whose list
 // holds hits on it, their surfaces are written to the shading buffer.
 
-#import tracebench::types::Surface
+#import tracebench::types::{Surface, NO_PRIMITIVE}
 #import tracebench::view::{View, to_eye_space, clip_position}
 #import tracebench::surface::surface_at
 #import tracebench::dirt_hit_buffer::{HitNode, shading_of, view_of}
+#import tracebench::dirt_drawn::{DrawnTriangles, NOTHING_DRAWN}
+#import tracebench::dirt_vertices::corner_of
 #ifdef CONSERVATIVE
-#import tracebench::tile_clip::{tile_margin, tile_frustum, polygon_range, rectangle_corner}
+#import tracebench::tile_clip::{tile_margin, tile_frustum, polygon_range, tile_rectangle, rectangle_corner}
 #endif
 
 struct FetchPass {
     // The view that is drawn, its size in pixels.
     view: View,
-    // Its number.
+    // Its number, and the first entry of its list of triangles.
     view_index: u32,
-    padding: u32,
+    first_entry: u32,
     // Of a view.
     pixels: vec2<u32>,
 }
 
 @group(0) @binding(0) var<uniform> drawn: FetchPass;
-@group(0) @binding(1) var<storage, read> positions: array<f32>;
-@group(0) @binding(2) var<storage, read> indices: array<u32>;
-@group(0) @binding(3) var<storage, read> materials: array<u32>;
+@group(0) @binding(1) var<storage, read> materials: array<u32>;
+@group(0) @binding(3) var<storage, read> listed: DrawnTriangles;
 @group(0) @binding(4) var<storage, read> heads: array<u32>;
 @group(0) @binding(5) var<storage, read> nodes: array<HitNode>;
 @group(0) @binding(6) var<storage, read_write> surfaces: array<Surface>;
@@ -32,26 +33,36 @@ struct Corner {
     @location(0) @interpolate(flat) triangle: u32,
 }
 
-fn corner_of(triangle: u32, corner: u32) -> vec3<f32> {
-    let vertex = indices[triangle * 3u + corner] * 3u;
-    return vec3<f32>(positions[vertex], positions[vertex + 1u], positions[vertex + 2u]);
+// A triangle that may be seen in the view, or none: what touches a pixel touches its tile.
+fn drawn_triangle(number: u32) -> u32 {
+    if (number >= listed.counts[drawn.view_index]) {
+        return NO_PRIMITIVE;
+    }
+    return listed.entries[drawn.first_entry + number].triangle;
 }
 
 #ifdef CONSERVATIVE
 // Two triangles a triangle: the rectangle of pixels that it may touch.
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> Corner {
-    let triangle = index / 6u;
+    let triangle = drawn_triangle(index / 6u);
+    if (triangle == NO_PRIMITIVE) {
+        return Corner(NOTHING_DRAWN, 0u);
+    }
     let a = to_eye_space(drawn.view, corner_of(triangle, 0u));
     let b = to_eye_space(drawn.view, corner_of(triangle, 1u));
     let c = to_eye_space(drawn.view, corner_of(triangle, 2u));
-    return Corner(rectangle_corner(drawn.view, drawn.pixels, a, b, c, index), triangle);
+    let rectangle = tile_rectangle(drawn.view, drawn.pixels, a, b, c);
+    return Corner(rectangle_corner(rectangle, drawn.pixels, index), triangle);
 }
 #else
 // Pixels whose centres a triangle covers, by the rasterizer's own rule.
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> Corner {
-    let triangle = index / 3u;
+    let triangle = drawn_triangle(index / 3u);
+    if (triangle == NO_PRIMITIVE) {
+        return Corner(NOTHING_DRAWN, 0u);
+    }
     return Corner(clip_position(drawn.view, to_eye_space(drawn.view, corner_of(triangle, index % 3u))), triangle);
 }
 #endif

@@ -2,30 +2,36 @@
 // into the tile's depth bounds, then into the lists of the buckets that the part's depths overlap.
 
 #import tracebench::view::{View, to_eye_space, clip_position}
-#import tracebench::tile_clip::{DepthRange, TileFrustum, tile_margin, tile_frustum, polygon_range, plane_range, joined, rectangle_corner}
+#import tracebench::tile_clip::{DepthRange, TileFrustum, TileRectangle, tile_margin, tile_frustum, polygon_range, plane_range, joined, rectangle_corner}
 #import tracebench::depth_bounds::{near_code, far_code, depths_of, bucket_of}
 #import tracebench::dirt_grid::{TileGrid, Node, bounds_index, head_index}
+#import tracebench::dirt_drawn::{DrawnTriangles, NOTHING_DRAWN}
+#import tracebench::dirt_vertices::corner_of
 
 struct FillPass {
     view: View,
     // 1: depths by the triangle's plane.
     by_plane: u32,
-    padding_a: u32,
-    padding_b: u32,
-    padding_c: u32,
+    // The view's number, and the first entry of its list of triangles.
+    view_index: u32,
+    first_entry: u32,
+    padding: u32,
 }
 
 @group(0) @binding(0) var<uniform> grid: TileGrid;
 @group(0) @binding(1) var<uniform> drawn: FillPass;
-@group(0) @binding(2) var<storage, read> positions: array<f32>;
-@group(0) @binding(3) var<storage, read> indices: array<u32>;
+@group(0) @binding(3) var<storage, read> listed: DrawnTriangles;
 // Of depth bounds and heads, the drawn view's part.
 #ifdef PRIMITIVES
 @group(0) @binding(4) var<storage, read> bounds: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read_write> heads: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> nodes: array<Node>;
-// Nodes taken, and (of all primitives in all tiles) parts stored once each.
+// Nodes taken.
 @group(0) @binding(7) var<storage, read_write> taken: array<atomic<u32>>;
+#ifdef COUNTERS
+// Parts stored, and additions to the nodes taken.
+@group(0) @binding(8) var<storage, read_write> counted: array<atomic<u32>>;
+#endif
 #ifdef SPLIT
 // Further nodes, where one binding does not hold all.
 @group(0) @binding(8) var<storage, read_write> nodes_1: array<Node>;
@@ -52,25 +58,34 @@ const MOST_NODES: u32 = 0xf0000000u;
 const DEPTH_SLACK: f32 = 9.5367431640625e-7;
 
 fn eye_point(triangle: u32, corner: u32) -> vec3<f32> {
-    let vertex = indices[triangle * 3u + corner] * 3u;
-    return to_eye_space(drawn.view, vec3<f32>(positions[vertex], positions[vertex + 1u], positions[vertex + 2u]));
+    return to_eye_space(drawn.view, corner_of(triangle, corner));
 }
 
 #ifdef CONSERVATIVE
+fn unpacked(tile: u32) -> vec2<f32> {
+    return vec2<f32>(vec2<u32>(tile & 0xffffu, tile >> 16u));
+}
+
 // Two triangles a triangle: the rectangle of tiles that it may touch.
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> Corner {
-    let triangle = index / 6u;
-    let a = eye_point(triangle, 0u);
-    let b = eye_point(triangle, 1u);
-    let c = eye_point(triangle, 2u);
-    return Corner(rectangle_corner(drawn.view, grid.tiles, a, b, c, index), triangle);
+    let number = index / 6u;
+    if (number >= listed.counts[drawn.view_index]) {
+        return Corner(NOTHING_DRAWN, 0u);
+    }
+    let entry = listed.entries[drawn.first_entry + number];
+    let rectangle = TileRectangle(unpacked(entry.first), unpacked(entry.last));
+    return Corner(rectangle_corner(rectangle, grid.tiles, index), entry.triangle);
 }
 #else
 // Tiles whose centres a triangle covers, by the rasterizer's own rule.
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> Corner {
-    let triangle = index / 3u;
+    let number = index / 3u;
+    if (number >= listed.counts[drawn.view_index]) {
+        return Corner(NOTHING_DRAWN, 0u);
+    }
+    let triangle = listed.entries[drawn.first_entry + number].triangle;
     let position = clip_position(drawn.view, eye_point(triangle, index % 3u));
     // The last column and row of tiles may reach beyond the view, and the attachment with them.
     let scale = drawn.view.size / vec2<f32>(grid.tiles);
@@ -81,6 +96,20 @@ fn vertex(@builtin(vertex_index) index: u32) -> Corner {
 #endif
 
 #ifdef PRIMITIVES
+// Takes nodes in a row, one addition for all copies of a part, and gives the first.
+fn take_nodes(count: u32) -> u32 {
+    let first = atomicAdd(&taken[0], count);
+#ifdef COUNTERS
+    atomicAdd(&counted[1], 1u);
+#endif
+    // Where further counts could wrap they are taken back.
+    if (first >= MOST_NODES) {
+        atomicSub(&taken[0], count);
+        return MOST_NODES;
+    }
+    return first;
+}
+
 fn store_node(index: u32, node: Node) {
 #ifdef SPLIT
     let within = index % grid.nodes_per_part;
@@ -138,14 +167,13 @@ fn fragment(in: Corner) -> @location(0) vec4<f32> {
     let depths = depths_of(bounds[index]);
     let first = bucket_of(least, depths, grid.buckets);
     let last = bucket_of(greatest, depths, grid.buckets);
-    atomicAdd(&taken[1], 1u);
-    // Where further counts could wrap they stop.
-    if (atomicLoad(&taken[0]) >= MOST_NODES) {
-        return vec4<f32>(0.0);
-    }
+#ifdef COUNTERS
+    atomicAdd(&counted[0], 1u);
+#endif
+    let first_node = take_nodes(last - first + 1u);
     for (var bucket = first; bucket <= last; bucket++) {
         // Beyond the capacity nothing is stored and the count goes on: the host sees what is missing.
-        let node = atomicAdd(&taken[0], 1u);
+        let node = first_node + bucket - first;
         if (node < grid.node_capacity) {
             let head = head_index(grid, 0u, tile, bucket);
             store_node(node, Node(atomicExchange(&heads[head], node + 1u), in.triangle));

@@ -6,9 +6,9 @@
 #import tracebench::dirt_grid::{TileGrid, Node, bounds_index, head_index}
 
 @group(0) @binding(0) var<uniform> grid: TileGrid;
-@group(0) @binding(5) var<storage, read> bounds: array<vec2<u32>>;
-@group(0) @binding(6) var<storage, read> heads: array<u32>;
-@group(0) @binding(7) var<storage, read> nodes: array<Node>;
+@group(0) @binding(4) var<storage, read> bounds: array<vec2<u32>>;
+@group(0) @binding(5) var<storage, read> heads: array<u32>;
+@group(0) @binding(6) var<storage, read> nodes: array<Node>;
 #ifdef SPLIT
 // Where one binding does not hold all: the other views' parts of depth bounds and heads (the first have the first view's),
 // and further nodes.

@@ -11,6 +11,7 @@
 #import tracebench::view_walk::{SEAM_SLACK, crossed_first, nothing_crossed}
 #import tracebench::pyramid::{CodedCell, level_size, place_of, first_below, next_after}
 #import tracebench::dirt_lists::{grid, load_node, load_depths, load_head}
+#import tracebench::dirt_vertices::corner_of
 
 struct TraceSettings {
     ray_count: u32,
@@ -22,20 +23,20 @@ struct TraceSettings {
     all_buckets: u32,
     // Steps after which a ray is given up.
     max_steps: u32,
-    padding: vec2<u32>,
+    // The highest level of the pyramid that is walked; 0 where rays go from tile to tile.
+    top_level: u32,
+    padding: u32,
 }
 
 @group(0) @binding(1) var<uniform> search: TraceSettings;
-@group(0) @binding(2) var<uniform> views: array<View, 6>;
-@group(0) @binding(3) var<storage, read> positions: array<f32>;
-@group(0) @binding(4) var<storage, read> indices: array<u32>;
-@group(0) @binding(8) var<storage, read> rays: array<Ray>;
-@group(0) @binding(9) var<storage, read_write> hits: array<Hit>;
+@group(0) @binding(3) var<uniform> views: array<View, 6>;
+@group(0) @binding(7) var<storage, read> rays: array<Ray>;
+@group(0) @binding(8) var<storage, read_write> hits: array<Hit>;
 #ifdef COUNTERS
 // Of every ray: pyramid steps, buckets opened, primitive tests, views entered.
-@group(0) @binding(10) var<storage, read_write> counts: array<vec4<u32>>;
+@group(0) @binding(9) var<storage, read_write> counts: array<vec4<u32>>;
 // A bit a node: tested by any ray.
-@group(0) @binding(11) var<storage, read_write> touched: array<atomic<u32>>;
+@group(0) @binding(10) var<storage, read_write> touched: array<atomic<u32>>;
 #endif
 
 const WORKGROUP_SIZE: u32 = 64u;
@@ -68,29 +69,22 @@ fn test_node(link: u32, view: View, eye_ray: EyeRay, tile: vec2<i32>, improved: 
     work.z += 1u;
     atomicOr(&touched[(link - 1u) >> 5u], 1u << ((link - 1u) & 31u));
 #endif
-    let corner = node.primitive * 3u;
-    let a = indices[corner] * 3u;
-    let b = indices[corner + 1u] * 3u;
-    let c = indices[corner + 2u] * 3u;
-    let crossed = cross_triangle(
-        frame,
-        vec3<f32>(positions[a], positions[a + 1u], positions[a + 2u]),
-        vec3<f32>(positions[b], positions[b + 1u], positions[b + 2u]),
-        vec3<f32>(positions[c], positions[c + 1u], positions[c + 2u]),
-    );
-    let nearer = crossed.t < best.t || (crossed.t == best.t && node.primitive < best.primitive);
+    let triangle = node.primitive;
+    let crossed = cross_triangle(frame, corner_of(triangle, 0u), corner_of(triangle, 1u), corner_of(triangle, 2u));
+    let nearer = crossed.t < best.t || (crossed.t == best.t && triangle < best.primitive);
     if (crossed.t >= ray.t_min && nearer) {
         let point = eye_ray.origin + eye_ray.direction * crossed.t;
         let in_tile = point.z > 0.0 && all(vec2<i32>(floor(pixel_position(view, point))) == tile);
         if (search.by_distance == 1u || in_tile) {
-            best = Best(crossed.t, node.primitive, crossed.u, crossed.v);
+            best = Best(crossed.t, triangle, crossed.u, crossed.v);
             *improved = true;
         }
     }
     return node.next;
 }
 
-// Tests the triangles of a list; whether one of them is the nearest hit so far.
+// Tests the triangles of a list, where any hit will do up to the first that is accepted; whether one of them is the nearest hit
+// so far.
 fn test_list(first: u32, view: View, eye_ray: EyeRay, tile: vec2<i32>) -> bool {
     var improved = false;
     var link = first;
@@ -100,7 +94,7 @@ fn test_list(first: u32, view: View, eye_ray: EyeRay, tile: vec2<i32>) -> bool {
     open += 1u;
     loop {
         link = test_node(link, view, eye_ray, tile, &improved);
-        if (link == 0u) {
+        if (link == 0u || (improved && search.any_hit == 1u)) {
             open -= 1u;
             break;
         }
@@ -138,7 +132,7 @@ fn is_final(end: f32) -> bool {
     return found && (search.by_distance == 0u || search.all_buckets == 0u || search.any_hit == 1u || best.t <= end);
 }
 
-// Hi-Z tracing: walks the tiles of a view that a part of the ray passes, up and down the pyramid.
+// Hi-Z tracing: walks the tiles of a view that a part of the ray passes, up and down the pyramid as far as it is walked.
 fn walk(number: u32, view: View, eye_ray: EyeRay, span: Span) {
     let origin = eye_ray.origin;
     let direction = eye_ray.direction;
@@ -146,7 +140,7 @@ fn walk(number: u32, view: View, eye_ray: EyeRay, span: Span) {
     let heading = image_direction(eye_ray);
     var t = span.begin;
     var tile = pixel_at(view, eye_ray, t, last_tile);
-    var level = grid.levels - 1u;
+    var level = search.top_level;
     open += 1u;
     loop {
         if (steps >= search.max_steps) {
@@ -184,7 +178,7 @@ fn walk(number: u32, view: View, eye_ray: EyeRay, span: Span) {
         }
         t = end;
         if (!overlaps) {
-            level = min(level + 1u, grid.levels - 1u);
+            level = min(level + 1u, search.top_level);
         }
     }
 }

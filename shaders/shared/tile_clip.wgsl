@@ -193,8 +193,7 @@ fn tile_rectangle(view: View, tiles: vec2<u32>, a: vec3<f32>, b: vec3<f32>, c: v
 
 // Conservative coverage in the vertex stage: the corner, in clip coordinates, of the two triangles that draw the rectangle of
 // cells which a triangle may touch; six a triangle, outside of the image where it touches none. The fragment stage decides exactly.
-fn rectangle_corner(view: View, cells: vec2<u32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, index: u32) -> vec4<f32> {
-    let rectangle = tile_rectangle(view, cells, a, b, c);
+fn rectangle_corner(rectangle: TileRectangle, cells: vec2<u32>, index: u32) -> vec4<f32> {
     if (any(rectangle.last <= rectangle.first)) {
         return vec4<f32>(2.0, 2.0, 0.5, 1.0);
     }

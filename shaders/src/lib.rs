@@ -6,12 +6,12 @@
 //!
 //! ```
 //! use tracebench_shaders::{Shader, dirt};
-//! let shader = Shader::from(dirt::Trace::Split { centres: true, counters: false });
-//! assert_eq!(shader.name, "dirt/trace SPLIT CENTRES");
+//! let shader = Shader::from(dirt::Fill::Primitives { conservative: true, split: false });
+//! assert_eq!(shader.name, "dirt/fill PRIMITIVES CONSERVATIVE");
 //! ```
 //! ```compile_fail
-//! // Rays near views' centres are asked of split buffers alone.
-//! let shader = tracebench_shaders::dirt::Trace::Plain { centres: true, counters: false };
+//! // Depth bounds have no lists that could be split.
+//! let shader = tracebench_shaders::dirt::Fill::Plain { conservative: true, split: false };
 //! ```
 
 #[cfg(test)]

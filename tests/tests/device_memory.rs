@@ -319,7 +319,9 @@ fn wrong_ledgers_are_noticed() {
                 !wrong(&rules, &spoilt, &allocated).is_empty()
             };
             assert!(noticed(&|ledger| drop(ledger.structure.remove(index))), "{}", subject.name);
-            assert!(noticed(&|ledger| ledger.structure[index].allocated_bytes += 4), "{}", subject.name);
+            // What aligns an allocation's start may be just what is told too much, where another use would need no aligning.
+            let told = |more: u64| noticed(&|ledger| ledger.structure[index].allocated_bytes += more);
+            assert!(told(4) || told(8), "{} {:?}", subject.name, sound.structure[index]);
             assert!(noticed(&|ledger| ledger.structure[index].allocated_bytes -= 4), "{}", subject.name);
             assert!(noticed(&|ledger| ledger.structure[index].name.push('s')), "{}", subject.name);
             assert!(noticed(&|ledger| ledger.structure.push(ledger.structure[index].clone())), "{}", subject.name);

@@ -1,21 +1,16 @@
-//! The build's stages on the device: fill depth, mipmap depth, fill primitives.
+//! The build's stages on the device: triangle setup, fill depth, mipmap depth, fill primitives.
 
-use std::collections::BTreeMap;
 use std::num::NonZeroU64;
-use std::sync::Arc;
 
-use tracebench_api::wgpu::{
-    BindGroup, BindingResource, Buffer, BufferBinding, BufferUsages, ComputePipeline, RenderPipeline,
-};
-use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
-use tracebench_kit::{
-    EmptyTarget, Gather, bind_group, compute_pipeline, dispatch_linear, every_variant, uniform_buffer,
-};
-use tracebench_shaders::dirt::{Fill, MIPMAP, Trace};
+use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, BufferBinding, BufferUsages, RenderPipeline};
+use tracebench_api::{Gpu, PhaseClock, TracerError};
+use tracebench_kit::{EmptyTarget, bind_group, dispatch_linear, uniform_buffer};
+use tracebench_shaders::dirt::Fill;
 
-use crate::fetch::Fetch;
 use crate::layout::{FillPass, Layout, MOST_VIEWS, MipmapLevel, TileGrid};
-use crate::visibility::Visibility;
+use crate::pipelines::Pipelines;
+use crate::setup::{self, TriangleSetup};
+use crate::structure::Resident;
 
 /// As `WORKGROUP_SIZE` in shaders/dirt/mipmap.wgsl.
 const WORKGROUP_SIZE: u32 = 64;
@@ -29,28 +24,10 @@ pub(crate) struct Filling {
     pub by_plane: bool,
 }
 
-/// Every pipeline.
-pub(crate) struct Pipelines {
-    pub gpu: Arc<Gpu>,
-    fill: BTreeMap<Fill, RenderPipeline>,
-    mipmap: ComputePipeline,
-    pub gather: Gather,
-    pub fetch: Fetch,
-    pub visibility: Visibility,
-    pub trace: BTreeMap<Trace, ComputePipeline>,
-}
-
-impl Pipelines {
-    pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        Ok(Self {
-            fill: every_variant(|variant: Fill| EmptyTarget::pipeline(&gpu, variant))?,
-            mipmap: compute_pipeline(&gpu, MIPMAP, "mipmap")?,
-            gather: Gather::new(&gpu)?,
-            fetch: Fetch::new(&gpu)?,
-            visibility: Visibility::new(&gpu)?,
-            trace: every_variant(|variant: Trace| compute_pipeline(&gpu, variant, "trace"))?,
-            gpu,
-        })
+impl Filling {
+    /// Vertices that a triangle is drawn with.
+    pub(crate) fn vertices(self) -> u32 {
+        if self.conservative { 6 } else { 3 }
     }
 }
 
@@ -62,8 +39,10 @@ pub(crate) struct Buffers {
     pub heads: Buffer,
     /// Nodes, next and primitive: one buffer, or [`NODE_PARTS`] where one binding does not hold all.
     pub nodes: Vec<Buffer>,
-    /// Nodes taken, parts of triangles stored.
+    /// Nodes taken.
     pub taken: Buffer,
+    /// The triangles that views are drawn with.
+    pub setup: TriangleSetup,
     /// The colour attachment that nothing is written to.
     pub attachment: EmptyTarget,
     /// Nodes that there is room for.
@@ -126,11 +105,12 @@ pub(crate) fn node_buffers(gpu: &Gpu, capacity: u32) -> Result<Vec<Buffer>, Trac
     if nodes <= per_binding {
         return Ok(vec![storage(gpu, &name, nodes * NODE_BYTES, nodes * NODE_BYTES, turn_down)?]);
     }
-    if nodes > per_binding * NODE_PARTS {
+    let parts = if Pipelines::can_split(gpu) { NODE_PARTS } else { 1 };
+    if nodes > per_binding * parts {
         return Err(TracerError::TooLarge {
-            name: format!("{name}, in {NODE_PARTS} parts,"),
+            name: if parts > 1 { format!("{name}, in {parts} parts,") } else { name },
             bytes: nodes * NODE_BYTES,
-            limit: per_binding * NODE_PARTS * NODE_BYTES,
+            limit: per_binding * parts * NODE_BYTES,
             turn_down: turn_down.to_owned(),
         });
     }
@@ -142,20 +122,34 @@ pub(crate) fn node_buffers(gpu: &Gpu, capacity: u32) -> Result<Vec<Buffer>, Trac
 }
 
 impl Buffers {
-    pub(crate) fn new(gpu: &Gpu, layout: &Layout, node_capacity: u32) -> Result<Self, TracerError> {
+    /// Room for so many nodes, with the setup of `there` where it serves.
+    pub(crate) fn new(
+        pipelines: &Pipelines,
+        layout: &Layout,
+        triangle_count: u32,
+        node_capacity: u32,
+        there: Option<&TriangleSetup>,
+    ) -> Result<Self, TracerError> {
+        let gpu = &*pipelines.gpu;
         let turn_down = "--face or dirt.buckets, or turn dirt.tile_size up";
         let ([bounds_bytes, _], [heads_bytes, _]) = (layout.bounds_bytes(), layout.heads_bytes());
+        let by_view = bounds_bytes.max(heads_bytes) > gpu.limits.max_storage_buffer_binding_size;
+        let bound = |whole, of_view| if by_view && Pipelines::can_split(gpu) { of_view } else { whole };
+        let views = layout.views.len();
         Ok(Self {
-            bounds: storage(gpu, DEPTH_BOUNDS, bounds_bytes, layout.bounds_part_bytes(), turn_down)?,
-            heads: storage(gpu, HEADS, heads_bytes, layout.heads_part_bytes(), turn_down)?,
-            parts: Parts {
-                views: layout.views.len(),
-                bounds: layout.bounds_part_bytes(),
-                heads: layout.heads_part_bytes(),
-            },
-            by_view: bounds_bytes.max(heads_bytes) > gpu.limits.max_storage_buffer_binding_size,
+            bounds: storage(
+                gpu,
+                DEPTH_BOUNDS,
+                bounds_bytes,
+                bound(bounds_bytes, layout.bounds_part_bytes()),
+                turn_down,
+            )?,
+            heads: storage(gpu, HEADS, heads_bytes, bound(heads_bytes, layout.heads_part_bytes()), turn_down)?,
+            parts: Parts { views, bounds: layout.bounds_part_bytes(), heads: layout.heads_part_bytes() },
+            by_view,
             nodes: node_buffers(gpu, node_capacity)?,
-            taken: storage(gpu, NODE_COUNT, 8, 8, "nothing")?,
+            taken: storage(gpu, NODE_COUNT, 4, 4, "nothing")?,
+            setup: TriangleSetup::new(gpu, &*pipelines.prefix_sum()?, views, triangle_count, there)?,
             attachment: EmptyTarget::new(gpu, ATTACHMENT, layout.tiles)?,
             node_capacity,
             nodes_per_part: nodes_per_binding(gpu) as u32,
@@ -206,16 +200,19 @@ impl Buffers {
 }
 
 /// The pipelines of the two passes over all triangles.
-struct Fills<'a> {
-    depth: &'a RenderPipeline,
-    primitives: &'a RenderPipeline,
+struct Fills {
+    depth: RenderPipeline,
+    primitives: RenderPipeline,
 }
 
 /// What a fill binds: made before the phases, which only record.
 struct Prepared {
+    setup: setup::Bound,
     depth: Vec<BindGroup>,
     mipmaps: Vec<(BindGroup, u32)>,
     primitives: Vec<BindGroup>,
+    /// Vertices that each view is drawn with.
+    vertices: Vec<u32>,
 }
 
 impl Pipelines {
@@ -223,27 +220,32 @@ impl Pipelines {
         &self,
         layout: &Layout,
         buffers: &Buffers,
-        geometry: &DeviceGeometry,
+        scene: &Resident,
         filling: Filling,
+        counted: Option<&Buffer>,
     ) -> Result<Prepared, TracerError> {
         let gpu = &*self.gpu;
         let grid = uniform_buffer(gpu, "grid", &buffers.grid(layout))?;
-        let Fills { depth, primitives } = self.fills(buffers, filling);
-        let mut prepared = Prepared { depth: Vec::new(), mipmaps: Vec::new(), primitives: Vec::new() };
+        let Fills { depth, primitives } = self.fills(buffers, filling, counted.is_some())?;
+        let setup = buffers.setup.bind(gpu, &self.setup()?, layout, &scene.surfaces.device)?;
+        let mut prepared =
+            Prepared { setup, depth: Vec::new(), mipmaps: Vec::new(), primitives: Vec::new(), vertices: Vec::new() };
         for (index, view) in layout.uniforms().into_iter().enumerate() {
             let by_plane = u32::from(filling.by_plane);
-            let drawn = FillPass { view, by_plane, padding_a: 0, padding_b: 0, padding_c: 0 };
+            let [first_entry, entries] = buffers.setup.room_of(index);
+            prepared.vertices.push(entries * filling.vertices());
+            let drawn = FillPass { view, by_plane, view_index: index as u32, first_entry, padding: 0 };
             let drawn = uniform_buffer(gpu, "drawn view", &drawn)?;
             let bind = |pipeline: &RenderPipeline, more: Vec<BindingResource<'_>>| {
-                let shared = [&grid, &drawn, &geometry.positions, &geometry.indices];
+                let shared = [&grid, &drawn, buffers.setup.vertices(), buffers.setup.drawn()];
                 let resources: Vec<_> = shared.map(Buffer::as_entire_binding).into_iter().chain(more).collect();
                 bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources)
             };
-            prepared.depth.push(bind(depth, vec![buffers.bounds_of(index)]));
-            let lists = [&buffers.nodes[0], &buffers.taken].into_iter().chain(&buffers.nodes[1..]);
+            prepared.depth.push(bind(&depth, vec![buffers.bounds_of(index)]));
+            let lists = [&buffers.nodes[0], &buffers.taken].into_iter().chain(counted).chain(&buffers.nodes[1..]);
             let lists = lists.map(Buffer::as_entire_binding);
             let lists = [buffers.bounds_of(index), buffers.heads_of(index)].into_iter().chain(lists).collect();
-            prepared.primitives.push(bind(primitives, lists));
+            prepared.primitives.push(bind(&primitives, lists));
         }
         let views = layout.views.len();
         // By view where one binding does not hold all, else all at once.
@@ -251,57 +253,86 @@ impl Pipelines {
             true => (0..views).map(|view| (buffers.bounds_of(view), 1)).collect(),
             false => vec![(buffers.bounds.as_entire_binding(), views as u32)],
         };
+        let mipmap = self.mipmap()?;
         for level in 1..layout.levels() {
             let [across, down] = layout.level_tiles(level);
             let made = MipmapLevel { level: level as u32, views: bound[0].1, padding: [0; 2] };
             let made = uniform_buffer(gpu, "level", &made)?;
             for (bounds, views) in &bound {
                 let resources = [grid.as_entire_binding(), made.as_entire_binding(), bounds.clone()];
-                let bindings = bind_group(gpu, &self.mipmap.get_bind_group_layout(0), &resources);
+                let bindings = bind_group(gpu, &mipmap.get_bind_group_layout(0), &resources);
                 prepared.mipmaps.push((bindings, across * down * views));
             }
         }
         Ok(prepared)
     }
 
-    fn fills(&self, buffers: &Buffers, filling: Filling) -> Fills<'_> {
-        let conservative = filling.conservative;
-        Fills {
-            depth: &self.fill[&Fill::Plain { conservative }],
-            primitives: &self.fill[&Fill::Primitives { conservative, split: buffers.nodes.len() > 1 }],
-        }
+    fn fills(&self, buffers: &Buffers, filling: Filling, counters: bool) -> Result<Fills, TracerError> {
+        let (conservative, split) = (filling.conservative, buffers.nodes.len() > 1);
+        let primitives = match counters {
+            true => Fill::PrimitivesCounters { conservative },
+            false => Fill::Primitives { conservative, split },
+        };
+        Ok(Fills { depth: self.fill(Fill::Plain { conservative })?, primitives: self.fill(primitives)? })
     }
 
-    /// Records the whole build.
-    pub(crate) fn fill(
+    /// Records triangle setup alone, which tells how many triangles every view has.
+    pub(crate) fn set_up(
         &self,
         layout: &Layout,
         buffers: &Buffers,
-        geometry: &Geometry,
+        scene: &Resident,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        let pipelines = self.setup()?;
+        let bound = buffers.setup.bind(&self.gpu, &pipelines, layout, &scene.surfaces.device)?;
+        buffers.setup.record(&pipelines, &*self.prefix_sum()?, &bound, clock)
+    }
+
+    /// Records the whole build.
+    pub(crate) fn build(
+        &self,
+        layout: &Layout,
+        buffers: &Buffers,
+        scene: &Resident,
         filling: Filling,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        let triangle_count = geometry.triangles.len() as u32;
-        let prepared = self.prepare(layout, buffers, geometry.on_device()?, filling)?;
-        let Fills { depth, primitives } = self.fills(buffers, filling);
-        let vertices = triangle_count * if filling.conservative { 6 } else { 3 };
+        self.build_counting(layout, buffers, scene, filling, None, clock)
+    }
+
+    /// The same, which counts parts stored and additions to the node count where there is something to count into.
+    pub(crate) fn build_counting(
+        &self,
+        layout: &Layout,
+        buffers: &Buffers,
+        scene: &Resident,
+        filling: Filling,
+        counted: Option<&Buffer>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        let prepared = self.prepare(layout, buffers, scene, filling, counted)?;
+        let Fills { depth, primitives } = self.fills(buffers, filling, counted.is_some())?;
+        let draw = |encoder: &mut _, pipeline, bindings: &[BindGroup]| {
+            for (bindings, vertices) in bindings.iter().zip(&prepared.vertices) {
+                buffers.attachment.draw(encoder, pipeline, bindings, *vertices);
+            }
+        };
+        buffers.setup.record(&self.setup()?, &*self.prefix_sum()?, &prepared.setup, clock)?;
         clock.device_phase("fill depth", |encoder| {
             encoder.clear_buffer(&buffers.bounds, 0, None);
-            for bindings in &prepared.depth {
-                buffers.attachment.draw(encoder, depth, bindings, vertices);
-            }
+            draw(encoder, &depth, &prepared.depth);
         })?;
+        let mipmap = self.mipmap()?;
         clock.device_phase("mipmap depth", |encoder| {
             for (bindings, tiles) in &prepared.mipmaps {
-                dispatch_linear(encoder, &self.mipmap, bindings, *tiles, WORKGROUP_SIZE);
+                dispatch_linear(encoder, &mipmap, bindings, *tiles, WORKGROUP_SIZE);
             }
         })?;
         clock.device_phase("fill primitives", |encoder| {
             encoder.clear_buffer(&buffers.heads, 0, None);
             encoder.clear_buffer(&buffers.taken, 0, None);
-            for bindings in &prepared.primitives {
-                buffers.attachment.draw(encoder, primitives, bindings, vertices);
-            }
+            draw(encoder, &primitives, &prepared.primitives);
         })
     }
 }

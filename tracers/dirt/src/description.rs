@@ -51,6 +51,11 @@ choice! {
 }
 
 choice! {
+    /// How a ray goes over the tiles of a view.
+    pub(crate) enum March { HiZ = "hi-z", Tiles = "tiles" }
+}
+
+choice! {
     /// How rays are walked that pass near a view's centre.
     pub(crate) enum CentreRays { Whole = "whole", Split = "split" }
 }
@@ -118,6 +123,12 @@ parameters! {
             Searched::UntilHit,
             "buckets of a tile: up to the first with a hit (Algorithm 1, line 18), or all (a proof's aid)",
         ),
+        march: March = Parameter::choice(
+            Trace,
+            March::HiZ,
+            "how a ray goes over the tiles of a view: up and down the pyramid of depth bounds (section 4.2.1), or from tile to \
+             tile by their own bounds, without the pyramid",
+        ),
         centre_rays: CentreRays = Parameter::choice(
             Trace,
             CentreRays::Whole,
@@ -134,7 +145,7 @@ parameters! {
             Trace,
             1..=1 << 20,
             1 << 14,
-            "cells of the pyramid after which a ray is given up with status step_cap, as one is that the driver's own limit of \
+            "cells of the pyramid, or tiles, after which a ray is given up with status step_cap, as one is that the driver's own limit of \
              loops cuts off",
         )
         .unit("cells")

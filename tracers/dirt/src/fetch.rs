@@ -14,7 +14,6 @@
 //!   triangle does not cover, with conservative coverage those that no view has, such as hits before near on triangles that reach beyond it.
 
 use std::cell::RefCell;
-use std::collections::BTreeMap;
 
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{
@@ -25,8 +24,8 @@ use tracebench_api::{
     EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Surface, SurfaceStatus, TraceJob, TracerError,
 };
 use tracebench_kit::{
-    Gather, RasterTargets, ViewUniform, bind_group, compute_pipeline, create_texture, dispatch_linear, every_variant,
-    raster_pipeline, shader_module, shader_module_testing_early, storage_buffer, uniform_buffer,
+    Gather, OnDemand, RasterTargets, ViewUniform, bind_group, check_storage_buffers, compute_pipeline, create_texture,
+    dispatch_linear, raster_pipeline, shader_module, shader_module_testing_early, storage_buffer, uniform_buffer,
 };
 use tracebench_shaders::{Shader, dirt};
 
@@ -97,21 +96,23 @@ pub struct FetchPass {
     pub view: ViewUniform,
     /// Its number.
     pub view_index: u32,
-    /// Nothing.
-    pub padding: u32,
+    /// The first entry of its list of triangles.
+    pub first_entry: u32,
     /// Pixels of a view.
     pub pixels: [u32; 2],
 }
 
-/// The pipelines.
+/// The pipelines, each made when it is first needed.
+#[derive(Default)]
 pub(crate) struct Fetch {
-    store: ComputePipeline,
-    mask: RenderPipeline,
-    fetch: BTreeMap<dirt::Fetch, RenderPipeline>,
+    store: OnDemand<(), ComputePipeline>,
+    mask: OnDemand<(), RenderPipeline>,
+    fetch: OnDemand<dirt::Fetch, RenderPipeline>,
 }
 
 /// A pipeline that draws into the mask alone.
 fn mask_pipeline(gpu: &Gpu, shader: Shader, writes: bool) -> Result<RenderPipeline, TracerError> {
+    check_storage_buffers(gpu, shader)?;
     // A fragment stage that writes to buffers is run before its depth test, unless it is told otherwise.
     let module = if writes { shader_module(gpu, shader)? } else { shader_module_testing_early(gpu, shader)? };
     // No depth lies beyond 1, the mask's where there are hits.
@@ -126,23 +127,25 @@ struct Taken {
     store: BindGroup,
     mask_settings: BindGroup,
     mask: TextureView,
-    views: Vec<BindGroup>,
+    /// Each with the vertices that it is drawn with.
+    views: Vec<(BindGroup, u32)>,
 }
 
 /// What the last mask texture took; drivers pad textures as they like.
 pub(crate) type MaskMemory = RefCell<Option<MemoryEntry>>;
 
 impl Fetch {
-    pub(crate) fn new(gpu: &Gpu) -> Result<Self, TracerError> {
-        Ok(Self {
-            store: compute_pipeline(gpu, dirt::STORE, "store")?,
-            mask: mask_pipeline(gpu, dirt::MASK, true)?,
-            fetch: every_variant(|variant: dirt::Fetch| mask_pipeline(gpu, variant.into(), false))?,
-        })
+    fn store(&self, gpu: &Gpu) -> Result<ComputePipeline, TracerError> {
+        self.store.of((), || compute_pipeline(gpu, dirt::STORE, "store"))
     }
 
-    fn fetch_of(&self, structure: &DirtStructure) -> &RenderPipeline {
-        &self.fetch[&dirt::Fetch { conservative: structure.filling.conservative }]
+    fn mask(&self, gpu: &Gpu) -> Result<RenderPipeline, TracerError> {
+        self.mask.of((), || mask_pipeline(gpu, dirt::MASK, true))
+    }
+
+    fn fetch_of(&self, structure: &DirtStructure) -> Result<RenderPipeline, TracerError> {
+        let variant = dirt::Fetch { conservative: structure.filling.conservative };
+        self.fetch.of(variant, || mask_pipeline(&structure.pipelines.gpu, variant.into(), false))
     }
 
     /// Buffers and textures of a fetch of the surfaces of so many rays, by name.
@@ -177,7 +180,7 @@ impl Fetch {
             bind_group(gpu, layout, &resources)
         };
         let store = bind(
-            &self.store.get_bind_group_layout(0),
+            &self.store(gpu)?.get_bind_group_layout(0),
             &[
                 &uniform_buffer(gpu, STORE, &settings)?,
                 &uniform_buffer(gpu, STORE_VIEWS, &views)?,
@@ -190,14 +193,18 @@ impl Fetch {
         );
         let mask_settings = MaskSettings { pixels: size, padding: [0; 2] };
         let mask_settings = uniform_buffer(gpu, MASK_SETTINGS, &mask_settings)?;
-        let mask_settings = bind(&self.mask.get_bind_group_layout(0), &[&mask_settings, &heads]);
+        let mask_settings = bind(&self.mask(gpu)?.get_bind_group_layout(0), &[&mask_settings, &heads]);
         let device = &scene.surfaces.device;
-        let fetch = self.fetch_of(structure).get_bind_group_layout(0);
+        let fetch = self.fetch_of(structure)?.get_bind_group_layout(0);
+        let setup = &structure.buffers.setup;
         let of_view = |(index, view): (usize, &tracebench_api::View)| {
-            let drawn = FetchPass { view: ViewUniform::from(view), view_index: index as u32, padding: 0, pixels: size };
+            let [first_entry, entries] = setup.room_of(index);
+            let drawn =
+                FetchPass { view: ViewUniform::from(view), view_index: index as u32, first_entry, pixels: size };
             let drawn = uniform_buffer(gpu, FETCHED, &drawn)?;
-            let scene = [&device.positions, &device.indices, &device.materials];
-            Ok(bind(&fetch, &[&[&drawn], &scene[..], &[&heads, &nodes, surfaces]].concat()))
+            let scene = [&device.materials, setup.vertices(), setup.drawn()];
+            let bindings = bind(&fetch, &[&[&drawn], &scene[..], &[&heads, &nodes, surfaces]].concat());
+            Ok((bindings, entries * structure.filling.vertices()))
         };
         let views = layout.views.iter().enumerate().map(of_view).collect::<Result<_, TracerError>>()?;
         let before = gpu.allocations();
@@ -217,21 +224,20 @@ impl Fetch {
         taken: &Taken,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        let conservative = structure.filling.conservative;
+        let gpu = &*structure.pipelines.gpu;
+        let (store, mask, fetch) = (self.store(gpu)?, self.mask(gpu)?, self.fetch_of(structure)?);
         let ray_count = job.rays.host.len() as u32;
         clock.device_phase("final storage", |encoder| {
             encoder.clear_buffer(&taken.heads, 0, None);
-            dispatch_linear(encoder, &self.store, &taken.store, ray_count, WORKGROUP_SIZE);
+            dispatch_linear(encoder, &store, &taken.store, ray_count, WORKGROUP_SIZE);
         })?;
         clock.device_phase("mask", |encoder| {
             let cleared = wgpu::LoadOp::Clear(0.0);
-            draw(encoder, "mask", &taken.mask, cleared, &self.mask, &taken.mask_settings, 3);
+            draw(encoder, "mask", &taken.mask, cleared, &mask, &taken.mask_settings, 3);
         })?;
-        let vertices = structure.geometry.triangle_count * if conservative { 6 } else { 3 };
         clock.device_phase("fetch", |encoder| {
-            for bindings in &taken.views {
-                let pipeline = self.fetch_of(structure);
-                draw(encoder, "fetch", &taken.mask, wgpu::LoadOp::Load, pipeline, bindings, vertices);
+            for (bindings, vertices) in &taken.views {
+                draw(encoder, "fetch", &taken.mask, wgpu::LoadOp::Load, &fetch, bindings, *vertices);
             }
         })
     }
@@ -282,7 +288,7 @@ impl DirtStructure {
         match (job.end, fetching) {
             (EndPoint::Hit, _) => Ok(()),
             (EndPoint::Surface, Fetching::Gather) => {
-                self.pipelines.gather.record(gpu, &self.geometry.surfaces, job.rays, hits, None, clock)
+                self.pipelines.gather()?.record(gpu, &self.geometry.surfaces, job.rays, hits, None, clock)
             }
             (EndPoint::Surface, Fetching::Raster) => {
                 let fetch = &self.pipelines.fetch;

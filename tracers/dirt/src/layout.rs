@@ -6,6 +6,7 @@ use tracebench_kit::{MOST_LEVELS, Pyramid, ViewUniform};
 
 use crate::description::{Centre, DirtParameters, Near, Views};
 use crate::fetch::{FetchPass, HitNode, MaskSettings, StoreSettings};
+use crate::setup::SetupPass;
 
 /// Views at most.
 pub(crate) const MOST_VIEWS: usize = 6;
@@ -46,12 +47,12 @@ pub struct FillPass {
     pub view: ViewUniform,
     /// 1: depths by the triangle's plane.
     pub by_plane: u32,
+    /// The view's number.
+    pub view_index: u32,
+    /// The first entry of its list of triangles.
+    pub first_entry: u32,
     /// Nothing.
-    pub padding_a: u32,
-    /// Nothing.
-    pub padding_b: u32,
-    /// Nothing.
-    pub padding_c: u32,
+    pub padding: u32,
 }
 
 /// `MipmapLevel` of shaders/dirt/mipmap.wgsl.
@@ -82,21 +83,26 @@ pub struct TraceSettings {
     pub all_buckets: u32,
     /// Steps after which a ray is given up.
     pub max_steps: u32,
+    /// The highest level of the pyramid that is walked.
+    pub top_level: u32,
     /// Nothing.
-    pub padding: [u32; 2],
+    pub padding: u32,
 }
 
 /// Layouts of all that shaders share with this crate.
 pub(crate) fn layouts() -> Vec<SharedLayout> {
     tracebench_api::layouts! {
         TileGrid { tiles, levels, buckets, bounds_stride, heads_stride, node_capacity, nodes_per_part, level_offsets }
-        FillPass { view, by_plane, padding_a, padding_b, padding_c }
+        FillPass { view, by_plane, view_index, first_entry, padding }
+        SetupPass {
+            tiles, triangle_count, view_count, block_count, padding_a, padding_b, padding_c, rooms,
+        }
         MipmapLevel { level, views, padding }
-        TraceSettings { ray_count, view_count, any_hit, by_distance, all_buckets, max_steps, padding }
+        TraceSettings { ray_count, view_count, any_hit, by_distance, all_buckets, max_steps, top_level, padding }
         HitNode { next, primitive, u, v, position, shading_and_view }
         StoreSettings { ray_count, view_count, pixels }
         MaskSettings { pixels, padding }
-        FetchPass { view, view_index, padding, pixels }
+        FetchPass { view, view_index, first_entry, pixels }
     }
 }
 
@@ -200,6 +206,7 @@ impl Layout {
     /// Bytes of the uniforms of a build, which are kept until it is done.
     pub(crate) fn build_uniform_bytes(&self) -> u64 {
         let levels = (self.levels() - 1) * size_of::<MipmapLevel>();
-        (size_of::<TileGrid>() + self.views.len() * size_of::<FillPass>() + levels) as u64
+        let setup = size_of::<SetupPass>() + MOST_VIEWS * size_of::<ViewUniform>();
+        (size_of::<TileGrid>() + setup + self.views.len() * size_of::<FillPass>() + levels) as u64
     }
 }

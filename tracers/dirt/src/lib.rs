@@ -19,6 +19,9 @@ mod fetch;
 #[cfg(test)]
 mod fetch_tests;
 mod layout;
+mod pipelines;
+mod setup;
+mod statistics;
 mod structure;
 #[cfg(test)]
 mod tests;

@@ -8,33 +8,30 @@ use tracebench_api::{
 };
 use tracebench_kit::{LastCount, SurfaceGeometry, ViewUniform, grow};
 
-use crate::build::{Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, Pipelines, nodes_name};
+use crate::build::{Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, nodes_name};
 use crate::description::{Clip, Coverage, DirtParameters, NO_REFIT};
 use crate::fetch::MaskMemory;
 use crate::layout::{Layout, MOST_VIEWS, TileGrid, TraceSettings};
+use crate::pipelines::Pipelines;
+use crate::setup::TriangleSetup;
 use crate::visibility::Frame;
 
 /// The tracer.
 pub struct Dirt {
     pipelines: Arc<Pipelines>,
-    /// How many nodes the last scene needed that was counted.
-    counted: LastCount<(Layout, Filling), u32>,
+    /// How many triangles of each view and how many nodes the last scene needed that was counted.
+    counted: LastCount<(Layout, Filling), ([u32; MOST_VIEWS], u32)>,
 }
 
 /// What of the scene a structure needs to trace.
 pub(crate) struct Resident {
     pub surfaces: SurfaceGeometry,
     pub triangle_count: u32,
-    pub bytes: u64,
 }
 
 impl Resident {
     fn of(geometry: &Geometry) -> Result<Self, TracerError> {
-        Ok(Self {
-            surfaces: SurfaceGeometry::of(geometry)?,
-            triangle_count: geometry.triangles.len() as u32,
-            bytes: geometry.bytes(),
-        })
+        Ok(Self { surfaces: SurfaceGeometry::of(geometry)?, triangle_count: geometry.triangles.len() as u32 })
     }
 }
 
@@ -51,37 +48,60 @@ pub(crate) struct DirtStructure {
 }
 
 impl Dirt {
-    /// Creates the pipelines.
+    /// Pipelines are created when they are first needed.
     ///
     /// # Errors
-    /// [`TracerError::Failed`] if the device refuses one.
+    /// [`TracerError::Unavailable`] if a stage of the device cannot bind what every build and trace binds.
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         Ok(Self { pipelines: Arc::new(Pipelines::new(gpu)?), counted: LastCount::default() })
     }
 
-    /// Makes room for the nodes that a build will take: counted by one without room, outside of any time.
+    /// Makes room for the triangles that views will be drawn with and the nodes that a build will take: counted by builds without
+    /// room, outside of any time.
     fn make_room_for(
         &self,
         buffers: &mut Buffers,
         geometry: &Geometry,
+        scene: &Resident,
         layout: &Layout,
         filling: Filling,
     ) -> Result<(), TracerError> {
         let gpu = &*self.pipelines.gpu;
-        let nodes = self.counted.of(geometry, (layout.clone(), filling), || {
+        let (drawn, nodes) = self.counted.of(geometry, (layout.clone(), filling), || {
             let mut clock = PhaseClock::new(Some(gpu));
-            self.pipelines.fill(layout, buffers, geometry, filling, &mut clock)?;
+            self.pipelines.set_up(layout, buffers, scene, &mut clock)?;
             clock.finish()?;
-            Ok(taken(gpu, buffers)?[0])
+            let drawn = buffers.setup.counts(gpu)?;
+            buffers.setup.make_room(gpu, &drawn)?;
+            Ok((drawn, self.pipelines.count_nodes(layout, buffers, scene, filling)?))
         })?;
+        if !buffers.setup.holds(&drawn) {
+            buffers.setup.make_room(gpu, &drawn)?;
+        }
         buffers.set_capacity(gpu, nodes)
     }
 }
 
-/// Nodes asked for and parts of triangles, of the last build.
-pub(crate) fn taken(gpu: &Gpu, buffers: &Buffers) -> Result<[u32; 2], TracerError> {
-    let read = gpu.read(&buffers.taken, 8)?;
-    Ok(bytemuck::pod_collect_to_vec::<u8, [u32; 2]>(&read)[0])
+impl Pipelines {
+    /// The nodes that a build takes, by one outside of any time.
+    fn count_nodes(
+        &self,
+        layout: &Layout,
+        buffers: &Buffers,
+        scene: &Resident,
+        filling: Filling,
+    ) -> Result<u32, TracerError> {
+        let mut clock = PhaseClock::new(Some(&*self.gpu));
+        self.build(layout, buffers, scene, filling, &mut clock)?;
+        clock.finish()?;
+        taken(&self.gpu, buffers)
+    }
+}
+
+/// Nodes asked for by the last build.
+pub(crate) fn taken(gpu: &Gpu, buffers: &Buffers) -> Result<u32, TracerError> {
+    let read = gpu.read(&buffers.taken, 4)?;
+    Ok(bytemuck::pod_collect_to_vec::<u8, u32>(&read)[0])
 }
 
 fn filling(parameters: &DirtParameters) -> Filling {
@@ -96,13 +116,12 @@ impl Dirt {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<DirtStructure, TracerError> {
-        let gpu = &*self.pipelines.gpu;
         let parameters = &DirtParameters::try_from(parameters)?;
         let (layout, filling) = (Layout::new(viewpoint, parameters), filling(parameters));
         let resident = Resident::of(geometry)?;
-        let mut buffers = Buffers::new(gpu, &layout, 0)?;
-        self.make_room_for(&mut buffers, geometry, &layout, filling)?;
-        self.pipelines.fill(&layout, &buffers, geometry, filling, clock)?;
+        let mut buffers = Buffers::new(&self.pipelines, &layout, resident.triangle_count, 0, None)?;
+        self.make_room_for(&mut buffers, geometry, &resident, &layout, filling)?;
+        self.pipelines.build(&layout, &buffers, &resident, filling, clock)?;
         let frame = self.pipelines.show(viewpoint, parameters, &resident, None, clock)?;
         let pipelines = Arc::clone(&self.pipelines);
         Ok(DirtStructure {
@@ -146,13 +165,17 @@ impl Structure for DirtStructure {
                 let same_size = layout.tiles == self.layout.tiles
                     && layout.buckets == self.layout.buckets
                     && layout.views.len() == self.layout.views.len();
-                if same_size {
-                    self.pipelines.fill(&layout, &self.buffers, geometry, self.filling, clock)?;
-                } else {
-                    let buffers = Buffers::new(&self.pipelines.gpu, &layout, self.buffers.node_capacity)?;
-                    self.pipelines.fill(&layout, &buffers, geometry, self.filling, clock)?;
-                    self.buffers = buffers;
+                let (pipelines, triangles) = (&self.pipelines, resident.triangle_count);
+                if !same_size {
+                    let there = Some(&self.buffers.setup);
+                    self.buffers = Buffers::new(pipelines, &layout, triangles, self.buffers.node_capacity, there)?;
+                } else if !self.buffers.setup.serves(layout.views.len(), triangles) {
+                    let there = Some(&self.buffers.setup);
+                    let sums = pipelines.prefix_sum()?;
+                    self.buffers.setup =
+                        TriangleSetup::new(&pipelines.gpu, &sums, layout.views.len(), triangles, there)?;
                 }
+                self.pipelines.build(&layout, &self.buffers, &resident, self.filling, clock)?;
                 self.frame = self.pipelines.show(viewpoint, parameters, &resident, self.frame.as_ref(), clock)?;
                 (self.layout, self.geometry) = (layout, resident);
                 Ok(())
@@ -163,10 +186,19 @@ impl Structure for DirtStructure {
     }
 
     fn make_room(&mut self) -> Result<bool, TracerError> {
-        let gpu = &*self.pipelines.gpu;
-        let [nodes, _] = taken(gpu, &self.buffers)?;
+        let pipelines = Arc::clone(&self.pipelines);
+        let gpu = &*pipelines.gpu;
+        let drawn = self.buffers.setup.counts(gpu)?;
+        let all_drawn = self.buffers.setup.holds(&drawn);
+        let nodes = if all_drawn {
+            taken(gpu, &self.buffers)?
+        } else {
+            // What was not drawn was not counted.
+            self.buffers.setup.make_room(gpu, &drawn)?;
+            pipelines.count_nodes(&self.layout, &self.buffers, &self.geometry, self.filling)?
+        };
         if nodes <= self.buffers.node_capacity {
-            return Ok(false);
+            return Ok(!all_drawn);
         }
         grow(&[nodes], |room| self.buffers.set_capacity(gpu, room[0]))?;
         Ok(true)
@@ -183,7 +215,8 @@ impl Structure for DirtStructure {
     fn memory(&self) -> MemoryReport {
         let mut ledger = Ledger::new();
         let buffers = &self.buffers;
-        let used = taken(&self.pipelines.gpu, buffers).map_or(0, |[nodes, _]| nodes).min(buffers.node_capacity);
+        let gpu = &*self.pipelines.gpu;
+        let used = taken(gpu, buffers).unwrap_or(0).min(buffers.node_capacity);
         let mut used_bytes = u64::from(used) * NODE_BYTES;
         let ([_, bounds], [_, heads]) = (self.layout.bounds_bytes(), self.layout.heads_bytes());
         ledger.keep(DEPTH_BOUNDS, buffers.bounds.size(), bounds);
@@ -194,12 +227,13 @@ impl Structure for DirtStructure {
             ledger.keep(&nodes_name(part), buffer.size(), of_part);
             used_bytes -= of_part;
         }
+        buffers.setup.enter(&mut ledger, &buffers.setup.counts(gpu).unwrap_or_default());
         buffers.attachment.enter(&mut ledger);
         ledger.borrow_transient(self.layout.build_uniform_bytes());
         if let Some(frame) = &self.frame {
             frame.enter(&mut ledger);
         }
-        ledger.report(self.geometry.bytes).with_surface_geometry(self.geometry.surfaces.bytes)
+        ledger.report(0).with_surface_geometry(self.geometry.surfaces.bytes)
     }
 
     fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
+use tracebench_api::wgpu::BufferUsages;
 use tracebench_api::{
     AdapterChoice, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer,
-    Residency, Structure, TraceJob, Update, Viewpoint,
+    Residency, Structure, TraceJob, TracerError, Update, Viewpoint,
 };
 use tracebench_tests::{Numbers, gpu, ray, rectangle, soup};
 
@@ -143,11 +144,111 @@ fn what_a_binding_does_not_hold_is_split() {
     }
     let tiny = of_limit(layout.heads_part_bytes());
     let tracer = Dirt::new(Arc::clone(&tiny)).unwrap();
-    let geometry = soup(&hostile().repeat(40), Some(&tiny));
+    let geometry = soup(&hostile().repeat(2), Some(&tiny));
     let refused =
         tracer.build_structure(&geometry, &viewpoint(), &parameters(&settings), &mut PhaseClock::new(Some(&tiny)));
     let message = refused.err().map(|error| error.to_string()).unwrap_or_default();
     assert!(message.contains("id buffer") && message.contains("dirt.buckets"), "{message}");
+}
+
+/// A device that binds so many storage buffers a stage and so many bytes at once.
+fn of_stage_limit(buffers: u32, bytes: u64) -> Arc<Gpu> {
+    let mut gpu = Gpu::open(&AdapterChoice::default()).unwrap();
+    gpu.limits.max_storage_buffers_per_shader_stage = buffers;
+    gpu.limits.max_storage_buffer_binding_size = bytes;
+    Arc::new(gpu)
+}
+
+/// With WebGPU's eight storage buffers a stage all is built, traced, counted and fetched as without a limit where nothing is
+/// split; what would have to be split is refused with the limit and what to turn down, and with fewer buffers than every trace
+/// binds the tracer is not available.
+#[test]
+fn eight_storage_buffers_a_stage_suffice_where_nothing_is_split() {
+    let whole = gpu();
+    let mut numbers = Numbers::new(6);
+    let rays: Vec<Ray> = (0..300).map(|_| ray(numbers.point() * 5.0, numbers.direction())).collect();
+    let eight = of_stage_limit(8, whole.limits.max_storage_buffer_binding_size);
+    let [expected, found] = [&whole, &eight].map(|gpu| {
+        let structure = built(gpu, &soup(&hostile(), Some(gpu)), &[("direct_visibility", "on")]);
+        let by = |settings| answer_by(gpu, &structure, &rays, settings);
+        let shared = RayBuffer::new(Arc::new(rays.clone()), Query::Closest, Some(gpu));
+        let mut hits = HitBuffer::for_end(EndPoint::Surface, shared.host.len(), Residency::Device, Some(gpu)).unwrap();
+        hits.poison(Some(gpu)).unwrap();
+        let parameters = parameters(&[]);
+        let job = TraceJob { rays: &shared, end: EndPoint::Surface, parameters: &parameters };
+        let counters = structure.trace_counted(job, &mut hits).unwrap();
+        (by(&[]), by(&[("centre_rays", "split")]), counters, structure.buffers.node_bytes())
+    });
+    assert_eq!(expected, found);
+    let split = of_stage_limit(8, found.3 / 2 / 8 * 8);
+    let tracer = Dirt::new(Arc::clone(&split)).unwrap();
+    let mut clock = PhaseClock::new(Some(&split));
+    let refused =
+        tracer.build_structure(&soup(&hostile(), Some(&split)), &viewpoint(), &parameters(&[]), &mut clock).err();
+    let Some(TracerError::TooLarge { name, limit, turn_down, .. }) = refused else { panic!("{refused:?}") };
+    assert!(name == "id buffer: nodes" && turn_down.contains("dirt.buckets"), "{name}: {turn_down}");
+    assert_eq!(limit, split.limits.max_storage_buffer_binding_size);
+    let few = Dirt::new(of_stage_limit(7, whole.limits.max_storage_buffer_binding_size)).err();
+    let Some(TracerError::Unavailable(reason)) = few else { panic!("{few:?}") };
+    assert!(reason.contains("8 storage buffers") && reason.contains("allows 7"), "{reason}");
+}
+
+/// From tile to tile rays find what they find up and down the pyramid, over hostile triangles and rays, in more steps.
+#[test]
+fn the_pyramid_changes_steps_alone() {
+    let gpu = gpu();
+    let structure = built(&gpu, &soup(&hostile(), Some(&gpu)), &[]);
+    let mut numbers = Numbers::new(7);
+    let rays: Vec<Ray> = (0..2000).map(|_| ray(numbers.point() * 5.0, numbers.direction())).collect();
+    let by_tiles = [("march", "tiles")];
+    let [pyramid, tiles] = [&[][..], &by_tiles].map(|settings| {
+        let hits = answer_by(&gpu, &structure, &rays, settings);
+        let shared = RayBuffer::new(Arc::new(rays.clone()), Query::Closest, Some(&gpu));
+        let mut counted = HitBuffer::new(rays.len(), Residency::Device, Some(&gpu)).unwrap();
+        counted.poison(Some(&gpu)).unwrap();
+        let parameters = parameters(settings);
+        let job = TraceJob { rays: &shared, end: EndPoint::Hit, parameters: &parameters };
+        let counters = structure.trace_counted(job, &mut counted).unwrap();
+        assert_eq!(counted.read(Some(&gpu)).unwrap(), hits, "{settings:?}");
+        let of = |wanted: &str| counters.iter().find(|counter| counter.name == wanted).unwrap().total;
+        (hits, of("pyramid_steps"), of("triangle_tests"))
+    });
+    assert!(pyramid.0.iter().filter(|hit| hit.is_hit()).count() > 500);
+    // Where a ray passes a corner of tiles, rounding may lead the two by different sides of it.
+    let differ = pyramid.0.iter().zip(&tiles.0).filter(|(one, other)| one != other).count();
+    assert!(differ <= 2, "{differ}");
+    assert!(
+        tiles.1 > pyramid.1 && tiles.2 >= pyramid.2 / 2,
+        "{pyramid:?} {tiles:?}",
+        pyramid = pyramid.1,
+        tiles = tiles.1
+    );
+}
+
+/// Where any hit will do a search ends at the first that is accepted: the same rays are occluded as by closest hits, with fewer
+/// tests.
+#[test]
+fn any_hit_ends_at_the_first_one() {
+    let gpu = gpu();
+    let structure = built(&gpu, &soup(&hostile(), Some(&gpu)), &[]);
+    let mut numbers = Numbers::new(9);
+    let rays: Vec<Ray> = (0..2000).map(|_| ray(numbers.point() * 5.0, numbers.direction())).collect();
+    let [closest, any] = [Query::Closest, Query::Any].map(|query| {
+        let shared = RayBuffer::new(Arc::new(rays.clone()), query, Some(&gpu));
+        let mut hits = HitBuffer::new(rays.len(), Residency::Device, Some(&gpu)).unwrap();
+        hits.poison(Some(&gpu)).unwrap();
+        let parameters = parameters(&[]);
+        let job = TraceJob { rays: &shared, end: EndPoint::Hit, parameters: &parameters };
+        let counters = structure.trace_counted(job, &mut hits).unwrap();
+        let tests = counters.into_iter().find(|counter| counter.name == "triangle_tests").unwrap();
+        (hits.read(Some(&gpu)).unwrap(), tests)
+    });
+    let occluded = |hits: &[Hit]| hits.iter().map(Hit::is_hit).collect::<Vec<_>>();
+    assert_eq!(occluded(&closest.0), occluded(&any.0));
+    assert!(any.1.total * 10 < closest.1.total * 9, "{:?} {:?}", any.1.total, closest.1.total);
+    // Of rays that hit nothing every triangle is tested all the same.
+    let farther = closest.0.iter().zip(&any.0).filter(|(closest, any)| any.is_hit() && any.t > closest.t).count();
+    assert!(farther > 0, "no search ended before the nearest hit");
 }
 
 /// A rebuild over more than there is room for stores what fits, says so, makes room, and then stores what a fresh build
@@ -173,6 +274,37 @@ fn a_structure_that_overflows_grows() {
     let mut numbers = Numbers::new(5);
     let rays: Vec<Ray> = (0..600).map(|_| ray(numbers.point() * 5.0, numbers.direction())).collect();
     assert_eq!(answer(&gpu, &structure, &rays), answer(&gpu, &built(&gpu, &all, &[]), &rays));
+}
+
+/// What a build without splits counts: parts stored, and additions to the node count.
+fn counted_additions(gpu: &Arc<Gpu>, structure: &DirtStructure) -> [u32; 2] {
+    let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+    let counted = gpu.buffer("counted", 8, usage, "nothing").unwrap();
+    let DirtStructure { pipelines, layout, buffers, geometry, filling, .. } = structure;
+    let mut clock = PhaseClock::new(Some(gpu));
+    pipelines.build_counting(layout, buffers, geometry, *filling, Some(&counted), &mut clock).unwrap();
+    clock.finish().unwrap();
+    bytemuck::pod_collect_to_vec::<u8, [u32; 2]>(&gpu.read(&counted, 8).unwrap())[0]
+}
+
+/// All copies of a part are taken by one addition to the node count, however many buckets it reaches into; a build that counts
+/// them stores what others do.
+#[test]
+fn the_node_count_is_added_to_once_a_part() {
+    let gpu = gpu();
+    let geometry = soup(&hostile(), Some(&gpu));
+    for settings in [&[][..], &[("coverage", "standard"), ("tile_size", "1"), ("buckets", "40")]] {
+        let structure = built(&gpu, &geometry, settings);
+        let of = |statistics: &[(&str, f64)], wanted: &str| {
+            statistics.iter().find(|(name, _)| *name == wanted).map(|(_, value)| *value as u32).unwrap()
+        };
+        let before = structure.check(&geometry).unwrap();
+        let [parts, additions] = counted_additions(&gpu, &structure);
+        assert_eq!((parts, additions), (of(&before, "parts"), of(&before, "parts")), "{settings:?}");
+        // One a copy would be more.
+        assert!(of(&before, "references") > parts + parts / 10, "{settings:?}: {before:?}");
+        assert_eq!(structure.check(&geometry).unwrap(), before, "{settings:?}");
+    }
 }
 
 /// Used bytes are those of the paper's Table 3 with the device's own counts: 8 bytes of depth bounds a tile and mipmap, 4 B

@@ -5,7 +5,7 @@ use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, Query, TraceJob, 
 use tracebench_kit::{RayCounts, TouchedBits, ViewUniform, bind_group, dispatch_linear_groups, uniform_buffer};
 use tracebench_shaders::dirt::Trace;
 
-use crate::description::{Accept, CentreRays, DirtParameters, Searched};
+use crate::description::{Accept, CentreRays, DirtParameters, March, Searched};
 use crate::fetch::lost;
 use crate::layout::{MOST_VIEWS, TraceSettings};
 use crate::structure::DirtStructure;
@@ -32,7 +32,11 @@ impl DirtStructure {
             by_distance: u32::from(parameters.accept == Accept::Distance),
             all_buckets: u32::from(parameters.searched == Searched::All),
             max_steps: parameters.max_steps,
-            padding: [0; 2],
+            top_level: match parameters.march {
+                March::HiZ => self.layout.levels() as u32 - 1,
+                March::Tiles => 0,
+            },
+            padding: 0,
         }
     }
 
@@ -48,10 +52,8 @@ impl DirtStructure {
         let parameters = DirtParameters::try_from(job.parameters)?;
         let search = self.search(job, &parameters);
         let (centres, counters) = (parameters.centre_rays == CentreRays::Split, counting.is_some());
-        // What lies near views' centres is searched for by a variant over split buffers alone.
-        let split = centres || self.buffers.is_split();
-        let variant = if split { Trace::Split { centres, counters } } else { Trace::Plain { counters } };
-        let pipeline = &self.pipelines.trace[&variant];
+        let split = self.buffers.is_split();
+        let pipeline = self.pipelines.trace(Trace { split, centres, counters })?;
         let (bounds, heads) = match split {
             false => (self.buffers.bounds.as_entire_binding(), self.buffers.heads.as_entire_binding()),
             true => (self.buffers.bounds_of(0), self.buffers.heads_of(0)),
@@ -61,8 +63,7 @@ impl DirtStructure {
             uniform_buffer(gpu, "search", &search)?,
             uniform_buffer(gpu, "views", &ViewUniform::array::<MOST_VIEWS>(self.layout.uniforms()))?,
         ];
-        let geometry = &self.geometry.surfaces.device;
-        let shared = [&grid, &search_settings, &views, &geometry.positions, &geometry.indices];
+        let shared = [&grid, &search_settings, self.buffers.setup.vertices(), &views];
         let answered = [&self.buffers.nodes[0], job.rays.on_device()?, hits.on_device(job.rays.host.len())?];
         let counted = counting.map(|counting| [counting.counts.buffer(), counting.touched.buffer()]);
         let resources: Vec<_> = (shared.into_iter().map(Buffer::as_entire_binding))
@@ -75,7 +76,7 @@ impl DirtStructure {
         }
         let bindings: Vec<_> = bindings.iter().collect();
         clock.device_phase("trace", |encoder| {
-            dispatch_linear_groups(encoder, pipeline, &bindings, search.ray_count, WORKGROUP_SIZE);
+            dispatch_linear_groups(encoder, &pipeline, &bindings, search.ray_count, WORKGROUP_SIZE);
         })?;
         self.record_surfaces(job, parameters.fetch, hits, clock)
     }

@@ -10,10 +10,11 @@ use tracebench_api::{Geometry, TracerError, View};
 use tracebench_kit::{TileBounds, clipped_depths, eye_space, touched_tiles};
 
 use crate::layout::Layout;
+use crate::statistics::TileStatistics;
 use crate::structure::{DirtStructure, taken};
 
 /// Parts of triangles that are compared with brute force, about.
-const COMPARED_PARTS: u32 = 50_000;
+const COMPARED_PARTS: u64 = 50_000;
 
 /// As `DEPTH_SLACK` in shaders/dirt/fill.wgsl.
 const DEPTH_SLACK: f64 = 9.536_743_164_062_5e-7;
@@ -32,7 +33,6 @@ struct ReadBack {
     codes: Vec<[u32; 2]>,
     heads: Vec<u32>,
     nodes: Vec<[u32; 2]>,
-    parts: u32,
 }
 
 /// A triangle in a tile, and the buckets whose lists hold it.
@@ -65,7 +65,7 @@ fn bucket_position(depth: f64, [near, far]: [f64; 2], buckets: u32) -> f64 {
 impl DirtStructure {
     fn read_back(&self) -> Result<ReadBack, TracerError> {
         let gpu = &*self.pipelines.gpu;
-        let [nodes, parts] = taken(gpu, &self.buffers)?;
+        let nodes = taken(gpu, &self.buffers)?;
         if nodes > self.buffers.node_capacity {
             return Err(wrong(format!("{nodes} nodes were needed, there is room for {}", self.buffers.node_capacity)));
         }
@@ -73,7 +73,6 @@ impl DirtStructure {
             codes: bytemuck::pod_collect_to_vec(&gpu.read(&self.buffers.bounds, self.buffers.bounds.size())?),
             heads: self.read_heads()?,
             nodes: self.read_nodes(nodes as usize)?,
-            parts,
         })
     }
 
@@ -97,23 +96,47 @@ impl DirtStructure {
     pub(crate) fn check(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
         let read = self.read_back()?;
         check_pyramid(&self.layout, &read.codes)?;
-        let step = (read.parts / COMPARED_PARTS).max(1);
-        let (stored, longest) = walk_lists(&self.layout, &read, step)?;
-        self.compare(geometry, &read, &stored, step)?;
-        let tiles = self.layout.tiles[0] as usize * self.layout.tiles[1] as usize;
+        let (statistics, longest) = self.tiles(geometry, &read)?;
+        let step = (statistics.parts / COMPARED_PARTS).max(1) as u32;
+        self.compare(geometry, &read, &stored(&self.layout, &read, step)?, step)?;
         let stride = self.layout.grid(0, 1).bounds_stride as usize;
-        let level_zero = read.codes.chunks(stride).flat_map(|view| &view[..tiles]);
-        let occupied = level_zero.filter(|codes| depths(**codes).is_some()).count();
+        let of_view = self.layout.tiles[0] as usize * self.layout.tiles[1] as usize;
+        let level_zero = read.codes.chunks(stride).flat_map(|view| &view[..of_view]);
+        let bounded = level_zero.filter(|codes| depths(**codes).is_some()).count() as u64;
+        if bounded != statistics.occupied_tiles {
+            return Err(wrong(format!("{bounded} tiles have depths, {} have lists", statistics.occupied_tiles)));
+        }
         let lists = read.heads.iter().filter(|head| **head != 0).count();
         let references = read.nodes.len() as f64;
-        Ok(vec![
+        let mut named = vec![
             ("references", references),
-            ("parts", f64::from(read.parts)),
-            ("occupied_tiles", occupied as f64),
             ("lists", lists as f64),
             ("mean_list_length", references / lists.max(1) as f64),
             ("longest_list", longest as f64),
-        ])
+        ];
+        named.extend(statistics.named(self.layout.buckets));
+        Ok(named)
+    }
+
+    /// Follows every list; what tiles hold, and the longest list's length.
+    fn tiles(&self, geometry: &Geometry, read: &ReadBack) -> Result<(TileStatistics, usize), TracerError> {
+        let count = geometry.triangles.len() as u32;
+        if let Some([_, unknown]) = read.nodes.iter().find(|[_, primitive]| *primitive >= count) {
+            return Err(wrong(format!("a node is of triangle {unknown}, there are {count}")));
+        }
+        let buckets = self.layout.buckets;
+        let (mut statistics, mut tile, mut held) = (TileStatistics::default(), 0, Vec::new());
+        let longest = walk_lists(read, |list, primitive| {
+            let of_list = list / buckets as usize;
+            if of_list != tile {
+                statistics.add_tile(&mut held, geometry, buckets);
+                held.clear();
+                tile = of_list;
+            }
+            held.push(primitive);
+        })?;
+        statistics.add_tile(&mut held, geometry, buckets);
+        Ok((statistics, longest))
     }
 
     /// The stored parts of every `step`-th triangle against brute force.
@@ -333,11 +356,10 @@ fn check_pyramid(layout: &Layout, codes: &[[u32; 2]]) -> Result<(), TracerError>
     Ok(())
 }
 
-/// Follows every list; gives what is stored of every `step`-th triangle, in order, and the longest list's length.
-fn walk_lists(layout: &Layout, read: &ReadBack, step: u32) -> Result<(Vec<Stored>, usize), TracerError> {
-    let lists_of_view = read.heads.len() / layout.views.len();
+/// Follows every list, one after the other, to tell its number and the primitives in it; gives the longest list's length.
+fn walk_lists(read: &ReadBack, mut visit: impl FnMut(usize, u32)) -> Result<usize, TracerError> {
     let mut reached = vec![false; read.nodes.len()];
-    let (mut stored, mut longest) = (Vec::new(), 0);
+    let mut longest = 0;
     for (list, &head) in read.heads.iter().enumerate() {
         let (mut link, mut length) = (head, 0);
         while link != 0 {
@@ -347,22 +369,32 @@ fn walk_lists(layout: &Layout, read: &ReadBack, step: u32) -> Result<(Vec<Stored
                 return Err(wrong(format!("node {link} is reached twice")));
             }
             let [next, primitive] = read.nodes[link as usize - 1];
-            if primitive % step == 0 {
-                let within = (list % lists_of_view) as u32;
-                stored.push(Stored {
-                    primitive,
-                    view: (list / lists_of_view) as u32,
-                    tile: within / layout.buckets,
-                    bucket: within % layout.buckets,
-                });
-            }
+            visit(list, primitive);
             (link, length) = (next, length + 1);
         }
         longest = longest.max(length);
     }
-    if let Some(lost) = reached.iter().position(|seen| !seen) {
-        return Err(wrong(format!("node {} is in no list", lost + 1)));
+    match reached.iter().position(|seen| !seen) {
+        Some(lost) => Err(wrong(format!("node {} is in no list", lost + 1))),
+        None => Ok(longest),
     }
+}
+
+/// What is stored of every `step`-th triangle, in order.
+fn stored(layout: &Layout, read: &ReadBack, step: u32) -> Result<Vec<Stored>, TracerError> {
+    let lists_of_view = read.heads.len() / layout.views.len();
+    let mut stored = Vec::new();
+    walk_lists(read, |list, primitive| {
+        if primitive % step == 0 {
+            let within = (list % lists_of_view) as u32;
+            stored.push(Stored {
+                primitive,
+                view: (list / lists_of_view) as u32,
+                tile: within / layout.buckets,
+                bucket: within % layout.buckets,
+            });
+        }
+    })?;
     stored.sort_unstable();
-    Ok((stored, longest))
+    Ok(stored)
 }

@@ -13,8 +13,8 @@ use tracebench_kit::{
 };
 use tracebench_shaders::dirt::VISIBILITY;
 
-use crate::build::Pipelines;
 use crate::description::{DirectVisibility, DirtParameters};
+use crate::pipelines::Pipelines;
 use crate::structure::Resident;
 
 /// As `WORKGROUP_SIZE` in shaders/dirt/visibility.wgsl.
@@ -141,6 +141,6 @@ impl Pipelines {
             return Ok(None);
         }
         let (view, triangles) = (viewpoint.frame_view(), scene.triangle_count);
-        self.visibility.record(&self.gpu, &view, &scene.surfaces, triangles, there, clock).map(Some)
+        self.visibility()?.record(&self.gpu, &view, &scene.surfaces, triangles, there, clock).map(Some)
     }
 }

@@ -1,11 +1,12 @@
 //! Pipelines and dispatches with the least ceremony.
 
 use std::collections::BTreeMap;
-use std::sync::Mutex;
 
 use tracebench_api::wgpu::{self, BindGroupEntry, BindingResource};
 use tracebench_api::{DeviceLimits, Gpu, TracerError};
 use tracebench_shaders::{Shader, Variant};
+
+use crate::OnDemand;
 
 /// Most workgroups along one dimension of a dispatch (WebGPU's limit).
 const MOST_WORKGROUPS: u32 = 65_535;
@@ -109,28 +110,21 @@ pub fn every_variant<V: Variant, Made>(
 #[derive(Debug)]
 pub struct PipelinesOnDemand<V> {
     entry_point: &'static str,
-    made: Mutex<BTreeMap<V, wgpu::ComputePipeline>>,
+    made: OnDemand<V, wgpu::ComputePipeline>,
 }
 
 impl<V: Variant> PipelinesOnDemand<V> {
     /// None yet.
     pub fn new(entry_point: &'static str) -> Self {
-        Self { entry_point, made: Mutex::default() }
+        Self { entry_point, made: OnDemand::default() }
     }
 
     /// That of a variant.
     ///
     /// # Errors
-    /// [`TracerError::Failed`] if the device refuses it.
+    /// [`TracerError::Unavailable`] if the device's limits forbid it, [`TracerError::Failed`] if it refuses it.
     pub fn of(&self, gpu: &Gpu, variant: V) -> Result<wgpu::ComputePipeline, TracerError> {
-        let made = self.made.lock();
-        let mut made = made.map_err(|_| TracerError::Failed("a pipeline was left half made".to_owned()))?;
-        if let Some(pipeline) = made.get(&variant) {
-            return Ok(pipeline.clone());
-        }
-        let pipeline = compute_pipeline(gpu, variant, self.entry_point)?;
-        made.insert(variant, pipeline.clone());
-        Ok(pipeline)
+        self.made.of(variant, || compute_pipeline(gpu, variant, self.entry_point))
     }
 }
 

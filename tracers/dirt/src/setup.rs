@@ -1,0 +1,212 @@
+//! Triangle setup: the vertex buffer, and of every view the triangles that may be seen in it with their rectangles of tiles.
+//!
+//! The vertex buffer is the paper's (section 4.1.2), of positions alone: surfaces have no other attributes here. It is filled
+//! before the geometry passes, which read it. The lists stand in for the paper's geometry shader, which emits a triangle into
+//! the views that see it.
+
+use bytemuck::{Pod, Zeroable};
+use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, ComputePipeline};
+use tracebench_api::{DeviceGeometry, Gpu, Ledger, PhaseClock, TracerError};
+use tracebench_kit::{
+    PrefixSum, PrefixSumPlan, Room, ViewUniform, bind_group_at, dispatch_linear, grow, uniform_buffer,
+};
+
+use crate::layout::{Layout, MOST_VIEWS};
+
+/// As `BLOCK` in shaders/dirt/setup.wgsl: triangles of a block, and lanes of a workgroup.
+pub(crate) const BLOCK: u32 = 64;
+
+/// Bytes of a triangle's corners.
+const VERTEX_BYTES: u64 = 36;
+/// Bytes of the counts before the lists' entries.
+const COUNT_BYTES: u64 = 4 * MOST_VIEWS as u64;
+/// Bytes of a `DrawnTriangle` of shaders/dirt/drawn.wgsl.
+const ENTRY_BYTES: u64 = 12;
+
+/// What ledgers call the corners, after section 3.
+const VERTICES: &str = "vertex buffer";
+const SEEN: &str = "triangle setup: views' bits";
+const BLOCKS: &str = "triangle setup: counts of blocks";
+const DRAWN: &str = "triangle setup: views' triangles";
+/// What is turned down where there are too many triangles.
+const TRIANGLES: &str = "the scene's triangle count";
+
+/// `SetupPass` of shaders/dirt/setup.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct SetupPass {
+    /// Tiles of a view along x and y.
+    pub tiles: [u32; 2],
+    /// Triangles.
+    pub triangle_count: u32,
+    /// Views.
+    pub view_count: u32,
+    /// Blocks of triangles.
+    pub block_count: u32,
+    /// Nothing.
+    pub padding_a: u32,
+    /// Nothing.
+    pub padding_b: u32,
+    /// Nothing.
+    pub padding_c: u32,
+    /// Of each view: the first entry of its list, and the entries that there is room for.
+    pub rooms: [[u32; 4]; MOST_VIEWS],
+}
+
+/// The pipelines.
+#[derive(Clone, Debug)]
+pub(crate) struct SetupPipelines {
+    pub see: ComputePipeline,
+    pub list: ComputePipeline,
+}
+
+/// The buffers of one scene's triangles.
+pub(crate) struct TriangleSetup {
+    triangle_count: u32,
+    view_count: usize,
+    vertices: Room,
+    seen: Room,
+    blocks: Room,
+    sums: PrefixSumPlan,
+    drawn: Room,
+    /// Entries that each view has room for.
+    rooms: [u32; MOST_VIEWS],
+}
+
+/// What setup binds: made before the phase, which only records.
+pub(crate) struct Bound {
+    see: BindGroup,
+    list: BindGroup,
+}
+
+impl TriangleSetup {
+    /// Room for so many triangles, with lists as long as those of `there`, whose buffers serve where they are large enough.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        sums: &PrefixSum,
+        view_count: usize,
+        triangle_count: u32,
+        there: Option<&Self>,
+    ) -> Result<Self, TracerError> {
+        let blocks = u64::from(triangle_count.div_ceil(BLOCK)) * view_count as u64;
+        let room = |name, bytes, there| Room::new(gpu, name, bytes, TRIANGLES, there);
+        let vertex_bytes = u64::from(triangle_count) * VERTEX_BYTES;
+        let vertices = room(VERTICES, vertex_bytes, there.map(|there| &there.vertices))?;
+        let seen = room(SEEN, blocks * 8, there.map(|there| &there.seen))?;
+        let blocks_room = room(BLOCKS, blocks * 4 + 4, there.map(|there| &there.blocks))?;
+        let sums = sums.plan(gpu, &blocks_room.buffer, blocks as u32 + 1, there.map(|there| &there.sums))?;
+        let rooms = there.map_or([0; MOST_VIEWS], |there| there.rooms);
+        let drawn = room(DRAWN, drawn_bytes(&rooms), there.map(|there| &there.drawn))?;
+        Ok(Self { triangle_count, view_count, vertices, seen, blocks: blocks_room, sums, drawn, rooms })
+    }
+
+    /// Whether it is of so many triangles and views.
+    pub(crate) fn serves(&self, view_count: usize, triangle_count: u32) -> bool {
+        (self.view_count, self.triangle_count) == (view_count, triangle_count)
+    }
+
+    /// Triangles of every view as the last build found them, also those that there was no room for.
+    pub(crate) fn counts(&self, gpu: &Gpu) -> Result<[u32; MOST_VIEWS], TracerError> {
+        let read = gpu.read(&self.drawn.buffer, COUNT_BYTES)?;
+        let mut counts = bytemuck::pod_collect_to_vec::<u8, [u32; MOST_VIEWS]>(&read)[0];
+        counts[self.view_count..].fill(0);
+        Ok(counts)
+    }
+
+    /// Whether every view has room for so many triangles.
+    pub(crate) fn holds(&self, counts: &[u32; MOST_VIEWS]) -> bool {
+        self.rooms.iter().zip(counts).all(|(room, count)| room >= count)
+    }
+
+    /// Makes room for so many triangles of every view, and for a quarter more where it can: what views see changes with every
+    /// step of the camera.
+    pub(crate) fn make_room(&mut self, gpu: &Gpu, counts: &[u32; MOST_VIEWS]) -> Result<(), TracerError> {
+        grow(counts, |rooms| {
+            self.drawn = Room::new(gpu, DRAWN, drawn_bytes(rooms), TRIANGLES, None)?;
+            self.rooms.copy_from_slice(rooms);
+            Ok(())
+        })
+    }
+
+    /// The first entry of a view's list and the entries that there is room for.
+    pub(crate) fn room_of(&self, view: usize) -> [u32; 2] {
+        [self.rooms[..view].iter().sum(), self.rooms[view]]
+    }
+
+    /// The corners of triangles.
+    pub(crate) fn vertices(&self) -> &Buffer {
+        &self.vertices.buffer
+    }
+
+    /// The views' lists.
+    pub(crate) fn drawn(&self) -> &Buffer {
+        &self.drawn.buffer
+    }
+
+    pub(crate) fn bind(
+        &self,
+        gpu: &Gpu,
+        pipelines: &SetupPipelines,
+        layout: &Layout,
+        scene: &DeviceGeometry,
+    ) -> Result<Bound, TracerError> {
+        let mut pass = SetupPass {
+            tiles: layout.tiles,
+            triangle_count: self.triangle_count,
+            view_count: self.view_count as u32,
+            block_count: self.triangle_count.div_ceil(BLOCK),
+            ..Zeroable::zeroed()
+        };
+        for (view, room) in pass.rooms.iter_mut().enumerate() {
+            room[..2].copy_from_slice(&self.room_of(view));
+        }
+        let pass = uniform_buffer(gpu, "triangle setup", &pass)?;
+        let views = uniform_buffer(gpu, "views", &ViewUniform::array::<MOST_VIEWS>(layout.uniforms()))?;
+        let Self { vertices, seen, blocks, drawn, .. } = self;
+        let all = [&pass, &views, &scene.positions, &scene.indices, &vertices.buffer, &seen.buffer, &blocks.buffer];
+        let all: Vec<(u32, BindingResource<'_>)> =
+            (0..).zip(all.into_iter().chain([&drawn.buffer]).map(Buffer::as_entire_binding)).collect();
+        let of = |bindings: &[u32]| -> Vec<_> {
+            all.iter().filter(|(binding, _)| bindings.contains(binding)).cloned().collect()
+        };
+        let bind = |pipeline: &ComputePipeline, bindings: &[u32]| {
+            bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &of(bindings))
+        };
+        Ok(Bound {
+            see: bind(&pipelines.see, &[0, 1, 2, 3, 4, 5, 6]),
+            list: bind(&pipelines.list, &[0, 1, 4, 5, 6, 7]),
+        })
+    }
+}
+
+impl TriangleSetup {
+    /// Records the phase.
+    pub(crate) fn record(
+        &self,
+        pipelines: &SetupPipelines,
+        sums: &PrefixSum,
+        bound: &Bound,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        clock.device_phase("triangle setup", |encoder| {
+            dispatch_linear(encoder, &pipelines.see, &bound.see, self.triangle_count, BLOCK);
+            sums.record(encoder, &self.sums);
+            dispatch_linear(encoder, &pipelines.list, &bound.list, self.triangle_count, BLOCK);
+        })
+    }
+
+    /// Enters the buffers; `drawn` triangles stand in the lists.
+    pub(crate) fn enter(&self, ledger: &mut Ledger, drawn: &[u32; MOST_VIEWS]) {
+        for room in [&self.vertices, &self.seen, &self.blocks] {
+            room.enter(ledger);
+        }
+        self.sums.enter(ledger);
+        let bytes = self.drawn.buffer.size();
+        ledger.keep(DRAWN, bytes, drawn_bytes(drawn).min(bytes));
+    }
+}
+
+/// Bytes of lists with so many entries of each view.
+fn drawn_bytes(rooms: &[u32]) -> u64 {
+    COUNT_BYTES + rooms.iter().map(|room| u64::from(*room)).sum::<u64>().max(1) * ENTRY_BYTES
+}
