@@ -157,6 +157,15 @@ impl Tuning {
     }
 }
 
+impl Tuning {
+    /// The value that a label has for a ray set from a scene's own viewpoint; `None` where there is no such scene or set, or nothing
+    /// to choose by.
+    pub fn value_from_own_viewpoint(&self, scene: &str, rays: &str, label: Label) -> Option<&str> {
+        let own = self.scenes.iter().find(|each| each.scene.name == scene)?.views.first()?;
+        own.sets.iter().find(|set| set.rays == rays)?.choice(label)?.value.as_deref()
+    }
+}
+
 impl SceneTuned {
     fn of(run: &Run, sweep: &SweepRecord, axis: &AxisRecord, tuned: &TunedScene) -> Self {
         let view = |(view, viewpoint): (usize, &ViewpointRecord)| {
