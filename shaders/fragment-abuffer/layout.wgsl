@@ -5,14 +5,11 @@
 #import tracebench::view::View
 #import tracebench::pyramid::index_in_level
 
-// Every pixel has words: pointers into the nodes and, for some storages, depth bounds (section 3.3). Of the s-buffer word 0 is
+// Every pixel has words, in an image each: pointers into the nodes and, for some storages, depth bounds (section 3.3). Of the s-buffer word 0 is
 // where its piece of the nodes begins and word 1 how many it has; of lists words 0 to B - 1 are heads and, where they are
 // linked both ways, B to 2B - 1 tails. Node: eye depth; of the s-buffer the index of its data, of lists the next link and,
 // where they are linked both ways, the previous one. A link is one more than a node's index, 0 the end.
 struct Storage {
-    // From a pixel to the next, from a word of a pixel to its next.
-    pixel_stride: u32,
-    word_stride: u32,
     // 1 where there are none.
     buckets: u32,
     // 1: linked both ways.
@@ -27,10 +24,11 @@ struct Storage {
     node_capacity: u32,
     // 1: only the nearest fragment of a pixel is kept.
     one_layer: u32,
-    // Pixels whose words these are.
+    // Pixels whose words these are: from a word of a pixel to its next.
     pixel_count: u32,
     // 1: pieces of the nodes, 0: lists.
     contiguous: u32,
+    padding: vec2<u32>,
 }
 
 // Of a view that rays are traced through.
@@ -45,8 +43,8 @@ struct TracedView {
     is_face: u32,
     // Faces beyond the right, left, upper and lower side.
     beyond: vec4<u32>,
-    // From a word of a pixel to its next, and nodes that there is room for, in the view's buffer.
-    word_stride: u32,
+    // Pixels, from a word of a pixel to its next, and nodes that there is room for, in the view's buffer.
+    pixel_count: u32,
     node_capacity: u32,
     padding: vec2<u32>,
     // First pair of depth bounds of each level from the second on, four a vector.
@@ -63,7 +61,7 @@ struct DrawnView {
 }
 
 fn word_index(shape: Storage, pixel: u32, word: u32) -> u32 {
-    return pixel * shape.pixel_stride + word * shape.word_stride;
+    return word * shape.pixel_count + pixel;
 }
 
 fn pyramid_index(traced: TracedView, level: u32, cell: vec2<u32>) -> u32 {

@@ -24,10 +24,7 @@ fn reached(view: View, depth_begin: f32, depth_end: f32) -> vec2<f32> {
     let most = max(depth_begin, depth_end);
     let width = 2.0 * max(view.tan_half_width / view.size.x, view.tan_half_height / view.size.y);
     let thickness = search.thickness + most * width * search.thickness_in_pixels;
-    if (search.thick_before == 1u) {
-        return vec2<f32>(least, most + thickness);
-    }
-    return vec2<f32>(least - thickness, most);
+    return vec2<f32>(least - max(thickness, 0.0), most - min(thickness, 0.0));
 }
 
 // Looks at a pixel for the part of the ray between two parameters, whose eye depths these are.

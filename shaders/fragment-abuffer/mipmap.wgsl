@@ -33,7 +33,7 @@ fn mipmap(
         if (level.x == 1u) {
             let pixel = made.first_pixel + below.y * size.x + below.x;
             let word = word_index(shape, pixel, shape.bounds_word);
-            codes = max(codes, vec2<u32>(pixels[word], pixels[word + shape.word_stride]));
+            codes = max(codes, vec2<u32>(pixels[word], pixels[word + shape.pixel_count]));
         } else {
             codes = max(codes, pyramid[pyramid_index(made, level.x - 1u, below)]);
         }

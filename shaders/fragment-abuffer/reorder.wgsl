@@ -289,34 +289,37 @@ fn reorder(
     @builtin(local_invocation_index) local: u32,
 ) {
     let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
-    let pixel = index / shape.buckets;
-    if (pixel >= shape.pixel_count) {
+    if (index >= shape.pixel_count * shape.buckets) {
         return;
     }
 #ifdef CONTIGUOUS
-    let begin = pixels[word_index(shape, pixel, 0u)];
-    let count = pixels[word_index(shape, pixel, 1u)];
+    let begin = pixels[word_index(shape, index, 0u)];
+    let count = pixels[word_index(shape, index, 1u)];
     // What found no room is not there to be ordered.
     let end = min(begin + count, shape.node_capacity);
     if (end > begin + 1u) {
         sort_piece(begin, end - begin);
     }
 #else
-    let bucket = index % shape.buckets;
-    let head = word_index(shape, pixel, bucket);
-    let first = pixels[head];
+    // Images of heads lie one behind the other, those of tails behind them.
+    let first = pixels[index];
     if (first == 0u) {
         return;
     }
-    var link = first;
-    if (next_of(first) != 0u) {
-        let inserted = insert_first(first);
-        link = inserted.list;
-        if (!inserted.whole) {
-            link = sort_list(link);
+    let tail = index + shape.buckets * shape.pixel_count;
+    if (next_of(first) == 0u) {
+        if (shape.double == 1u) {
+            ids[(first - 1u) * shape.node_words + 2u] = 0u;
+            pixels[tail] = first;
         }
-        pixels[head] = link;
+        return;
     }
+    let inserted = insert_first(first);
+    var link = inserted.list;
+    if (!inserted.whole) {
+        link = sort_list(link);
+    }
+    pixels[index] = link;
     var tie = Tie(link - 1u, link - 1u);
     var previous = 0u;
     open += 1u;
@@ -336,7 +339,7 @@ fn reorder(
     }
     finish(tie);
     if (shape.double == 1u) {
-        pixels[word_index(shape, pixel, shape.buckets + bucket)] = previous;
+        pixels[tail] = previous;
     }
 #endif
     if (open > 0u) {

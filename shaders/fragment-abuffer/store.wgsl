@@ -20,20 +20,18 @@ struct MarchSettings {
     // 1: a step asks for depths within its pixel alone.
     span_by_pixel: u32,
     binary_search_above: u32,
-    // Scene units, and parts of the eye depth: one of both is 0.
+    // Scene units, and widths of a pixel: one of both is 0. Behind a fragment's depth; below 0 before it.
     thickness: f32,
-    // Widths of a pixel.
     thickness_in_pixels: f32,
     // Pixels along the major axis.
     start_bias: f32,
-    // 1: fragments are as thick as that before their depth, not behind it.
-    thick_before: u32,
     // 1: pixels whose depth bounds the ray misses are skipped (step a), buckets that it does not meet (step b), and rests of
     // lists beyond it.
     skip_bounds: u32,
     skip_buckets: u32,
     skip_lists: u32,
-    padding: u32,
+    padding_a: u32,
+    padding_b: u32,
 }
 
 @group(0) @binding(0) var<uniform> shape: Storage;
@@ -156,7 +154,7 @@ fn take(node: u32, depth: f32) {
 }
 
 fn word_of(pixel: u32, word: u32) -> u32 {
-    return load_pixel(pixel * shape.pixel_stride + word * views[number].word_stride);
+    return load_pixel(word * views[number].pixel_count + pixel);
 }
 
 fn bounds_of(pixel: u32) -> vec2<f32> {

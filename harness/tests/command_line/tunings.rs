@@ -56,6 +56,11 @@ fn values_are_those_of_runs() {
     }
     let chosen = |view: usize, label| views[view].sets[0].choice(label).unwrap().value.clone();
     assert_eq!(chosen(0, Label::TunedElsewhere), chosen(1, Label::TunedHere));
+    for label in Label::ALL {
+        let from_own = |scene, rays| found.value_from_own_viewpoint(scene, rays, label).map(str::to_owned);
+        assert_eq!(from_own("room", "diffuse"), chosen(0, label));
+        assert_eq!((from_own("room", "ao"), from_own("candy", "diffuse")), (None, None));
+    }
     let before = names(&bench.path("out"));
     let expected = ["run.json", "tune.csv", "tune.md", "tune_room.png", "tune_room.svg"];
     assert_eq!(before, expected.map(str::to_owned).into());
@@ -93,7 +98,7 @@ fn wrong_arguments() {
         (vec!["--over", "thickness,start_bias"], vec!["one parameter"]),
         (vec!["--over", "thick"], vec!["'thickness'"]),
         (vec!["--over", "resolution"], vec!["sweep"]),
-        (vec!["--over", "thickness=-1"], vec!["a number from 0"]),
+        (vec!["--over", "thickness=-1e5"], vec!["a number from -10000"]),
         (vec!["--tracer", "screen-dda", "--set", "screen-dda.thickness=0.1"], vec!["set already"]),
         (vec!["--rule", "loose"], vec!["footprint"]),
         (vec!["--rays", "difuse"], vec!["'diffuse'"]),

@@ -27,16 +27,6 @@ choice! {
 }
 
 choice! {
-    /// Where the words of a pixel lie.
-    pub(crate) enum Words {
-        /// In an image each, as the paper has it:
-        Planar = "planar",
-        /// In one record a pixel:
-        Interleaved = "interleaved",
-    }
-}
-
-choice! {
     /// Which views there are.
     pub(crate) enum Views { Seven = "seven", Six = "six", Frame = "frame" }
 }
@@ -71,11 +61,6 @@ choice! {
     pub(crate) enum ThicknessUnit { Diagonals = "diagonals", Pixels = "pixels" }
 }
 
-choice! {
-    /// Where fragments are thick.
-    pub(crate) enum ThicknessSide { Behind = "behind", Before = "before" }
-}
-
 parameters! {
     /// What `fragment-abuffer` is told.
     pub(crate) struct FragmentParameters {
@@ -92,12 +77,6 @@ parameters! {
             "B, depth buckets of a pixel, uniform in eye depth, of llb and dllb: more have shorter lists and more pointers",
         )
         .sweep([1, 2, 4, 8, 12, 16]),
-        layout: Words = Parameter::choice(
-            Build,
-            Words::Planar,
-            "where the words of a pixel lie: planar, in an image each (section 3.3: two of depth bounds, B of heads, B of tails), \
-             or interleaved, in one record a pixel; the s-buffer's are planar either way",
-        ),
         decoupled: Switch = Parameter::choice(
             Build,
             Switch::On,
@@ -170,23 +149,18 @@ parameters! {
         .improved(Switch::On),
         thickness: f64 = Parameter::real(
             Trace,
-            0.0..=1e4,
+            -1e4..=1e4,
             0.0,
-            "depth beyond a ray's own within which a fragment still counts: 0 as section 3.4 has it, which lets rays through \
-             between fragments; more closes gaps and invents hits",
+            "how far behind its depth a fragment still counts, so that it is a voxel which begins at the surface, or, below 0, how far \
+             before it, so that a ray finds what lies ahead of it: 0 as section 3.4 has it, which lets rays through between fragments; \
+             more on either side closes gaps and invents hits",
         )
         .unit("scene diagonals, or pixels")
-        .sweep([0.0, 0.0001, 0.0003, 0.001, 0.003, 0.01, 0.02, 0.05, 0.1]),
+        .sweep([-0.1, -0.05, -0.02, -0.01, -0.003, -0.001, -0.0003, 0.0, 0.0003, 0.001, 0.003, 0.01, 0.02, 0.05, 0.1]),
         thickness_in: ThicknessUnit = Parameter::choice(
             Trace,
             ThicknessUnit::Diagonals,
             "the unit of thickness: diagonals of the scene's bounds, or widths of a pixel where the ray is",
-        ),
-        thickness_side: ThicknessSide = Parameter::choice(
-            Trace,
-            ThicknessSide::Behind,
-            "where fragments are thick: behind their depth, so that each is a voxel that begins at the surface, or before it, so \
-             that a ray finds what lies ahead of it",
         ),
         start_bias: f64 = Parameter::real(
             Trace,

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use tracebench_api::{SharedLayout, View, Viewpoint};
 use tracebench_kit::{MOST_LEVELS, Pyramid, ViewUniform};
 
-use crate::description::{Bounds, Centre, FragmentParameters, Kind, Layers, March, Switch, Views, Words};
+use crate::description::{Bounds, Centre, FragmentParameters, Kind, Layers, March, Switch, Views};
 use crate::trace::MarchSettings;
 
 /// Views at most: the camera's and six faces.
@@ -17,10 +17,6 @@ pub(crate) const PAYLOAD_WORDS: u32 = 4;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Storage {
-    /// Words from a pixel to the next.
-    pub pixel_stride: u32,
-    /// Words from a word of a pixel to its next.
-    pub word_stride: u32,
     /// Depth buckets; 1 where there are none.
     pub buckets: u32,
     /// 1: lists are linked both ways.
@@ -37,10 +33,12 @@ pub struct Storage {
     pub node_capacity: u32,
     /// 1: only the nearest fragment of a pixel is kept.
     pub one_layer: u32,
-    /// Pixels whose words these are.
+    /// Pixels whose words these are: from a word of a pixel to its next.
     pub pixel_count: u32,
     /// 1: pieces of the nodes, 0: lists.
     pub contiguous: u32,
+    /// Nothing.
+    pub padding: [u32; 2],
 }
 
 /// `DrawnView` of shaders/fragment-abuffer/layout.wgsl.
@@ -73,8 +71,8 @@ pub struct TracedView {
     pub is_face: u32,
     /// Views beyond the right, left, upper and lower side.
     pub beyond: [u32; 4],
-    /// Words from a word of a pixel to its next in the view's buffer.
-    pub word_stride: u32,
+    /// Pixels in the view's buffer: words from a word of a pixel to its next.
+    pub pixel_count: u32,
     /// Nodes that there is room for in the view's buffer.
     pub node_capacity: u32,
     /// Nothing.
@@ -87,16 +85,16 @@ pub struct TracedView {
 pub(crate) fn layouts() -> Vec<SharedLayout> {
     tracebench_api::layouts! {
         Storage {
-            pixel_stride, word_stride, buckets, double, bounds_word, node_words, data_words, data_offset, node_capacity,
-            one_layer, pixel_count, contiguous,
+            buckets, double, bounds_word, node_words, data_words, data_offset, node_capacity, one_layer, pixel_count,
+            contiguous, padding,
         }
         DrawnView { view, first_pixel, width, padding }
         TracedView {
-            view, first_pixel, first_node, levels, is_face, beyond, word_stride, node_capacity, padding, level_offsets,
+            view, first_pixel, first_node, levels, is_face, beyond, pixel_count, node_capacity, padding, level_offsets,
         }
         MarchSettings {
             ray_count, view_count, march, steps, max_steps, centred, span_by_pixel, binary_search_above, thickness,
-            thickness_in_pixels, start_bias, thick_before, skip_bounds, skip_buckets, skip_lists, padding,
+            thickness_in_pixels, start_bias, skip_bounds, skip_buckets, skip_lists, padding_a, padding_b,
         }
     }
 }
@@ -137,8 +135,6 @@ pub(crate) struct Layout {
     pub kind: Kind,
     /// Depth buckets of a pixel; 1 for a storage without.
     pub buckets: u32,
-    /// Whether the words of a pixel lie in an image each.
-    pub planar: bool,
     /// Whether what shading needs lies in a buffer of its own.
     pub decoupled: bool,
     /// Whether only the nearest fragment of a pixel is kept.
@@ -169,8 +165,6 @@ impl Layout {
             has_camera,
             kind,
             buckets: if kind.is_bucketed() { parameters.buckets } else { 1 },
-            // Of the s-buffer a prefix sum goes over the pixels' begins alone.
-            planar: parameters.layout == Words::Planar || kind.is_contiguous(),
             decoupled: parameters.decoupled == Switch::On,
             one_layer,
             // Which fragment is the nearest the boxes do not tell.
@@ -200,9 +194,6 @@ impl Layout {
 
     /// What a ledger calls the words of pixels, by section 3.3.
     pub(crate) fn pixels_name(&self) -> String {
-        if !self.planar {
-            return "pixel records".to_owned();
-        }
         let pointers = match self.kind {
             Kind::SBuffer => "begins and counts",
             Kind::Ll | Kind::Llb => "heads",
@@ -267,8 +258,6 @@ impl Layout {
     /// The uniform for so many pixels and nodes.
     pub(crate) fn storage(&self, pixel_count: u32, node_capacity: u32) -> Storage {
         Storage {
-            pixel_stride: if self.planar { 1 } else { self.pixel_words() },
-            word_stride: if self.planar { pixel_count } else { 1 },
             buckets: self.buckets,
             double: u32::from(self.kind.is_double()),
             bounds_word: if self.has_bounds() { self.pointer_words() } else { 0 },
@@ -279,6 +268,7 @@ impl Layout {
             one_layer: u32::from(self.one_layer),
             pixel_count,
             contiguous: u32::from(self.kind.is_contiguous()),
+            padding: [0; 2],
         }
     }
 
@@ -299,7 +289,7 @@ impl Layout {
                 view: ViewUniform::from(view),
                 first_pixel,
                 first_node,
-                word_stride: self.storage(pixel_count, node_capacity).word_stride,
+                pixel_count,
                 node_capacity,
                 padding: [0; 2],
                 levels: self.levels_of(index) as u32,

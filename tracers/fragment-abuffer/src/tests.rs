@@ -143,7 +143,6 @@ fn what_is_stored_is_what_a_rasterizer_draws() {
         vec![("storage", "dll"), ("layers", "one"), ("views", "six")],
         vec![("views", "frame"), ("march", "hi-z")],
         vec![("centre", "eye")],
-        vec![("layout", "interleaved")],
     ]);
     for settings in all {
         let statistics = built_by(&tracer, &gpu, &geometry, &settings).check(&geometry);
@@ -154,7 +153,7 @@ fn what_is_stored_is_what_a_rasterizer_draws() {
     }
 }
 
-/// All storages, with data in nodes or beside them, words of pixels apart or together, with or without each kind of skipping, with bounds by geometry or by boxes, over one
+/// All storages, with data in nodes or beside them, with or without each kind of skipping, with bounds by geometry or by boxes, over one
 /// buffer of a kind or one a view, give the same bits: hits and surfaces, for every march and several thicknesses.
 #[test]
 fn every_variant_gives_the_same_bits() {
@@ -166,18 +165,12 @@ fn every_variant_gives_the_same_bits() {
     for march in ["steps", "pixels", "hi-z"] {
         let mut expected: Vec<Option<(Vec<Hit>, Vec<Surface>)>> = vec![None; 3];
         for storage in STORAGES {
-            let mut builds = vec![(0, "on", "geometry", "planar"), (0, "off", "boxes", "interleaved")];
+            let mut builds = vec![(0, "on", "geometry"), (0, "off", "boxes")];
             // A device that binds little has a buffer a view.
-            builds.extend((march != "pixels").then_some((1, "on", "geometry", "planar")));
-            for (device, decoupled, bounds, layout) in builds {
+            builds.extend((march != "pixels").then_some((1, "on", "geometry")));
+            for (device, decoupled, bounds) in builds {
                 let gpu = [&gpu, &small][device];
-                let shape = [
-                    ("storage", storage),
-                    ("decoupled", decoupled),
-                    ("bounds", bounds),
-                    ("layout", layout),
-                    ("march", march),
-                ];
+                let shape = [("storage", storage), ("decoupled", decoupled), ("bounds", bounds), ("march", march)];
                 let structure = built_by(&tracers[device], gpu, &geometries[device], &shape);
                 assert_eq!(structure.parts.is_by_view(), device == 1, "{shape:?}");
                 structure.check(&geometries[device]).unwrap();

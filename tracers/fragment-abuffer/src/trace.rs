@@ -7,7 +7,7 @@ use tracebench_kit::{RayCounts, TouchedBits, bind_group, bind_group_at, dispatch
 use tracebench_shaders::fragment_abuffer::Trace;
 
 use crate::build::WORKGROUP_SIZE;
-use crate::description::{FragmentParameters, Span, Switch, ThicknessSide, ThicknessUnit};
+use crate::description::{FragmentParameters, Span, Switch, ThicknessUnit};
 use crate::layout::MOST_VIEWS;
 use crate::structure::FragmentStructure;
 
@@ -35,14 +35,12 @@ pub struct MarchSettings {
     pub span_by_pixel: u32,
     /// Fragments beyond which a piece of the s-buffer is searched by halving.
     pub binary_search_above: u32,
-    /// Scene units.
+    /// Scene units; below 0 before a fragment's depth, not behind it.
     pub thickness: f32,
-    /// Widths of a pixel.
+    /// Widths of a pixel; so, too.
     pub thickness_in_pixels: f32,
     /// Pixels along the major axis.
     pub start_bias: f32,
-    /// 1: fragments are as thick as that before their depth, not behind it.
-    pub thick_before: u32,
     /// 1: pixels whose depth bounds the ray misses are skipped.
     pub skip_bounds: u32,
     /// 1: buckets that the ray does not meet are skipped.
@@ -50,7 +48,9 @@ pub struct MarchSettings {
     /// 1: lists are left where their fragments lie beyond the ray.
     pub skip_lists: u32,
     /// Nothing.
-    pub padding: u32,
+    pub padding_a: u32,
+    /// Nothing.
+    pub padding_b: u32,
 }
 
 /// The buffers of a trace that counts.
@@ -76,11 +76,11 @@ impl FragmentStructure {
             thickness: if by_pixels { 0.0 } else { (thickness * self.diagonal) as f32 },
             thickness_in_pixels: if by_pixels { thickness as f32 } else { 0.0 },
             start_bias: parameters.start_bias as f32,
-            thick_before: u32::from(parameters.thickness_side == ThicknessSide::Before),
             skip_bounds: u32::from(parameters.skip_bounds == Switch::On),
             skip_buckets: u32::from(parameters.skip_buckets == Switch::On),
             skip_lists: u32::from(parameters.skip_lists == Switch::On),
-            padding: 0,
+            padding_a: 0,
+            padding_b: 0,
         }
     }
 

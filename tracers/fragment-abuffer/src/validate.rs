@@ -42,7 +42,7 @@ fn fail<T>(what: String) -> Result<T, TracerError> {
 
 impl ReadBack<'_> {
     fn word(&self, pixel: u32, word: u32) -> u32 {
-        self.pixels[(pixel * self.storage.pixel_stride + word * self.storage.word_stride) as usize]
+        self.pixels[(word * self.storage.pixel_count + pixel) as usize]
     }
 
     fn node_word(&self, node: u32, word: u32) -> u32 {

@@ -31,19 +31,25 @@ fn score_of(set: &SetTuned, value: &str, rule: Rule) -> Option<f64> {
     score(&set.judged(value)?.judgement, rule)
 }
 
-/// The value with the greatest mean score over ray sets, of those that were judged in all of them; of equal ones the first,
-/// which is the smaller where values are numbers. `None` without a set.
+/// The value with the greatest mean score over ray sets, of those that were judged in all of them; of equal ones that nearest
+/// to 0 where values are numbers, else the first. `None` without a set.
 fn best<'a>(sets: &[&'a SetTuned], rule: Rule) -> Option<&'a str> {
     let mut best: Option<(f64, &str)> = None;
     for each in &sets.first()?.values {
         let scores: Option<Vec<f64>> = sets.iter().map(|set| score_of(set, &each.value, rule)).collect();
         let Some(scores) = scores else { continue };
         let mean = scores.iter().sum::<f64>() / scores.len() as f64;
-        if best.is_none_or(|(greatest, _)| mean > greatest) {
+        let is_nearer = |to: &str| size(&each.value) < size(to);
+        if best.is_none_or(|(greatest, of)| mean > greatest || (mean == greatest && is_nearer(of))) {
             best = Some((mean, &each.value));
         }
     }
     best.map(|(_, value)| value)
+}
+
+/// How far a value is from 0; infinitely where it is no number.
+fn size(value: &str) -> f64 {
+    value.parse().map_or(f64::INFINITY, f64::abs)
 }
 
 /// Whether anything of a set was judged: one of nothing but ties has no say.

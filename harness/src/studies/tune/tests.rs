@@ -81,6 +81,17 @@ fn the_best_value() {
             assert_eq!(found.as_deref(), expected, "{scores:?}");
         }
     }
+    // Of equal ones that nearest to 0, on whichever side.
+    let two_sided = |scores: [f64; 4]| {
+        let mut set = plain(scores);
+        for (value, name) in set.values.iter_mut().zip(["-0.3", "-0.1", "0.2", "0.4"]) {
+            name.clone_into(&mut value.value);
+        }
+        tuned_here(set, Rule::Footprint)
+    };
+    assert_eq!(two_sided([0.9; 4]).as_deref(), Some("-0.1"));
+    assert_eq!(two_sided([0.9, 0.1, 0.9, 0.9]).as_deref(), Some("0.2"));
+    assert_eq!(two_sided([0.9, 0.1, 0.8, 0.8]).as_deref(), Some("-0.3"));
     // By the other rules the shares are turned round; any-hit sets know one rule.
     let scores = [some(0.1), some(0.7), some(0.9), some(0.8)];
     for rule in [Rule::HitMiss, Rule::Tight] {
