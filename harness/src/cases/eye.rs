@@ -154,7 +154,7 @@ pub(super) const SECONDARY_DEPTH_RATIO: Case = Case {
         what: "start at less than a hundred-thousandth of the depth of their hit",
         least: 0.12,
         has: |probe, index| {
-            let start = f64::from(probe.ray(index).origin[2]);
+            let start = probe.ray(index).origin[2];
             probe.point(index).is_some_and(|point| start > 1e-5 * point.z)
         },
     },

@@ -2,8 +2,7 @@
 
 use super::{Verdict, verdict};
 use crate::results::{
-    AnyJudgement, CaseRecord, CaseTracer, ExpectationRecord, Judgement, NoAnswer, Occlusion, Provenance, Run, Skipped,
-    Wrong,
+    AnyJudgement, CaseRecord, CaseTracer, ExpectationRecord, Judgement, Occlusion, Provenance, Run, Skipped, Wrong,
 };
 
 /// A run of cases.
