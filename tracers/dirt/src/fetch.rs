@@ -24,8 +24,8 @@ use tracebench_api::{
     EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Surface, SurfaceStatus, TraceJob, TracerError,
 };
 use tracebench_kit::{
-    Gather, OnDemand, RasterTargets, ViewUniform, bind_group, check_storage_buffers, compute_pipeline, create_texture,
-    dispatch_linear, raster_pipeline, shader_module, shader_module_testing_early, storage_buffer, uniform_buffer,
+    Gather, OnDemand, RasterTargets, ViewUniform, bind_group, compute_pipeline, create_texture, dispatch_linear,
+    raster_pipeline, shader_module, shader_module_testing_early, storage_buffer, uniform_buffer,
 };
 use tracebench_shaders::{Shader, dirt};
 
@@ -112,7 +112,6 @@ pub(crate) struct Fetch {
 
 /// A pipeline that draws into the mask alone.
 fn mask_pipeline(gpu: &Gpu, shader: Shader, writes: bool) -> Result<RenderPipeline, TracerError> {
-    check_storage_buffers(gpu, shader)?;
     // A fragment stage that writes to buffers is run before its depth test, unless it is told otherwise.
     let module = if writes { shader_module(gpu, shader)? } else { shader_module_testing_early(gpu, shader)? };
     // No depth lies beyond 1, the mask's where there are hits.
