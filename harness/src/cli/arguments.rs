@@ -53,7 +53,7 @@ pub(super) struct TableArguments {
     #[arg(long, value_name = "RUN", conflicts_with_all = [
         "scene", "rays", "frames", "size", "frame", "face", "view", "time", "scale", "settings", "adapter", "limits",
         "preset",
-        "samples", "seed", "resume", "shard",
+        "samples", "seed", "resume", "shard", "means",
     ])]
     pub from: Option<PathBuf>,
     #[command(flatten)]
@@ -222,10 +222,12 @@ impl TableArguments {
                 .filter(|entry| peers.subject == Subject::Still || entry.animation_s.is_some())
                 .map(|entry| listed(entry.name))
                 .collect(),
+            (None, Table::Means) => tracebench_scenes::catalogue().iter().map(|entry| listed(entry.name)).collect(),
             (None, Table::Paper(_, experiment)) => experiment.scenes.iter().map(|each| listed(each.scene)).collect(),
         };
         let tracers = match table {
             Table::Peers(peers) => names::peers(peers, settings)?,
+            Table::Means => names::at_means(settings)?,
             Table::Paper(_, experiment) => names::steps(experiment, settings)?.concat(),
         };
         let ray_sets = match self.rays.as_deref().unwrap_or(table.rays()) {

@@ -28,15 +28,15 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
     if let Some(path) = &arguments.from {
         return again(table, path, arguments.work.output.out.as_deref());
     }
-    let mut work = Work::prepare(&arguments.work, || arguments.matter(table), progress)?;
+    let mut work = Work::prepare(&arguments.work, || arguments.matter(table), Clock::Timed, progress)?;
     match table {
         Table::Peers(table) if moving => {
             let frames = arguments.frames.unwrap_or(DEFAULT_FRAMES);
             let plan = described("table", std::slice::from_ref(&work.plan), json!({ "frames": frames }));
             let execute = |context: &Context<'_>| updates::execute(table, &work.plan, frames, context);
-            work.bench.measure(&plan, Clock::Timed, progress, execute)?;
+            work.bench.measure(&plan, progress, execute)?;
         }
-        Table::Peers(_) => {
+        Table::Peers(_) | Table::Means => {
             work.measure("table", progress)?;
         }
         Table::Paper(_, experiment) => measure(experiment, arguments, &mut work, progress)?,
@@ -57,9 +57,10 @@ fn measure(
     work.plan.ray_parameters = names::ray_values(&own.chain(settings.iter().cloned()).collect::<Vec<_>>())?;
     let steps = names::steps(experiment, settings)?;
     let plans = experiment.plans(&work.plan, &steps).map_err(|error| CliError::Argument(error.to_string()));
-    let plans = plans.inspect_err(|_| work.bench.out.abandon())?;
+    let mut plans = plans.inspect_err(|_| work.bench.out.abandon())?;
+    plans.iter_mut().for_each(|plan| work.bench.give_means(&mut plan.tracers));
     let words = described("table", &plans, Value::Null);
-    work.bench.measure(&words, Clock::Timed, progress, |context| measure::execute_all(&plans, context))?;
+    work.bench.measure(&words, progress, |context| measure::execute_all(&plans, context))?;
     Ok(())
 }
 

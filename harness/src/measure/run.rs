@@ -12,7 +12,7 @@ use super::{Contender, Crew, Journal, RunError, load, prepare, records};
 use crate::plan::{Plan, Shard, TracerRequest};
 use crate::progress::Progress;
 use crate::registry::Device;
-use crate::results::{Provenance, Run, SCHEMA, Skipped};
+use crate::results::{MeansRecord, Provenance, Run, SCHEMA, Skipped};
 use crate::truth::Cache;
 
 /// What everything is measured with.
@@ -27,19 +27,27 @@ pub struct Context<'a> {
     pub journal: &'a Journal,
     /// Which of the plan's places are measured; all without one.
     pub shard: Option<Shard>,
+    /// How searches read and are launched where nothing is set: what the requests have taken.
+    pub means: Option<MeansRecord>,
     pub(super) crew: RefCell<Crew>,
 }
 
 impl<'a> Context<'a> {
     /// Everything, and nothing is kept before all has ended.
     pub fn new(device: &'a Device, cache: &'a Cache, progress: &'a Progress, journal: &'a Journal) -> Self {
-        Self { device, cache, progress, journal, shard: None, crew: RefCell::default() }
+        Self { device, cache, progress, journal, shard: None, means: None, crew: RefCell::default() }
     }
 
     /// A part of the places alone.
     #[must_use]
     pub fn of_shard(self, shard: Option<Shard>) -> Self {
         Self { shard, ..self }
+    }
+
+    /// With means that the requests have taken.
+    #[must_use]
+    pub fn with_means(self, means: Option<MeansRecord>) -> Self {
+        Self { means, ..self }
     }
 
     /// Whether a place is measured here.
@@ -172,6 +180,7 @@ pub(crate) fn empty<'r>(requests: impl IntoIterator<Item = &'r TracerRequest>, c
         started.clone_into(&mut provenance.started);
     }
     provenance.resumed = resumed.to_vec();
+    provenance.means.clone_from(&context.means);
     provenance.shard = context.shard.as_ref().map(Shard::record);
     Run {
         schema: SCHEMA,
