@@ -8,6 +8,7 @@ pub mod files;
 pub mod hash;
 pub mod judge;
 pub mod machine;
+pub mod means;
 pub mod measure;
 pub mod papers;
 pub mod peers;

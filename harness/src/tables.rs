@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::means;
 use crate::papers::{self, Experiment, PAPERS, Paper};
 use crate::peers::{self, Subject, TABLES};
 use crate::report::{self, ReportError};
@@ -14,6 +15,8 @@ pub enum Table {
     Peers(&'static peers::Table),
     /// A paper's table or figure.
     Paper(&'static Paper, &'static Experiment),
+    /// Every tracer that searches on the device, by each way to read and to launch.
+    Means,
 }
 
 impl Table {
@@ -23,13 +26,14 @@ impl Table {
             let paper = *paper;
             paper.experiments.iter().map(move |experiment| Self::Paper(paper, experiment))
         };
-        TABLES.iter().map(Self::Peers).chain(PAPERS.iter().flat_map(of))
+        TABLES.iter().map(Self::Peers).chain([Self::Means]).chain(PAPERS.iter().flat_map(of))
     }
 
     /// Finds a table by name.
     pub fn find(name: &str) -> Option<Self> {
-        peers::find(name)
-            .map(Self::Peers)
+        (name == Self::Means.name())
+            .then_some(Self::Means)
+            .or_else(|| peers::find(name).map(Self::Peers))
             .or_else(|| papers::find(name).map(|(paper, experiment)| Self::Paper(paper, experiment)))
     }
 
@@ -38,6 +42,7 @@ impl Table {
         match self {
             Self::Peers(table) => table.name,
             Self::Paper(_, experiment) => experiment.name,
+            Self::Means => "means",
         }
     }
 
@@ -46,6 +51,7 @@ impl Table {
         match self {
             Self::Peers(table) => table.summary,
             Self::Paper(_, experiment) => experiment.summary,
+            Self::Means => "equal means: every tracer that searches on the device, by each way to read and to launch",
         }
     }
 
@@ -54,6 +60,7 @@ impl Table {
         match self {
             Self::Peers(table) => table.rays,
             Self::Paper(_, experiment) => experiment.rays,
+            Self::Means => "primary,diffuse",
         }
     }
 
@@ -67,6 +74,7 @@ impl Table {
         match self {
             Self::Peers(table) => table.holds(tracer),
             Self::Paper(_, experiment) => experiment.holds(tracer),
+            Self::Means => means::contenders().iter().any(|request| request.name() == tracer),
         }
     }
 
@@ -75,6 +83,7 @@ impl Table {
         match self {
             Self::Peers(table) => report::peers::files(table, run),
             Self::Paper(paper, experiment) => papers::files(paper, experiment, run),
+            Self::Means => report::means::files(run),
         }
     }
 }
@@ -120,7 +129,12 @@ mod tests {
             assert!(!names[..index].contains(name), "{name} twice");
             assert_eq!(Table::find(name).unwrap().name(), *name);
         }
-        assert!(names.contains(&"bvh") && names.contains(&"dirt-table1") && Table::find("no-such").is_none());
+        assert!(
+            names.contains(&"bvh")
+                && names.contains(&"means")
+                && names.contains(&"dirt-table1")
+                && Table::find("no-such").is_none()
+        );
     }
 
     /// A run has the files of the table that it was made for alone; a table over another run is written all the same, unless none of

@@ -5,7 +5,8 @@
 #import tracebench::view::{View, pixel_position}
 #import tracebench::image_walk::{Span, eye_ray_of, span_in_view}
 #import tracebench::image_line::between
-#import tracebench::dispatch::linear_invocation
+#import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
+#import tracebench::reads::word_0
 
 struct Settings {
     ray_count: u32,
@@ -18,11 +19,17 @@ struct Settings {
     thickness: f32,
     // Pixels along the major axis.
     start_bias: f32,
+    rays_per_lane: u32,
+    // Words of the image's rows in a buffer.
+    row_words: u32,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> settings: Settings;
+#ifdef TEXTURES
+// As it was drawn; in a buffer it is the array of words 0.
 @group(0) @binding(2) var eye_depths: texture_2d<f32>;
+#endif
 @group(0) @binding(3) var<storage, read> rays: array<Ray>;
 @group(0) @binding(4) var<storage, read_write> hits: array<Hit>;
 #ifdef COUNTERS
@@ -36,7 +43,13 @@ struct Settings {
 @group(0) @binding(8) var<storage, read_write> seen: array<u32>;
 #endif
 
-const WORKGROUP_SIZE: u32 = 64u;
+fn stored_depth(pixel: vec2<i32>) -> f32 {
+#ifdef TEXTURES
+    return textureLoad(eye_depths, pixel, 0).x;
+#else
+    return bitcast<f32>(word_0(u32(pixel.y) * settings.row_words + u32(pixel.x)));
+#endif
+}
 
 struct Answer {
     hit: Hit,
@@ -85,7 +98,7 @@ fn march(ray: Ray) -> Answer {
         // The part of the ray up to half a step ahead; the last step takes what is left.
         let high = select(s + 0.5 * step, 1.0, (s + step > 1.0 || step == 1.0));
         let pixel = clamp(vec2<i32>(floor(mix(pixel_begin, pixel_end, s))), vec2<i32>(0), last_pixel);
-        let stored = textureLoad(eye_depths, pixel, 0).x;
+        let stored = stored_depth(pixel);
         samples += 1u;
 #ifdef COUNTERS
         let place = u32(pixel.y) * u32(view.size.x) + u32(pixel.x);
@@ -123,16 +136,17 @@ fn trace(
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
-    if (index >= settings.ray_count) {
-        return;
-    }
-    let answer = march(rays[index]);
-    hits[index] = answer.hit;
+    var turns =
+        turns_of(workgroup, workgroups, local, 0u, settings.ray_count, settings.rays_per_lane);
+    while (turns.ray < turns.end) {
+        let answer = march(rays[turns.ray]);
+        hits[turns.ray] = answer.hit;
 #ifdef COUNTERS
-    depth_samples[index] = answer.samples;
+        depth_samples[turns.ray] = answer.samples;
 #endif
 #ifdef SURFACES
-    seen[index] = textureLoad(primitives, answer.pixel, 0).x;
+        seen[turns.ray] = textureLoad(primitives, answer.pixel, 0).x;
 #endif
+        turns.ray += WORKGROUP_SIZE;
+    }
 }

@@ -66,7 +66,7 @@ pub(super) struct TableArguments {
     /// Measures nothing: makes the table of what was measured before, a file or the folder that holds it.
     #[arg(long, value_name = "RUN", conflicts_with_all = [
         "scene", "rays", "frames", "size", "frame", "face", "view", "time", "scale", "settings", "adapter", "limits",
-        "preset", "samples", "interval", "time_limit", "seed", "resume", "shard", "only", "tuned",
+        "preset", "samples", "interval", "time_limit", "seed", "resume", "shard", "only", "tuned", "means",
     ])]
     pub from: Option<PathBuf>,
     #[command(flatten)]
@@ -254,10 +254,12 @@ impl TableArguments {
                 .filter(|entry| peers.subject == Subject::Still || entry.animation_s.is_some())
                 .map(|entry| listed(entry.name))
                 .collect(),
+            (None, Table::Means) => tracebench_scenes::catalogue().iter().map(|entry| listed(entry.name)).collect(),
             (None, Table::Paper(_, experiment)) => experiment.scenes.iter().map(|each| listed(each.scene)).collect(),
         };
         let tracers = match table {
             Table::Peers(peers) => names::peers(peers, settings)?,
+            Table::Means => names::at_means(settings)?,
             Table::Paper(_, experiment) => {
                 let mut steps = names::steps(experiment, settings)?;
                 names::only(&mut steps, &self.only)?;

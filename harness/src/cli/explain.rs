@@ -66,10 +66,12 @@ pub(super) fn explain(arguments: &ExplainArguments, progress: &Progress) -> Resu
     if arguments.work.samples.is_some() || arguments.work.interval.is_some() || arguments.work.time_limit.is_some() {
         return Err(CliError::Argument("--samples, --interval, --time-limit: explain takes no times".to_owned()));
     }
-    let work = Work::prepare(&arguments.work, || arguments.matter(), progress)?;
+    let work = Work::prepare(&arguments.work, || arguments.matter(), Clock::Untimed, progress)?;
+    // By the means that it has here.
+    let request = &work.plan.tracers[0];
     let plan = described("explain", std::slice::from_ref(&work.plan), Value::Null);
-    let execute = |context: &Context<'_>| explain::execute(&work.plan, &request, ladder, context);
-    let run = work.bench.measure(&plan, Clock::Untimed, progress, execute)?;
+    let execute = |context: &Context<'_>| explain::execute(&work.plan, request, ladder, context);
+    let run = work.bench.measure(&plan, progress, execute)?;
     let Some(found) = &run.explanation else { return Ok(()) };
     let page = work.bench.out.path.join(report::EXPLAIN_PAGE);
     print(&format!("{}\n{}\n", report::explanation_page(&run, found), page.display()))?;

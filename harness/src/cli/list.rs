@@ -8,6 +8,7 @@ use tracebench_scenes::CatalogueEntry;
 use super::CliError;
 use super::output::print;
 use crate::cases::{CASES, Case};
+use crate::means;
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
 use crate::rays::{RAY_SETS, RaySet, ray_parameters};
@@ -199,6 +200,7 @@ fn rows(table: Table) -> Vec<String> {
     };
     let requests = match table {
         Table::Peers(peers) => peers.contenders(),
+        Table::Means => means::contenders(),
         Table::Paper(_, experiment) => experiment.requests().concat(),
     };
     let mut rows: Vec<String> = Vec::new();
@@ -218,6 +220,7 @@ fn tables() -> Vec<Value> {
         });
         match table {
             Table::Peers(peers) => item["reference"] = json!(peers.reference()),
+            Table::Means => {}
             Table::Paper(paper, experiment) => {
                 item["paper"] = json!(paper.name);
                 item["scenes"] = experiment.scenes.iter().map(|each| json!(each.scene)).collect();

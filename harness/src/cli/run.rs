@@ -7,7 +7,7 @@ use tracebench_api::EndPoint;
 
 use super::arguments::{PictureArguments, RunArguments};
 use super::output::print;
-use super::work::Work;
+use super::work::{Clock, Work};
 use super::{CliError, names, open_device};
 use crate::picture;
 use crate::plan::{Plan, RunPreset, TracerRequest};
@@ -23,7 +23,7 @@ pub(super) struct ReportArguments {
 }
 
 pub(super) fn run(arguments: &RunArguments, progress: &Progress) -> Result<(), CliError> {
-    let work = Work::prepare(&arguments.work, || arguments.matter(), progress)?;
+    let work = Work::prepare(&arguments.work, || arguments.matter(), Clock::Timed, progress)?;
     let run = work.measure("run", progress)?;
     print(&format!("{}{}\n", reports::run_table(&run), work.bench.out.path.join("summary.md").display()))
 }

@@ -34,17 +34,17 @@ pub(super) struct StabilityArguments {
 
 pub(super) fn stability(arguments: &StabilityArguments, progress: &Progress) -> Result<(), CliError> {
     // Arguments are checked before any device or file is touched.
-    let requests = names::tracers(&arguments.tracer, &arguments.settings)?;
+    let mut requests = names::tracers(&arguments.tracer, &arguments.settings)?;
     names::tracers_only(&arguments.settings)?;
     let cases = names::cases(&arguments.case)?;
     let required = requests.iter().any(TracerRequest::must_have_device);
     let device = open_device(&arguments.device, needs_device(&requests), required)?;
-    let bench = Bench::open(device, &arguments.output)?;
+    let bench = Bench::open(device, &arguments.output, Clock::Untimed, &mut requests, progress)?;
     let words = |request: &TracerRequest| records::request_record(request);
     let tracers: Vec<_> = requests.iter().map(words).collect();
     let names: Vec<&str> = cases.iter().map(|case| case.name).collect();
     let plan = described("stability", &[], json!({ "cases": names, "tracers": tracers }));
-    let run = bench.measure(&plan, Clock::Untimed, progress, |context| stability::run(&cases, &requests, context))?;
+    let run = bench.measure(&plan, progress, |context| stability::run(&cases, &requests, context))?;
     let Some(found) = Stability::of(&run) else { return Ok(()) };
     let written = bench.out.path.join(report::STABILITY_TABLE);
     print(&format!("{}\n{}\n", report::stability_matrix(&found), written.display()))?;

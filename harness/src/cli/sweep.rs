@@ -70,15 +70,15 @@ impl SweepArguments {
         })
     }
 
-    fn axes(&self) -> Result<Vec<AxisRecord>, CliError> {
-        let request = self.request()?;
+    /// What is swept round a request's own values.
+    fn axes(&self, request: &TracerRequest) -> Result<Vec<AxisRecord>, CliError> {
         let wanted = match &self.grid {
             Some(grid) => vec![grid.clone()],
-            None if self.over.is_empty() => vec![default_axes(&request)],
+            None if self.over.is_empty() => vec![default_axes(request)],
             None => self.over.clone(),
         };
         let option = if self.grid.is_some() { "--grid" } else { "--over" };
-        let axes = axes(&request, &wanted, option)?;
+        let axes = axes(request, &wanted, option)?;
         match (&self.grid, axes.len()) {
             (Some(grid), count) if count != 2 => {
                 Err(CliError::Argument(format!("--grid '{grid}' has {count} parameters, it takes two")))
@@ -152,12 +152,14 @@ fn refused(error: &SweepError, option: &str) -> CliError {
 
 pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(), CliError> {
     // Arguments are checked before any device or file is touched.
-    let axes = arguments.axes()?;
+    let axes = arguments.axes(&arguments.request()?)?;
     let grid = arguments.grid.is_some();
     let option = if grid { "--grid" } else { "--over" };
     let checked = arguments.work.plan(arguments.matter()?, || false)?;
-    Sweep::new(&checked, axes.clone(), grid).map_err(|error| refused(&error, option))?;
-    let work = Work::prepare(&arguments.work, || arguments.matter(), progress)?;
+    Sweep::new(&checked, axes, grid).map_err(|error| refused(&error, option))?;
+    let work = Work::prepare(&arguments.work, || arguments.matter(), Clock::Timed, progress)?;
+    // By the means that it has here.
+    let axes = arguments.axes(&work.plan.tracers[0])?;
     let sweep = Sweep::new(&work.plan, axes.clone(), grid).map_err(|error| {
         // The preset of the adapter's kind may have other edges.
         work.bench.out.abandon();
@@ -166,7 +168,7 @@ pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(
     progress.say(&format!("{} points", sweep.len()));
     let required = work.plan.tracers.iter().any(TracerRequest::must_have_device);
     let plan = described("sweep", std::slice::from_ref(&work.plan), json!({ "axes": axes, "grid": grid }));
-    work.bench.measure(&plan, Clock::Timed, progress, |context| sweep.execute(required, context))?;
+    work.bench.measure(&plan, progress, |context| sweep.execute(required, context))?;
     let page = work.bench.out.path.join(report::SWEEP_PAGE);
     let text = std::fs::read_to_string(&page)
         .map_err(|error| CliError::Other(format!("cannot read {}: {error}", page.display())))?;

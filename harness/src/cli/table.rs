@@ -28,7 +28,7 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
         return Err(CliError::Argument(format!("--time: table {} is over whole animations", table.name())));
     }
     let of_papers = !arguments.only.is_empty() || arguments.estimate.is_some() || arguments.tuned.is_some();
-    if let (Table::Peers(_), true) = (table, of_papers) {
+    if let (Table::Peers(_) | Table::Means, true) = (table, of_papers) {
         return Err(CliError::Argument(format!("--only, --tuned, --estimate: table {} is no paper's", table.name())));
     }
     if let (Table::Paper(_, experiment), Some(path)) = (table, &arguments.estimate) {
@@ -37,15 +37,15 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
     if let Some(path) = &arguments.from {
         return again(table, path, arguments.work.output.out.as_deref());
     }
-    let mut work = Work::prepare(&arguments.work, || arguments.matter(table), progress)?;
+    let mut work = Work::prepare(&arguments.work, || arguments.matter(table), Clock::Timed, progress)?;
     match table {
         Table::Peers(table) if moving => {
             let frames = arguments.frames.unwrap_or(DEFAULT_FRAMES);
             let plan = described("table", std::slice::from_ref(&work.plan), json!({ "frames": frames }));
             let execute = |context: &Context<'_>| updates::execute(table, &work.plan, frames, context);
-            work.bench.measure(&plan, Clock::Timed, progress, execute)?;
+            work.bench.measure(&plan, progress, execute)?;
         }
-        Table::Peers(_) => {
+        Table::Peers(_) | Table::Means => {
             work.measure("table", progress)?;
         }
         Table::Paper(_, experiment) => measure(experiment, arguments, &mut work, progress)?,
@@ -60,9 +60,10 @@ fn measure(
     work: &mut Work<'_>,
     progress: &Progress,
 ) -> Result<(), CliError> {
-    let plans = plans(experiment, arguments, &mut work.plan).inspect_err(|_| work.bench.out.abandon())?;
+    let mut plans = plans(experiment, arguments, &mut work.plan).inspect_err(|_| work.bench.out.abandon())?;
+    plans.iter_mut().for_each(|plan| work.bench.give_means(&mut plan.tracers));
     let words = described("table", &plans, Value::Null);
-    work.bench.measure(&words, Clock::Timed, progress, |context| measure::execute_all(&plans, context))?;
+    work.bench.measure(&words, progress, |context| measure::execute_all(&plans, context))?;
     Ok(())
 }
 

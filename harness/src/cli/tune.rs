@@ -84,19 +84,23 @@ impl TuneArguments {
 pub(super) fn tune(arguments: &TuneArguments, progress: &Progress) -> Result<(), CliError> {
     // Arguments are checked before any device or file is touched.
     let request = arguments.request()?;
-    let (axis, rule) = (arguments.axis(&request)?, arguments.rule()?);
+    let rule = arguments.rule()?;
+    arguments.axis(&request)?;
     if arguments.work.samples.is_some() || arguments.work.interval.is_some() || arguments.work.time_limit.is_some() {
         return Err(CliError::Argument(
             "--samples, --interval, --time-limit: tune takes no times; `sweep` does".to_owned(),
         ));
     }
-    let work = Work::prepare(&arguments.work, || arguments.matter(), progress)?;
+    let work = Work::prepare(&arguments.work, || arguments.matter(), Clock::Untimed, progress)?;
+    // By the means that it has here.
+    let request = work.plan.tracers[0].clone();
+    let axis = arguments.axis(&request)?;
     let words = json!({ "axis": axis, "rule": rule });
     let tune = Tune::new(&work.plan, &request, axis, rule)
         .map_err(|error| CliError::Argument(format!("--over: {error}")))
         .inspect_err(|_| work.bench.out.abandon())?;
     let plan = described("tune", std::slice::from_ref(&work.plan), words);
-    let run = work.bench.measure(&plan, Clock::Untimed, progress, |context| tune.execute(context))?;
+    let run = work.bench.measure(&plan, progress, |context| tune.execute(context))?;
     let page = work.bench.out.path.join(report::TUNE_PAGE);
     let overview = Tuning::of(&run).map(|tuning| report::tuning_overview(&tuning)).unwrap_or_default();
     print(&format!("{overview}\n{}\n", page.display()))

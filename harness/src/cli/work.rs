@@ -9,11 +9,12 @@ use serde_json::{Value, json};
 use super::arguments::{Matter, WorkArguments};
 use super::{CliError, open_device};
 use crate::machine;
+use crate::means;
 use crate::measure::{self, Context, Journal, RunError};
 use crate::plan::{Plan, RunPreset, Shard, TracerRequest};
 use crate::progress::{self, Progress};
 use crate::registry::Device;
-use crate::results::{Run, Skipped};
+use crate::results::{Means, MeansRecord, Run, Skipped};
 use crate::truth::Cache;
 use crate::{report, tables};
 
@@ -30,6 +31,52 @@ pub(super) struct OutputArguments {
     /// Measure the I-th of N parts, by whole scenes, for `merge` to join. Several machines may each take one.
     #[arg(long, value_name = "I/N", value_parser = shard)]
     pub shard: Option<[u32; 2]>,
+    /// What searches on the device read from and how many rays a lane answers, where --set does not say: buffer,1 or texture,32 and
+    /// the like. A short probe of the adapter tells if it is not given, here or as TRACEBENCH_MEANS.
+    #[arg(long, value_name = "READS,RAYS", value_parser = means::parse)]
+    pub means: Option<Means>,
+}
+
+/// Where means stand that are given to every run.
+const MEANS: &str = "TRACEBENCH_MEANS";
+
+impl OutputArguments {
+    /// The means of requests where nothing is set: those that are given, those that the run was begun with, or what a probe says.
+    fn means(
+        &self,
+        device: &Device,
+        requests: &[TracerRequest],
+        clock: Clock,
+        progress: &Progress,
+    ) -> Result<Option<MeansRecord>, CliError> {
+        if !requests.iter().any(TracerRequest::has_means) {
+            return Ok(None);
+        }
+        let told = std::env::var(MEANS).ok().filter(|text| !text.is_empty());
+        let told =
+            told.map(|text| means::parse(&text).map_err(|error| CliError::Argument(format!("{MEANS}: {error}"))));
+        if let Some(means) = self.means.clone().map(Ok).or(told).transpose()? {
+            return Ok(Some(MeansRecord { means, probe: None }));
+        }
+        let begun = self.out.as_deref().filter(|_| self.resume).and_then(Journal::means_of);
+        if begun.is_some() {
+            return Ok(begun);
+        }
+        let probed = {
+            // Like everything that is timed, where times are taken.
+            let _turn = (clock == Clock::Timed && device.is_ok()).then(wait_for_turn);
+            means::probe(device)?
+        };
+        if let Some(MeansRecord { means, probe: Some(probe) }) = &probed {
+            progress.say(&format!(
+                "means: {means} (in the probe textures are {:.2} times as fast, {} rays a lane {:.2} times)",
+                probe.texture_gain(),
+                probe.many_rays,
+                probe.many_rays_gain()
+            ));
+        }
+        Ok(probed)
+    }
 }
 
 fn shard(text: &str) -> Result<[u32; 2], String> {
@@ -62,6 +109,7 @@ impl<'a> Work<'a> {
     pub(super) fn prepare(
         arguments: &'a WorkArguments,
         matter: impl Fn() -> Result<Matter, CliError>,
+        clock: Clock,
         progress: &Progress,
     ) -> Result<Self, CliError> {
         let checked = arguments.plan(matter()?, || false)?;
@@ -70,8 +118,8 @@ impl<'a> Work<'a> {
             needs_device(&checked.tracers),
             checked.tracers.iter().any(TracerRequest::must_have_device),
         )?;
-        let plan = arguments.plan(matter()?, || device.as_ref().is_ok_and(|gpu| !gpu.is_software()))?;
-        let bench = Bench::open(device, &arguments.output)?;
+        let mut plan = arguments.plan(matter()?, || device.as_ref().is_ok_and(|gpu| !gpu.is_software()))?;
+        let bench = Bench::open(device, &arguments.output, clock, &mut plan.tracers, progress)?;
         say_plan(&plan, bench.device.as_ref().ok().map(|gpu| gpu.listing.name.as_str()), progress);
         Ok(Self { plan, bench })
     }
@@ -79,7 +127,7 @@ impl<'a> Work<'a> {
     /// Runs the plan and writes everything.
     pub(super) fn measure(&self, verb: &str, progress: &Progress) -> Result<Run, CliError> {
         let plan = described(verb, std::slice::from_ref(&self.plan), Value::Null);
-        self.bench.measure(&plan, Clock::Timed, progress, |context| measure::execute(&self.plan, context))
+        self.bench.measure(&plan, progress, |context| measure::execute(&self.plan, context))
     }
 }
 
@@ -93,11 +141,20 @@ pub(super) fn described(verb: &str, plans: &[Plan], further: Value) -> Value {
 pub(super) struct Bench<'a> {
     pub(super) device: Device,
     pub(super) out: OutputFolder,
+    clock: Clock,
+    means: Option<MeansRecord>,
     arguments: &'a OutputArguments,
 }
 
 impl<'a> Bench<'a> {
-    pub(super) fn open(device: Device, arguments: &'a OutputArguments) -> Result<Self, CliError> {
+    /// Opens both, and gives requests their means.
+    pub(super) fn open(
+        device: Device,
+        arguments: &'a OutputArguments,
+        clock: Clock,
+        requests: &mut [TracerRequest],
+        progress: &Progress,
+    ) -> Result<Self, CliError> {
         let out = match &arguments.out {
             Some(path) if arguments.resume && !path.is_dir() => {
                 return Err(CliError::Other(format!("there is no run to go on with in {}: no folder", path.display())));
@@ -105,14 +162,23 @@ impl<'a> Bench<'a> {
             Some(path) => OutputFolder::open(path)?,
             None => OutputFolder::fresh()?,
         };
-        Ok(Self { device, out, arguments })
+        let means = arguments.means(&device, requests, clock, progress).inspect_err(|_| out.abandon())?;
+        let bench = Self { device, out, clock, means, arguments };
+        bench.give_means(requests);
+        Ok(bench)
+    }
+
+    /// Gives requests the means of all, where nothing is set.
+    pub(super) fn give_means(&self, requests: &mut [TracerRequest]) {
+        if let Some(MeansRecord { means, .. }) = &self.means {
+            requests.iter_mut().for_each(|request| request.take_means(means));
+        }
     }
 
     /// Measures by the plan of these words, keeps what ends, and writes the record with what derives from it.
     pub(super) fn measure(
         &self,
         plan: &Value,
-        clock: Clock,
         progress: &Progress,
         work: impl FnOnce(&Context<'_>) -> Result<Run, RunError>,
     ) -> Result<Run, CliError> {
@@ -122,14 +188,16 @@ impl<'a> Bench<'a> {
         });
         let machine = machine::this_machine(self.device.as_deref().ok());
         let words = json!({ "plan": plan, "shard": self.arguments.shard });
-        let begun = if self.arguments.resume { Journal::resume } else { Journal::begin };
-        let journal = begun(&self.out.path, &words, &machine)
-            .map_err(|error| CliError::Run(error.into()))
-            .inspect_err(|_| self.out.abandon())?;
+        let begun = match self.arguments.resume {
+            true => Journal::resume(&self.out.path, &words, &machine),
+            false => Journal::begin(&self.out.path, &words, &machine, self.means.as_ref()),
+        };
+        let journal = begun.map_err(|error| CliError::Run(error.into())).inspect_err(|_| self.out.abandon())?;
         // Held until the work is done.
-        let _turn = (clock == Clock::Timed).then(wait_for_turn);
+        let _turn = (self.clock == Clock::Timed).then(wait_for_turn);
         let cache = Cache::of_user();
-        let context = Context::new(&self.device, &cache, progress, &journal).of_shard(shard);
+        let context =
+            Context::new(&self.device, &cache, progress, &journal).of_shard(shard).with_means(self.means.clone());
         let run = work(&context).inspect_err(|error| {
             // Where nothing could run there is nothing to go on with.
             if matches!(error, RunError::Nothing(_)) {

@@ -12,6 +12,7 @@ use serde_json::Value;
 
 use crate::files::{self, FileError};
 use crate::machine::{self, Machine};
+use crate::results::MeansRecord;
 
 /// The folder below that of the results.
 const FOLDER: &str = "races";
@@ -80,6 +81,9 @@ struct Begun {
     /// Tells machines of one kind apart; empty where the system has none.
     machine_id: String,
     plan: Value,
+    /// How searches read and are launched where nothing is set: a run that is gone on with takes these, whatever a probe says by then.
+    #[serde(default)]
+    means: Option<MeansRecord>,
     started: String,
     resumed: Vec<String>,
 }
@@ -115,7 +119,12 @@ impl Journal {
     ///
     /// # Errors
     /// If a run that was broken off is there, or the plan cannot be written.
-    pub fn begin(results: &Path, plan: &Value, machine: &Machine) -> Result<Self, JournalError> {
+    pub fn begin(
+        results: &Path,
+        plan: &Value,
+        machine: &Machine,
+        means: Option<&MeansRecord>,
+    ) -> Result<Self, JournalError> {
         let folder = results.join(FOLDER);
         if folder.join(PLAN).exists() {
             return Err(JournalError::InTheWay { path: results.to_owned() });
@@ -124,7 +133,7 @@ impl Journal {
         let _ = fs::remove_dir_all(&folder);
         files::create_directory(&folder)?;
         let lock = lock(&folder, results)?;
-        let begun = Begun::now(plan, machine);
+        let begun = Begun { means: means.cloned(), ..Begun::now(plan, machine) };
         files::write(&folder.join(PLAN), &files::json(PLAN, &begun)?)?;
         let (started, plan_sha256) = (Some(begun.started), sha256_of(plan));
         Ok(Self { folder: Some(folder), started, plan_sha256, _lock: Some(lock), ..Self::default() })
@@ -168,6 +177,12 @@ impl Journal {
         let Begun { resumed, started, .. } = begun;
         let (kept, plan_sha256) = (RefCell::new(kept), sha256_of(plan));
         Ok(Self { folder: Some(folder), plan_sha256, _lock: Some(lock), resumed, started: Some(started), kept })
+    }
+
+    /// The means that the run in a folder of results was begun with; none where nothing tells them.
+    pub fn means_of(results: &Path) -> Option<MeansRecord> {
+        let text = fs::read(results.join(FOLDER).join(PLAN)).ok()?;
+        serde_json::from_slice::<Begun>(&text).ok()?.means
     }
 
     /// The error of a scene that is another one now.
@@ -235,6 +250,7 @@ impl Begun {
             machine: machine.clone(),
             machine_id: machine::machine_id(),
             plan: plan.clone(),
+            means: None,
             started: machine::utc_now(),
             resumed: Vec::new(),
         }

@@ -13,7 +13,7 @@ use super::{Contender, Crew, Journal, RunError, load, prepare, records};
 use crate::plan::{Plan, Shard, TracerRequest};
 use crate::progress::Progress;
 use crate::registry::Device;
-use crate::results::{Provenance, Run, SCHEMA, Skipped, TracerRun};
+use crate::results::{MeansRecord, Provenance, Run, SCHEMA, Skipped, TracerRun};
 use crate::truth::Cache;
 
 /// What everything is measured with.
@@ -28,6 +28,8 @@ pub struct Context<'a> {
     pub journal: &'a Journal,
     /// Which of the plan's places are measured; all without one.
     pub shard: Option<Shard>,
+    /// How searches read and are launched where nothing is set: what the requests have taken.
+    pub means: Option<MeansRecord>,
     pub(super) crew: RefCell<Crew>,
     kernels: OnceCell<Kernels>,
 }
@@ -35,13 +37,20 @@ pub struct Context<'a> {
 impl<'a> Context<'a> {
     /// Everything, and nothing is kept before all has ended.
     pub fn new(device: &'a Device, cache: &'a Cache, progress: &'a Progress, journal: &'a Journal) -> Self {
-        Self { device, cache, progress, journal, shard: None, crew: RefCell::default(), kernels: OnceCell::new() }
+        let (crew, kernels) = (RefCell::default(), OnceCell::new());
+        Self { device, cache, progress, journal, shard: None, means: None, crew, kernels }
     }
 
     /// A part of the places alone.
     #[must_use]
     pub fn of_shard(self, shard: Option<Shard>) -> Self {
         Self { shard, ..self }
+    }
+
+    /// With means that the requests have taken.
+    #[must_use]
+    pub fn with_means(self, means: Option<MeansRecord>) -> Self {
+        Self { means, ..self }
     }
 
     /// The fixed kernels, made for the first race that is timed.
@@ -183,6 +192,7 @@ pub(crate) fn empty<'r>(requests: impl IntoIterator<Item = &'r TracerRequest>, c
         started.clone_into(&mut provenance.started);
     }
     provenance.resumed = resumed.to_vec();
+    provenance.means.clone_from(&context.means);
     provenance.shard = context.shard.as_ref().map(Shard::record);
     Run {
         schema: SCHEMA,

@@ -127,6 +127,7 @@ pub(crate) fn provenance() -> Provenance {
         machine: machine(),
         commit: "0123456789abcdef0123456789abcdef01234567".to_owned(),
         dirty: Some(true),
+        means: None,
         started: "2031-05-06T07:08:09Z".to_owned(),
         rules_version: 1,
         resumed: Vec::new(),

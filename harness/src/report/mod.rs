@@ -13,6 +13,7 @@ pub(crate) mod fixture;
 pub(crate) mod format;
 pub(crate) mod group;
 pub(crate) mod markdown;
+pub(crate) mod means;
 pub(crate) mod metrics;
 pub(crate) mod peers;
 mod stability;

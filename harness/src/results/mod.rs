@@ -10,6 +10,7 @@ mod cases;
 mod explanation;
 mod judgement;
 mod key;
+mod means;
 mod merge;
 mod paired;
 mod provenance;
@@ -36,6 +37,7 @@ pub use judgement::{
     SurfaceJudgement, WrongRay,
 };
 pub use key::{same_place, same_pose, same_rays, same_work};
+pub use means::{AtMeans, MARGIN, Means, MeansRecord, ProbeRecord, RAYS_PER_LANE, READS, at_means};
 pub use merge::{MergeError, merge};
 pub use paired::{Answer, COVERAGE, Doubt, MOST_CHANGE, Paired, Pairing, Timed, of_rounds};
 pub use provenance::{ConvertedFrom, Provenance, RULES_VERSION, ShardRecord};

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use tracebench_api::Gpu;
 
+use super::MeansRecord;
 use crate::machine::{self, Machine};
 
 /// Version of the rules of measuring, RULES.md.
@@ -17,6 +18,9 @@ pub struct Provenance {
     pub commit: String,
     /// Whether the program was built from a changed tree; `None` if unknown.
     pub dirty: Option<bool>,
+    /// How searches on the device read and are launched where nothing is set; none where no tracer has the choice.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub means: Option<MeansRecord>,
     /// When it began, UTC, ISO 8601.
     pub started: String,
     /// Version of the rules that it was measured by ([`RULES_VERSION`]); 0 of records from before they were written down.
@@ -75,6 +79,7 @@ impl Provenance {
             machine: machine::this_machine(gpu),
             commit: machine::COMMIT.to_owned(),
             dirty: machine::dirty(),
+            means: None,
             started: machine::utc_now(),
             rules_version: RULES_VERSION,
             resumed: Vec::new(),

@@ -214,3 +214,49 @@ fn one_timed_process_a_machine() {
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success() && said.contains("waiting: another tracebench takes times"), "{said}");
 }
+
+/// Proves that a run which is gone on with reads and launches its searches as it began, whatever the adapter is told to be by then, and
+/// says so; that others are refused (the negative control); and that without any that are given a probe tells them, with its times.
+#[test]
+fn means_are_those_of_the_plan() {
+    let bench = Bench::new();
+    let run = |further: &[&'static str]| -> Vec<&'static str> {
+        let run = ["run", "--quiet", "--preset", "smoke", "--size", "16x8", "--samples", "1", "--scene", "room,candy"];
+        [&run[..], &["--tracer", "lbvh-gpu,bvh-cpu", "--rays", "diffuse,ao", "--out", "out"], further].concat()
+    };
+    // No probe gives these.
+    let mut begun = bench.command(&run(&["--means", "texture,4"]));
+    let mut child = begun.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let out = bench.path("out");
+    while races(&out).is_empty() && child.try_wait().unwrap().is_none() {
+        sleep(Duration::from_millis(2));
+    }
+    assert!(child.try_wait().unwrap().is_none(), "it ended before it was killed");
+    child.kill().unwrap();
+    child.wait().unwrap();
+    bench.fails(&run(&["--resume", "--means", "buffer,1"]), 1, &["another plan"]);
+    let without = |arguments: &[&str]| {
+        let mut command = bench.command(arguments);
+        command.env_remove("TRACEBENCH_MEANS").stdout(Stdio::null()).status().unwrap().success()
+    };
+    assert!(without(&run(&["--resume"])));
+    let found = bench.result("out");
+    let means_of = |row: &Value| {
+        (row["tracer"]["parameters"]["reads"].clone(), row["tracer"]["parameters"]["rays_per_lane"].clone())
+    };
+    let rows = found["runs"].as_array().unwrap();
+    for row in rows {
+        let is_host = row["tracer"]["name"] == "bvh-cpu";
+        assert_eq!(means_of(row), if is_host { (Value::Null, Value::Null) } else { (json!("texture"), json!(4)) });
+        assert_eq!(row["tracer"]["changed"], json!([]));
+    }
+    assert_eq!(found["means"], json!({ "reads": "texture", "rays_per_lane": 4 }));
+
+    let probed = ["run", "--quiet", "--preset", "smoke", "--size", "16x8", "--samples", "1", "--tracer", "lbvh-gpu"];
+    let probed = [&probed[..], &["--set", "lbvh-gpu.rays_per_lane=7", "--rays", "diffuse", "--out", "probed"]].concat();
+    assert!(without(&probed));
+    let found = bench.result("probed");
+    assert_eq!(found["means"]["probe"]["gather_buffer_ms"].as_array().unwrap().len(), 9);
+    // What is set stays.
+    assert_eq!(means_of(&found["runs"][0]), (found["means"]["reads"].clone(), json!(7)));
+}

@@ -15,6 +15,15 @@ pub fn rays_per_lane_parameter() -> Parameter<u32> {
     Parameter::integer(ParameterScope::Trace, 1..=256, 1, effect).unit("rays").sweep([1, 2, 4, 8, 16, 32, 64])
 }
 
+/// Rounds after which Mesa's software driver ends the loops of eight lanes together, in all.
+const MOST_ROUNDS: u64 = 65_535;
+
+/// Rays that a lane answers of those asked for, where a ray takes no more than so many rounds of loops: no more than every driver gets
+/// through, and one at least.
+pub fn rays_within_rounds(asked: u32, most_rounds_of_ray: u64) -> u32 {
+    u64::from(asked).min(MOST_ROUNDS / most_rounds_of_ray.max(1)).max(1) as u32
+}
+
 /// Records a dispatch that answers so many rays.
 pub fn dispatch_rays(
     encoder: &mut CommandEncoder,
@@ -24,4 +33,17 @@ pub fn dispatch_rays(
     rays_per_lane: u32,
 ) {
     dispatch_linear_groups(encoder, pipeline, bindings, ray_count.div_ceil(rays_per_lane), LANES_OF_WORKGROUP);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lanes take what is asked while all of their rays' rounds fit, then fewer, and one where not even one ray's do.
+    #[test]
+    fn lanes_take_what_drivers_get_through() {
+        let rays = [0, 100, 2047, 2048, 4096, 65_535, 65_536, u64::MAX].map(|rounds| rays_within_rounds(32, rounds));
+        assert_eq!(rays, [32, 32, 32, 31, 15, 1, 1, 1]);
+        assert_eq!(rays_within_rounds(1, 10), 1);
+    }
 }

@@ -12,6 +12,7 @@ mod fixed_work;
 mod gather;
 mod lanes;
 mod last_count;
+mod means_probe;
 mod nearest_raster;
 mod on_demand;
 mod prefix_sum;
@@ -35,8 +36,9 @@ pub use empty_target::EmptyTarget;
 pub use eye_depth::{EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
 pub use fixed_work::{FixedWork, FixedWorkPlan, fixed_task};
 pub use gather::{Gather, SurfaceGeometry};
-pub use lanes::{LANES_OF_WORKGROUP, dispatch_rays, rays_per_lane_parameter};
+pub use lanes::{LANES_OF_WORKGROUP, dispatch_rays, rays_per_lane_parameter, rays_within_rounds};
 pub use last_count::LastCount;
+pub use means_probe::{MANY_RAYS, ProbeTimes, probe_means};
 pub use nearest_raster::DEPTH_TEST_FORMAT;
 pub use on_demand::OnDemand;
 pub use prefix_sum::{PrefixSum, PrefixSumPlan};
@@ -51,6 +53,7 @@ pub use touched::TouchedBits;
 pub use view_uniform::ViewUniform;
 
 use gather::GatherSettings;
+use means_probe::ProbeSettings;
 use radix_sort::SortPass;
 use tracebench_api::SharedLayout;
 
@@ -62,5 +65,6 @@ pub fn layouts() -> Vec<SharedLayout> {
         }
         GatherSettings { ray_count, padding_a, padding_b, padding_c }
         SortPass { count, blocks, shift }
+        ProbeSettings { count, rays_per_lane, last_record, reads }
     }
 }

@@ -2,6 +2,7 @@
 
 use tracebench_api::ParameterScope::Trace;
 use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
+use tracebench_kit::{Reads, rays_per_lane_parameter, reads_parameter};
 
 use crate::structure::layouts;
 
@@ -52,6 +53,8 @@ parameters! {
             "where in its step a hit is placed: at the step's position (listing 1), or at the stored eye depth; rays that \
              fall on one pixel always at the stored depth",
         ),
+        reads: Reads = reads_parameter(),
+        rays_per_lane: u32 = rays_per_lane_parameter(),
     }
 }
 

@@ -4,21 +4,22 @@ use std::cell::RefCell;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, TextureView};
+use tracebench_api::wgpu::{
+    BindingResource, Buffer, BufferUsages, COPY_BYTES_PER_ROW_ALIGNMENT, CommandEncoder, TexelCopyBufferInfo,
+    TexelCopyBufferLayout, TextureView,
+};
 use tracebench_api::{
     Counter, EndPoint, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock,
     Projection, Sampling, SharedLayout, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_kit::{
     EyeDepthRaster, EyeDepthTarget, Gather, NO_SURFACE, PipelinesOnDemand, PrimitiveRaster, PrimitiveTexture,
-    RayCounts, SurfaceGeometry, TouchedBits, ViewUniform, bind_group_at, dispatch_linear, uniform_buffer,
+    RayCounts, ReadSlot, Readable, Reads, Room, SurfaceGeometry, TouchedBits, ViewUniform, bind_arrays, bind_group_at,
+    dispatch_rays, rays_within_rounds, uniform_buffer,
 };
 use tracebench_shaders::screen_dda::Trace;
 
 use crate::description::{DdaParameters, NO_REFIT};
-
-/// As `WORKGROUP_SIZE` in shaders/screen-dda/trace.wgsl.
-const WORKGROUP_SIZE: u32 = 64;
 
 /// `Settings` of shaders/screen-dda/trace.wgsl.
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -30,12 +31,14 @@ struct Settings {
     stride: f32,
     thickness: f32,
     start_bias: f32,
+    rays_per_lane: u32,
+    row_words: u32,
 }
 
 /// Layouts of all that shaders share with this crate.
 pub(crate) fn layouts() -> Vec<SharedLayout> {
     tracebench_api::layouts! {
-        Settings { ray_count, max_steps, hit_point, stride, thickness, start_bias }
+        Settings { ray_count, max_steps, hit_point, stride, thickness, start_bias, rays_per_lane, row_words }
     }
 }
 
@@ -46,7 +49,7 @@ struct Pipelines {
     /// The triangles at the view's pixels, for surfaces.
     primitives: PrimitiveRaster,
     gather: Gather,
-    traces: PipelinesOnDemand<Trace>,
+    trace: PipelinesOnDemand<Trace>,
 }
 
 /// The tracer.
@@ -64,7 +67,7 @@ impl ScreenDda {
             raster: EyeDepthRaster::new(&gpu)?,
             primitives: PrimitiveRaster::new(&gpu)?,
             gather: Gather::new(&gpu)?,
-            traces: PipelinesOnDemand::new("trace"),
+            trace: PipelinesOnDemand::new("trace"),
             gpu,
         };
         Ok(Self { pipelines: Arc::new(pipelines) })
@@ -76,6 +79,8 @@ struct ScreenDdaStructure {
     pipelines: Arc<Pipelines>,
     view: View,
     target: EyeDepthTarget,
+    /// The eye depths in a buffer, where the march reads one.
+    copy: Option<DepthCopy>,
     diagonal: f64,
     geometry: SurfaceGeometry,
     triangle_count: u32,
@@ -88,17 +93,20 @@ impl Tracer for ScreenDda {
         &self,
         geometry: &Geometry,
         viewpoint: &Viewpoint,
-        _parameters: &Parameters,
+        parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Box<dyn Structure>, TracerError> {
+        let DdaParameters { reads, .. } = DdaParameters::try_from(parameters)?;
         let view = viewpoint.frame_view();
         let target = EyeDepthTarget::new(&self.pipelines.gpu, view.size)?;
-        self.pipelines.rasterize(geometry, &view, &target, clock)?;
+        let copy = (reads == Reads::Buffer).then(|| DepthCopy::new(&self.pipelines.gpu, view.size)).transpose()?;
+        self.pipelines.rasterize(geometry, &view, &target, copy.as_ref(), clock)?;
         let pipelines = Arc::clone(&self.pipelines);
         Ok(Box::new(ScreenDdaStructure {
             pipelines,
             view,
             target,
+            copy,
             diagonal: geometry.diagonal(),
             geometry: SurfaceGeometry::of(geometry)?,
             triangle_count: geometry.triangles.len() as u32,
@@ -113,19 +121,54 @@ impl Pipelines {
         geometry: &Geometry,
         view: &View,
         target: &EyeDepthTarget,
+        copy: Option<&DepthCopy>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let bindings = self.raster.bind(&self.gpu, view, geometry.on_device()?)?;
         let triangle_count = geometry.triangles.len() as u32;
         clock.device_phase("rasterize depth buffer", |encoder| {
             self.raster.record(encoder, &bindings, triangle_count, target);
-        })
+        })?;
+        match copy {
+            Some(copy) => clock.device_phase("copy to a buffer", |encoder| copy.record(encoder, target)),
+            None => Ok(()),
+        }
     }
 }
+
+/// A copy of the eye depths in a buffer, row by row: reading the image itself is what `reads=texture` means here.
+struct DepthCopy {
+    room: Room,
+    array: Readable,
+    row_bytes: u32,
+}
+
+impl DepthCopy {
+    fn new(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<Self, TracerError> {
+        let row_bytes = (width * 4).next_multiple_of(COPY_BYTES_PER_ROW_ALIGNMENT);
+        let bytes = u64::from(row_bytes) * u64::from(height);
+        let room = Room::new(gpu, DEPTH_COPY, bytes, "--frame", None)?;
+        let array =
+            Readable::built(gpu, Reads::Buffer, ReadSlot::Words0, &room.buffer, bytes, DEPTH_COPY, None, "--frame")?;
+        Ok(Self { room, array, row_bytes })
+    }
+
+    fn record(&self, encoder: &mut CommandEncoder, target: &EyeDepthTarget) {
+        let texture = target.eye_depth.texture();
+        let layout = TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(self.row_bytes), rows_per_image: None };
+        let copy = TexelCopyBufferInfo { buffer: &self.room.buffer, layout };
+        encoder.copy_texture_to_buffer(texture.as_image_copy(), copy, texture.size());
+    }
+}
+
+const DEPTH_COPY: &str = "eye depths in a buffer";
 
 impl ScreenDdaStructure {
     fn settings(&self, job: &TraceJob<'_>) -> Result<Settings, TracerError> {
         let parameters = DdaParameters::try_from(job.parameters)?;
+        // A walk along the major axis, and the turn itself.
+        let longest = self.view.size.into_iter().max().unwrap_or(1).div_ceil(parameters.stride) + 3;
+        let most_rounds = u64::from(longest.min(parameters.max_steps) + 1);
         Ok(Settings {
             ray_count: job.rays.host.len() as u32,
             max_steps: parameters.max_steps,
@@ -133,6 +176,8 @@ impl ScreenDdaStructure {
             stride: parameters.stride as f32,
             thickness: (parameters.thickness * self.diagonal) as f32,
             start_bias: parameters.start_bias as f32,
+            rays_per_lane: rays_within_rounds(parameters.rays_per_lane, most_rounds),
+            row_words: self.copy.as_ref().map_or(0, |copy| copy.row_bytes / 4),
         })
     }
 
@@ -180,18 +225,21 @@ impl ScreenDdaStructure {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let gpu = &self.pipelines.gpu;
-        let variant = Trace { surfaces: surfaces.is_some(), counters: counting.is_some() };
-        let pipeline = &self.pipelines.traces.of(gpu, variant)?;
+        let (textures, surfaces_wanted) = (self.copy.is_none(), surfaces.is_some());
+        let variant = Trace { textures, surfaces: surfaces_wanted, counters: counting.is_some() };
+        let pipeline = self.pipelines.trace.of(gpu, variant)?;
         let view = uniform_buffer(gpu, "view", &ViewUniform::from(&self.view))?;
         let settings = self.settings(job)?;
         let settings_buffer = uniform_buffer(gpu, "settings", &settings)?;
         let mut resources = vec![
             (0, view.as_entire_binding()),
             (1, settings_buffer.as_entire_binding()),
-            (2, BindingResource::TextureView(&self.target.eye_depth)),
             (3, job.rays.on_device()?.as_entire_binding()),
             (4, hits.on_device(job.rays.host.len())?.as_entire_binding()),
         ];
+        if textures {
+            resources.push((2, BindingResource::TextureView(&self.target.eye_depth)));
+        }
         if let Some([counts, touched]) = counting {
             resources.extend([(5, counts.as_entire_binding()), (6, touched.as_entire_binding())]);
         }
@@ -199,8 +247,10 @@ impl ScreenDdaStructure {
             resources.extend([(7, BindingResource::TextureView(primitives)), (8, seen.as_entire_binding())]);
         }
         let bindings = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &resources);
+        let arrays = self.copy.as_ref().map(|copy| bind_arrays(gpu, &pipeline, std::slice::from_ref(&copy.array)));
+        let bindings: Vec<_> = std::iter::once(&bindings).chain(&arrays).collect();
         clock.device_phase("march", |encoder| {
-            dispatch_linear(encoder, pipeline, &bindings, settings.ray_count, WORKGROUP_SIZE);
+            dispatch_rays(encoder, &pipeline, &bindings, settings.ray_count, settings.rays_per_lane);
         })
     }
 }
@@ -230,11 +280,13 @@ impl Structure for ScreenDdaStructure {
                 let surfaces = SurfaceGeometry::of(geometry)?;
                 // A frame of the same size is drawn into the textures that are there.
                 if view.size == self.view.size {
-                    self.pipelines.rasterize(geometry, &view, &self.target, clock)?;
+                    self.pipelines.rasterize(geometry, &view, &self.target, self.copy.as_ref(), clock)?;
                 } else {
-                    let target = EyeDepthTarget::new(&self.pipelines.gpu, view.size)?;
-                    self.pipelines.rasterize(geometry, &view, &target, clock)?;
-                    self.target = target;
+                    let gpu = &self.pipelines.gpu;
+                    let target = EyeDepthTarget::new(gpu, view.size)?;
+                    let copy = self.copy.as_ref().map(|_| DepthCopy::new(gpu, view.size)).transpose()?;
+                    self.pipelines.rasterize(geometry, &view, &target, copy.as_ref(), clock)?;
+                    (self.target, self.copy) = (target, copy);
                 }
                 (self.view, self.diagonal) = (view, geometry.diagonal());
                 (self.geometry, self.triangle_count) = (surfaces, geometry.triangles.len() as u32);
@@ -266,6 +318,9 @@ impl Structure for ScreenDdaStructure {
     fn memory(&self) -> MemoryReport {
         let mut ledger = Ledger::new();
         self.target.enter(&mut ledger);
+        if let Some(copy) = &self.copy {
+            copy.room.enter(&mut ledger);
+        }
         // The view's uniforms, while the depth buffer is drawn.
         ledger.borrow_transient(size_of::<ViewUniform>() as u64);
         ledger.report(0).with_surface_geometry(self.geometry.bytes)
