@@ -11,7 +11,7 @@ use super::output::print;
 use super::work::{needs_device, wait_for_turn};
 use super::{CliError, names, open_device};
 use crate::measure::{Context, Journal};
-use crate::plan::{Plan, RUN_PRESETS, RunPreset, TracerRequest};
+use crate::plan::{Plan, RUN_PRESETS, RunPreset, SAMPLING, TracerRequest};
 use crate::progress::Progress;
 use crate::results::Sampling;
 use crate::studies::clock::{self, ClockTrial};
@@ -28,7 +28,7 @@ pub(super) struct ClockArguments {
     /// Ray set: a name from `list rays`.
     #[arg(long, default_value = "primary")]
     rays: String,
-    /// Sets rays, resolutions and scene scale.
+    /// Sets rays, resolutions and scene scale, not how long is sampled.
     #[arg(long, default_value = "quick", value_parser = RUN_PRESETS.map(|preset| preset.name))]
     preset: String,
     /// Races, each of two that are the same and one that is slower.
@@ -80,7 +80,7 @@ pub(super) fn clock(arguments: &ClockArguments, progress: &Progress) -> Result<(
         ray_sets,
         ray_parameters: names::ray_values(&arguments.common.settings)?,
         preset: RunPreset {
-            sampling: arguments.samples.map_or(preset.sampling, Sampling::rounds),
+            sampling: arguments.samples.map_or(SAMPLING, Sampling::rounds),
             scene_scale: arguments.common.scale.unwrap_or(preset.scene_scale),
             ..preset
         },
