@@ -12,13 +12,14 @@ use tracebench_api::EndPoint;
 use tracebench_harness::papers::{Experiment, PAPERS, Part, paper};
 use tracebench_harness::plan::{Plan, RunPreset, SceneSource, ViewRequest};
 use tracebench_harness::rays::{RAY_SETS, default_parameters, ray_parameters};
+use tracebench_harness::results::Sampling;
 
 /// The scene.
 const SCENE: &str = "room";
 /// Part of the run preset's triangles that the scene has: on a software adapter a draw takes as long as its triangles do.
 const SCALE: f64 = 0.125;
 /// Samples of every time in the harness's own measurement, at most.
-const MOST_SAMPLES: usize = 3;
+const MOST_SAMPLES: u32 = 3;
 /// Rays of sets that start several from a pixel.
 const RAYS_A_PIXEL: &str = "2";
 
@@ -54,7 +55,7 @@ fn plans(part: &Part, experiment: &Experiment, preset: RunPreset) -> Result<Vec<
             ray_image: preset.ray_image.map(half),
             frame: preset.frame.map(half),
             face: half(preset.face),
-            samples: preset.samples.min(MOST_SAMPLES),
+            sampling: Sampling::rounds(preset.sampling.least_rounds.min(MOST_SAMPLES)),
             scene_scale: preset.scene_scale * SCALE,
             ..preset
         },

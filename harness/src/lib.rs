@@ -14,6 +14,7 @@ pub mod peers;
 pub mod picture;
 pub mod plan;
 pub mod progress;
+pub mod quotes;
 pub mod rays;
 pub mod registry;
 pub mod report;

@@ -86,7 +86,7 @@ pub fn draw(
         return Err(RunError::Nothing("there are no primary rays".to_owned()).into());
     };
     let mut buffer = session.hit_buffer(&contender, rays).map_err(failed)?;
-    session.sample_trace(&contender, rays, &mut buffer).map_err(failed)?;
+    session.sample_trace(&contender, rays, &mut buffer, 1).map_err(failed)?;
     let hits = buffer.read(session.gpu()).map_err(failed)?;
     // The judge refuses answers that are none; pictures must not show them either.
     session.judge(&contender, rays, &hits).map_err(RunError::from)?;

@@ -1,9 +1,7 @@
-//! Medians, order-statistic intervals, signed-rank intervals, trends and Wilson intervals.
+//! Medians, order-statistic intervals, trends and Wilson intervals.
 
-mod signed_rank;
 mod trend;
 
-pub use signed_rank::{Middle, ends, middle};
 pub use trend::{Trend, trend};
 
 /// Standard normal quantile of a two-sided 95 % interval.
@@ -45,11 +43,14 @@ pub fn median_interval_of(samples: &[f64], wanted_coverage: f64) -> ([f64; 2], f
     if count == 0 {
         return ([0.0, 0.0], 0.0);
     }
+    // P(Binomial(n, 1/2) = k), k after k, by logarithms so that large n do not overflow.
+    let mut logarithm = -(count as f64) * std::f64::consts::LN_2;
     let mut chosen = 1;
-    let mut tail = binomial_half(count, 0);
+    let mut tail = logarithm.exp();
     let mut coverage = 1.0 - 2.0 * tail;
     while 2 * (chosen + 1) <= count {
-        tail += binomial_half(count, chosen);
+        logarithm += ((count + 1 - chosen) as f64 / chosen as f64).ln();
+        tail += logarithm.exp();
         if 1.0 - 2.0 * tail < wanted_coverage {
             break;
         }
@@ -57,12 +58,6 @@ pub fn median_interval_of(samples: &[f64], wanted_coverage: f64) -> ([f64; 2], f
         chosen += 1;
     }
     ([sorted[chosen - 1], sorted[count - chosen]], coverage.max(0.0))
-}
-
-/// P(Binomial(n, 1/2) = k), by logarithms so that large n do not overflow.
-fn binomial_half(n: usize, k: usize) -> f64 {
-    let choose: f64 = (0..k).map(|i| ((n - i) as f64 / (i + 1) as f64).ln()).sum();
-    (choose - n as f64 * std::f64::consts::LN_2).exp()
 }
 
 /// The 95 % Wilson score interval of a share; `None` for no trials.

@@ -22,6 +22,8 @@ pub enum Manner {
     Unsound,
     /// Says of its structure what is no number.
     Numberless,
+    /// Takes its time for a buffer without answers, and none for one that has some; misses every ray.
+    Lazy,
 }
 
 /// A host tracer that never hits, in a manner of its own.
@@ -61,6 +63,9 @@ impl Structure for FakeStructure {
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
         let hits = hits.host_mut(job.rays.host.len())?;
         clock.host_phase("answer", || {
+            if self.manner == Manner::Lazy && hits.iter().all(|hit| hit.status != Status::Miss as u32) {
+                std::thread::sleep(std::time::Duration::from_millis(8));
+            }
             if self.manner != Manner::Idle || self.traced.get() == 0 {
                 hits.fill(Hit::miss(Status::Miss));
             }

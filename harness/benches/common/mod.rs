@@ -13,8 +13,12 @@ use tracebench_harness::measure::{Contender, Context, Crew, Journal};
 use tracebench_harness::plan::{Plan, RunPreset, TracerRequest};
 use tracebench_harness::progress::Progress;
 use tracebench_harness::registry::Device;
+use tracebench_harness::results::Sampling;
 use tracebench_harness::truth::Cache;
 use tracebench_harness::{measure, report, tables};
+
+/// Rounds of the harness's own measurement, at most: too few for verdicts, which are no bench's.
+const MOST_ROUNDS: u32 = 9;
 
 pub type Failure = Box<dyn std::error::Error>;
 
@@ -31,7 +35,9 @@ pub fn run(name: &str, plans: impl Fn(RunPreset) -> Result<Vec<Plan>, Failure>) 
         Ok(name) => RunPreset::named(&name).ok_or_else(|| format!("TRACEBENCH_PRESET: there is no preset '{name}'"))?,
         Err(_) => RunPreset::for_adapter(device.as_ref().is_ok_and(|gpu| !gpu.is_software())),
     };
-    let plans = plans(preset)?;
+    // Criterion samples, too: what runs at every push does not wait for narrow intervals.
+    let sampling = Sampling::rounds(preset.sampling.least_rounds.min(MOST_ROUNDS));
+    let plans = plans(RunPreset { sampling, ..preset })?;
     // A smoke run only shows that things work.
     let (warm_up_ms, measurement_ms) = if preset.name == "smoke" { (20, 100) } else { (200, 800) };
     let mut criterion = Criterion::default()
@@ -136,7 +142,8 @@ fn sample_traces(
             let mut hits = session.hit_buffer(contender, rays)?;
             group.bench_function(BenchmarkId::from_parameter(label), |bencher| {
                 bencher.iter_custom(|iterations| {
-                    let mut trace = || session.sample_trace(contender, rays, &mut hits).expect("it was traced before");
+                    let mut trace =
+                        || session.sample_trace(contender, rays, &mut hits, 1).expect("it was traced before");
                     (0..iterations).map(|_| duration(black_box(trace()))).sum()
                 });
             });

@@ -11,8 +11,11 @@ use super::work::OutputArguments;
 use super::{CliError, names};
 use crate::peers::Subject;
 use crate::picture::What;
-use crate::plan::{LARGEST_EDGE, LARGEST_FACE, Plan, RUN_PRESETS, RunPreset, SceneSource, TracerRequest, ViewRequest};
+use crate::plan::{
+    LARGEST_EDGE, LARGEST_FACE, Plan, RUN_PRESETS, RunPreset, SAMPLING, SceneSource, TracerRequest, ViewRequest,
+};
 use crate::rays::{MOST_RAYS, RaySet};
+use crate::results::{Further, Sampling};
 use crate::tables::Table;
 use crate::viewpoint::Pose;
 
@@ -49,11 +52,17 @@ pub(super) struct TableArguments {
     /// Frames of the animation, for a table over animations; 8 if not given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_FRAMES))]
     pub frames: Option<u32>,
+    /// Of a paper's table the rows alone of this tracer that have one of these values, and all of other tracers. May be repeated.
+    #[arg(long, value_name = "T.P=V,V")]
+    pub only: Vec<String>,
+    /// Measures nothing: tells how long the table would take, by the rows of a run that have the same parameters; a file or the folder
+    /// that holds it.
+    #[arg(long, value_name = "RUN", conflicts_with_all = ["from", "resume", "shard", "out"])]
+    pub estimate: Option<PathBuf>,
     /// Measures nothing: makes the table of what was measured before, a file or the folder that holds it.
     #[arg(long, value_name = "RUN", conflicts_with_all = [
         "scene", "rays", "frames", "size", "frame", "face", "view", "time", "scale", "settings", "adapter", "limits",
-        "preset",
-        "samples", "seed", "resume", "shard",
+        "preset", "samples", "interval", "time_limit", "seed", "resume", "shard", "only",
     ])]
     pub from: Option<PathBuf>,
     #[command(flatten)]
@@ -77,9 +86,18 @@ pub(super) struct WorkArguments {
     /// Sets rays, resolutions, samples and scene scale: smoke, quick (default without a GPU) or paper (default on one).
     #[arg(long, value_parser = RUN_PRESETS.map(|preset| preset.name))]
     pub preset: Option<String>,
-    /// Counted samples of every time.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    /// Counted samples of every time, so many whatever comes of them. With fewer than 12 no verdict rests on times.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000),
+          conflicts_with_all = ["interval", "time_limit"])]
     pub samples: Option<u32>,
+    /// Sample in whole rounds, at least 12, until every two tracers' ratio is known within so many percent; 15 if not given, but
+    /// with --preset smoke.
+    #[arg(long, value_name = "PERCENT", value_parser = interval)]
+    pub interval: Option<f64>,
+    /// The longest that a race (the builds, or one ray set, from one viewpoint) goes on for that, seconds; 20 if not given, but with
+    /// --preset smoke.
+    #[arg(long, value_name = "SECONDS", value_parser = time_limit)]
+    pub time_limit: Option<f64>,
     /// Seed of the ray sets.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -156,6 +174,16 @@ pub(super) struct PictureArguments {
     pub out: PathBuf,
 }
 
+fn interval(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|percent: &f64| (0.1..=1000.0).contains(percent));
+    found.ok_or_else(|| "a number of percent from 0.1 to 1000".to_owned())
+}
+
+fn time_limit(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|seconds: &f64| (0.0..=86_400.0).contains(seconds));
+    found.ok_or_else(|| "a number of seconds from 0 to 86400".to_owned())
+}
+
 fn scale(text: &str) -> Result<f64, String> {
     let known = SCALE_MIN..=SCALE_MAX;
     let found = text.parse().ok().filter(|scale: &f64| known.contains(scale));
@@ -226,7 +254,11 @@ impl TableArguments {
         };
         let tracers = match table {
             Table::Peers(peers) => names::peers(peers, settings)?,
-            Table::Paper(_, experiment) => names::steps(experiment, settings)?.concat(),
+            Table::Paper(_, experiment) => {
+                let mut steps = names::steps(experiment, settings)?;
+                names::only(&mut steps, &self.only)?;
+                steps.concat()
+            }
         };
         let ray_sets = match self.rays.as_deref().unwrap_or(table.rays()) {
             "" => Vec::new(),
@@ -237,6 +269,22 @@ impl TableArguments {
 }
 
 impl WorkArguments {
+    /// How long times are sampled, in place of the preset's.
+    fn sampling(&self, preset: Sampling) -> Sampling {
+        match (self.samples, SAMPLING.further) {
+            (Some(samples), _) => Sampling::rounds(samples),
+            (None, Some(further)) if self.interval.is_some() || self.time_limit.is_some() => {
+                let Further { interval_share, time_limit_s } = preset.further.unwrap_or(further);
+                let further = Further {
+                    interval_share: self.interval.map_or(interval_share, |percent| percent / 100.0),
+                    time_limit_s: self.time_limit.unwrap_or(time_limit_s),
+                };
+                Sampling { least_rounds: SAMPLING.least_rounds, further: Some(further) }
+            }
+            _ => preset,
+        }
+    }
+
     /// The plan, but for the preset, which waits for the adapter if it is not given.
     pub(super) fn plan(&self, matter: Matter, hardware: impl FnOnce() -> bool) -> Result<Plan, CliError> {
         let Matter { scenes, tracers, ray_sets, table } = matter;
@@ -249,7 +297,7 @@ impl WorkArguments {
             ray_image: self.size.unwrap_or(preset.ray_image),
             frame: self.frame.unwrap_or(preset.frame),
             face: self.face.unwrap_or(preset.face),
-            samples: self.samples.map_or(preset.samples, |samples| samples as usize),
+            sampling: self.sampling(preset.sampling),
             scene_scale: self.common.scale.unwrap_or(preset.scene_scale),
             ..preset
         };

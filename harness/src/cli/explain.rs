@@ -63,8 +63,8 @@ pub(super) fn explain(arguments: &ExplainArguments, progress: &Progress) -> Resu
             known.join(", ")
         )));
     }
-    if arguments.work.samples.is_some() {
-        return Err(CliError::Argument("--samples: explain takes no times".to_owned()));
+    if arguments.work.samples.is_some() || arguments.work.interval.is_some() || arguments.work.time_limit.is_some() {
+        return Err(CliError::Argument("--samples, --interval, --time-limit: explain takes no times".to_owned()));
     }
     let work = Work::prepare(&arguments.work, || arguments.matter(), progress)?;
     let plan = described("explain", std::slice::from_ref(&work.plan), Value::Null);

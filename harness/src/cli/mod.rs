@@ -1,11 +1,13 @@
 //! The command line: `tracebench adapters | list | run | sweep | table | claims | compare | merge | report | picture | stability |
-//! explain | tune`.
+//! explain | tune | clock | docs`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
 
 mod arguments;
 mod claims;
+mod clock;
 mod compare;
+mod docs;
 mod explain;
 mod list;
 mod merge;
@@ -71,6 +73,10 @@ enum Verb {
     Explain(explain::ExplainArguments),
     /// Show what the choice of a parameter costs: its default beside the values that are best here and elsewhere.
     Tune(tune::TuneArguments),
+    /// Try the clock of this machine: race a tracer against itself, and against itself with more to do, and count what is said.
+    Clock(clock::ClockArguments),
+    /// Hold the numbers that README.md and docs/ quote of records against these, or write them there.
+    Docs(docs::DocsArguments),
 }
 
 /// What ends the program early.
@@ -133,6 +139,8 @@ pub fn main() -> ExitCode {
         Verb::Stability(arguments) => stability::stability(arguments, &progress),
         Verb::Explain(arguments) => explain::explain(arguments, &progress),
         Verb::Tune(arguments) => tune::tune(arguments, &progress),
+        Verb::Clock(arguments) => clock::clock(arguments, &progress),
+        Verb::Docs(arguments) => docs::docs(arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -152,6 +152,31 @@ pub(super) fn steps(experiment: &Experiment, settings: &[String]) -> Result<Vec<
     Ok(steps)
 }
 
+/// Of an experiment's steps the rows alone that every `--only T.P=V,V` leaves: those of other tracers, and of T those that have one
+/// of the values.
+pub(super) fn only(steps: &mut [Vec<TracerRequest>], wanted: &[String]) -> Result<(), CliError> {
+    for each in wanted {
+        let (tracer, parameter, values) = split(each)?;
+        let own = || steps.iter().flatten().filter(|request| request.name() == tracer);
+        let known: Vec<String> =
+            own().filter_map(|request| Some(request.parameters.value(parameter)?.to_string())).collect();
+        let lost = values.split(',').find(|value| !known.iter().any(|known| known == value));
+        if let Some(value) = lost {
+            let mut known = known;
+            known.sort();
+            known.dedup();
+            let known = if known.is_empty() { "no row has that".to_owned() } else { known.join(", ") };
+            return Err(CliError::Argument(format!("--only {each}: no row has {value}; there are: {known}")));
+        }
+        let stays = |request: &TracerRequest| {
+            let own = request.parameters.value(parameter).map(ToString::to_string).unwrap_or_default();
+            request.name() != tracer || values.split(',').any(|value| value == own)
+        };
+        steps.iter_mut().for_each(|step| step.retain(stays));
+    }
+    Ok(())
+}
+
 /// A table by name.
 pub(super) fn table(name: &str) -> Result<Table, CliError> {
     let known: Vec<&str> = Table::all().map(Table::name).collect();

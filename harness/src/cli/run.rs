@@ -13,6 +13,7 @@ use crate::picture;
 use crate::plan::{Plan, RunPreset, TracerRequest};
 use crate::progress::Progress;
 use crate::rays::RAY_SETS;
+use crate::results::Sampling;
 use crate::{report as reports, tables};
 
 #[derive(Args)]
@@ -55,7 +56,7 @@ pub(super) fn picture(arguments: &PictureArguments, progress: &Progress) -> Resu
         preset: RunPreset {
             ray_image: arguments.size,
             frame: arguments.size,
-            samples: 1,
+            sampling: Sampling::rounds(1),
             scene_scale: arguments.common.scale.unwrap_or(quick.scene_scale),
             ..quick
         },

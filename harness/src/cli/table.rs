@@ -10,7 +10,8 @@ use super::run::folder_of;
 use super::work::{Clock, OutputFolder, Work, described};
 use super::{CliError, names};
 use crate::measure::{self, Context};
-use crate::papers::Experiment;
+use crate::papers::{self, Experiment};
+use crate::plan::Plan;
 use crate::progress::Progress;
 use crate::report;
 use crate::studies::updates::{self, DEFAULT_FRAMES};
@@ -24,6 +25,12 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
     }
     if moving && arguments.work.common.time != 0.0 {
         return Err(CliError::Argument(format!("--time: table {} is over whole animations", table.name())));
+    }
+    if let (Table::Peers(_), true) = (table, !arguments.only.is_empty() || arguments.estimate.is_some()) {
+        return Err(CliError::Argument(format!("--only, --estimate: table {} is no paper's", table.name())));
+    }
+    if let (Table::Paper(_, experiment), Some(path)) = (table, &arguments.estimate) {
+        return estimate(table, experiment, arguments, path);
     }
     if let Some(path) = &arguments.from {
         return again(table, path, arguments.work.output.out.as_deref());
@@ -51,16 +58,37 @@ fn measure(
     work: &mut Work<'_>,
     progress: &Progress,
 ) -> Result<(), CliError> {
-    let settings = &arguments.work.common.settings;
-    let own = experiment.settings.iter().map(|setting| (*setting).to_owned());
-    // What the user says comes later and counts.
-    work.plan.ray_parameters = names::ray_values(&own.chain(settings.iter().cloned()).collect::<Vec<_>>())?;
-    let steps = names::steps(experiment, settings)?;
-    let plans = experiment.plans(&work.plan, &steps).map_err(|error| CliError::Argument(error.to_string()));
-    let plans = plans.inspect_err(|_| work.bench.out.abandon())?;
+    let plans = plans(experiment, arguments, &mut work.plan).inspect_err(|_| work.bench.out.abandon())?;
     let words = described("table", &plans, Value::Null);
     work.bench.measure(&words, Clock::Timed, progress, |context| measure::execute_all(&plans, context))?;
     Ok(())
+}
+
+/// What an experiment runs over a base plan.
+fn plans(experiment: &'static Experiment, arguments: &TableArguments, base: &mut Plan) -> Result<Vec<Plan>, CliError> {
+    let settings = &arguments.work.common.settings;
+    let own = experiment.settings.iter().map(|setting| (*setting).to_owned());
+    // What the user says comes later and counts.
+    base.ray_parameters = names::ray_values(&own.chain(settings.iter().cloned()).collect::<Vec<_>>())?;
+    let mut steps = names::steps(experiment, settings)?;
+    names::only(&mut steps, &arguments.only)?;
+    let plans = experiment.plans(base, &steps).map_err(|error| CliError::Argument(error.to_string()))?;
+    Ok(plans.into_iter().filter(|plan| !plan.tracers.is_empty()).collect())
+}
+
+/// Tells how long a table would take.
+fn estimate(
+    table: Table,
+    experiment: &'static Experiment,
+    arguments: &TableArguments,
+    path: &Path,
+) -> Result<(), CliError> {
+    let run = report::read_run(path)?;
+    // On an adapter of the kind that the run had.
+    let hardware = run.provenance.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind != "software");
+    let mut base = arguments.work.plan(arguments.matter(table)?, || hardware)?;
+    let plans = plans(experiment, arguments, &mut base)?;
+    print(&format!("{}\n", papers::Duration::of(&plans, &run).words(table.name())))
 }
 
 /// Makes the table of what was measured before.

@@ -85,8 +85,10 @@ pub(super) fn tune(arguments: &TuneArguments, progress: &Progress) -> Result<(),
     // Arguments are checked before any device or file is touched.
     let request = arguments.request()?;
     let (axis, rule) = (arguments.axis(&request)?, arguments.rule()?);
-    if arguments.work.samples.is_some() {
-        return Err(CliError::Argument("--samples: tune takes no times; `sweep` does".to_owned()));
+    if arguments.work.samples.is_some() || arguments.work.interval.is_some() || arguments.work.time_limit.is_some() {
+        return Err(CliError::Argument(
+            "--samples, --interval, --time-limit: tune takes no times; `sweep` does".to_owned(),
+        ));
     }
     let work = Work::prepare(&arguments.work, || arguments.matter(), progress)?;
     let words = json!({ "axis": axis, "rule": rule });

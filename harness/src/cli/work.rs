@@ -158,7 +158,7 @@ impl<'a> Bench<'a> {
 const LOCK: &str = "TRACEBENCH_LOCK";
 
 /// Waits until no other process takes times here: two at once would measure one another.
-fn wait_for_turn() -> Option<File> {
+pub(super) fn wait_for_turn() -> Option<File> {
     let path = match std::env::var_os(LOCK) {
         Some(path) if path.is_empty() => return None,
         Some(path) => PathBuf::from(path),
@@ -238,13 +238,14 @@ impl OutputFolder {
 }
 
 fn say_plan(plan: &Plan, adapter: Option<&str>, progress: &Progress) {
-    let RunPreset { name, ray_image, frame, face, samples, .. } = plan.preset;
+    let RunPreset { name, ray_image, frame, face, sampling, .. } = plan.preset;
     progress.say(&format!(
-        "preset {name}: rays from {}x{} pixels, frame {}x{}, faces {face}, {samples} samples; adapter: {}",
+        "preset {name}: rays from {}x{} pixels, frame {}x{}, faces {face}, {}; adapter: {}",
         ray_image[0],
         ray_image[1],
         frame[0],
         frame[1],
+        sampling.words(),
         adapter.unwrap_or("none")
     ));
 }

@@ -264,7 +264,7 @@ fn doubt(a: (&Run, &Times), b: (&Run, &Times)) -> Option<Doubt> {
     let kernels = |place: usize| races[place].iter().flat_map(|race| &race.kernels).collect::<Vec<_>>();
     let changed = kernels(0).iter().any(|kernel| {
         let others = kernels(1);
-        let mut same = others.iter().filter(|other| (other.clock, other.steps) == (kernel.clock, kernel.steps));
+        let mut same = others.iter().filter(|other| (other.clock, other.tasks) == (kernel.clock, kernel.tasks));
         same.any(|other| {
             let change = median(&kernel.samples_ms) / median(&other.samples_ms);
             change.max(1.0 / change) > 1.0 + MOST_CHANGE

@@ -1,4 +1,5 @@
-//! The controls that bracket every scale: one that knows the truth, one that always misses, one that always hits.
+//! The controls that bracket every scale: one that knows the truth, one that always misses, one that always hits, and one that is
+//! wrong in a known share, which the judge must find to be just that.
 
 use std::sync::Arc;
 
@@ -20,6 +21,22 @@ pub enum Control {
     AlwaysMiss,
     /// Always hits.
     AlwaysHit,
+    /// Answers the truth, but for a known share.
+    Corrupted,
+}
+
+/// Of so many rays that truly hit the corrupted control misses one, and of so many that truly miss it hits with one.
+const CORRUPTED_ONE_OF: u64 = 8;
+
+/// Which rays the corrupted control answers wrongly: the first of every eight that hit and are no tie, and of every eight that miss.
+pub fn corrupted(answers: &[Answer]) -> Vec<bool> {
+    let mut seen = [0_u64; 2];
+    let wrong = |answer: &Answer| {
+        let seen = &mut seen[usize::from(answer.hit.is_some())];
+        *seen += u64::from(!answer.tie);
+        !answer.tie && *seen % CORRUPTED_ONE_OF == 1
+    };
+    answers.iter().map(wrong).collect()
 }
 
 /// A ray set with its truth: what the oracle answers from.
@@ -27,7 +44,12 @@ pub type KnownAnswers = Vec<(Arc<Vec<Ray>>, Arc<Vec<Answer>>)>;
 
 impl Control {
     /// Every control.
-    pub const ALL: [Control; 3] = [Self::Oracle, Self::AlwaysMiss, Self::AlwaysHit];
+    pub const ALL: [Control; 4] = [Self::Oracle, Self::AlwaysMiss, Self::AlwaysHit, Self::Corrupted];
+
+    /// The names of all.
+    pub fn names() -> Vec<String> {
+        Self::ALL.iter().map(|control| control.description().name.to_owned()).collect()
+    }
 
     /// What it is.
     pub fn description(self) -> Description {
@@ -35,6 +57,7 @@ impl Control {
             Self::Oracle => ("oracle", "answers the ground truth: must score 1"),
             Self::AlwaysMiss => ("always-miss", "never hits: scores the share of rays that miss"),
             Self::AlwaysHit => ("always-hit", "always hits, half the scene's diagonal away"),
+            Self::Corrupted => ("corrupted", "answers the truth but for one ray of eight: must score just that"),
         };
         Description {
             name,
@@ -42,12 +65,27 @@ impl Control {
             summary,
             residency: Residency::Host,
             invalidated_by: &[],
-            names_primitives: self == Self::Oracle,
+            names_primitives: self.knows(),
             ends: &EndPoint::ALL,
             queries: &Query::ALL,
             no_refit: None,
             parameters: Vec::new(),
             layouts: Vec::new(),
+        }
+    }
+
+    /// Whether it answers from the truth.
+    fn knows(self) -> bool {
+        matches!(self, Self::Oracle | Self::Corrupted)
+    }
+
+    /// Of so many rays that hit, and so many that miss, how many it answers wrongly.
+    fn wrong(self, occluded: u64, free: u64) -> [u64; 2] {
+        match self {
+            Self::Oracle => [0, 0],
+            Self::AlwaysMiss => [occluded, 0],
+            Self::AlwaysHit => [0, free],
+            Self::Corrupted => [occluded, free].map(|rays| rays.div_ceil(CORRUPTED_ONE_OF)),
         }
     }
 
@@ -79,11 +117,12 @@ impl Control {
     /// What the control scored wrongly; the run is void then.
     pub fn check_surfaces(self, judgement: &SurfaceJudgement, occluded: u64, free: u64) -> Result<(), String> {
         let SurfaceJudgement { judged, lost, agreement, material, normal, position, .. } = judgement;
-        let all_right = (occluded > 0).then_some(1.0);
+        let [missed, invented] = self.wrong(occluded, free);
+        let all_right = (occluded > missed).then_some(1.0);
         let passed = match self {
-            Self::Oracle => {
-                *judged == occluded
-                    && *lost == 0
+            Self::Oracle | Self::Corrupted => {
+                *judged == occluded - missed
+                    && *lost == invented
                     && [*agreement, *material, *position] == [all_right; 3]
                     && normal.is_none_or(|share| share == 1.0)
             }
@@ -99,42 +138,29 @@ impl Control {
 
     fn passes_closest(self, judgement: &ClosestJudgement, occluded: u64, free: u64) -> bool {
         let share = |right: u64| (occluded + free > 0).then(|| right as f64 / (occluded + free) as f64);
+        let [missed, invented] = self.wrong(occluded, free);
         let agreement = &judgement.agreement;
         [&judgement.classes.tight, &judgement.classes.footprint].into_iter().all(|classes| {
             let Classes { true_hit, true_miss, false_hit, false_miss, early, late } = *classes;
-            match self {
-                Self::Oracle => true_hit == occluded && true_miss == free && false_hit + false_miss + early + late == 0,
-                Self::AlwaysMiss => {
-                    true_miss == free && false_miss == occluded && true_hit + false_hit + early + late == 0
-                }
-                Self::AlwaysHit => {
-                    false_hit == free && true_hit + early + late == occluded && true_miss + false_miss == 0
-                }
-            }
-        }) && match self {
-            Self::Oracle => {
-                let whole = share(occluded + free);
-                [agreement.hit_miss, agreement.tight, agreement.footprint].into_iter().all(|each| each == whole)
-                    && judgement.identity.is_none_or(|identity| identity == 1.0)
-            }
-            Self::AlwaysMiss => agreement.hit_miss == share(free),
-            Self::AlwaysHit => agreement.hit_miss == share(occluded),
-        }
+            // Always the same t is early or late, or right by chance.
+            let found = if self == Self::AlwaysHit { true_hit + early + late } else { true_hit };
+            (self == Self::AlwaysHit || early + late == 0)
+                && (found, true_miss, false_hit, false_miss) == (occluded - missed, free - invented, invented, missed)
+        }) && agreement.hit_miss == share(occluded + free - missed - invented)
+            && (!self.knows()
+                || [agreement.tight, agreement.footprint] == [agreement.hit_miss; 2]
+                    && judgement.identity.is_none_or(|identity| identity == 1.0))
     }
 
     fn passes_any(self, judgement: &AnyJudgement, occluded: u64, free: u64) -> bool {
         let table = &judgement.occlusion;
         let found = [table.true_occluded, table.true_free, table.false_occluded, table.false_free];
-        let expected = match self {
-            Self::Oracle => [occluded, free, 0, 0],
-            Self::AlwaysMiss => [0, free, 0, occluded],
-            Self::AlwaysHit => [occluded, 0, free, 0],
-        };
-        let accuracy = match (self, occluded > 0, free > 0) {
-            (_, false, false) => None,
-            (Self::Oracle, ..) | (Self::AlwaysMiss, false, true) | (Self::AlwaysHit, true, false) => Some(1.0),
-            (_, true, true) => Some(0.5),
-            _ => Some(0.0),
+        let [missed, invented] = self.wrong(occluded, free);
+        let expected = [occluded - missed, free - invented, invented, missed];
+        let share = |wrong: u64, of: u64| (of > 0).then(|| (of - wrong) as f64 / of as f64);
+        let accuracy = match (share(missed, occluded), share(invented, free)) {
+            (Some(one), Some(other)) => Some(f64::midpoint(one, other)),
+            (one, other) => one.or(other),
         };
         found == expected && table.balanced_accuracy == accuracy
     }
@@ -164,12 +190,16 @@ impl Tracer for Answering {
 }
 
 impl Answering {
-    fn answer(&self, ray: &Ray, truth: &Answer) -> Hit {
+    fn answer(&self, ray: &Ray, truth: &Answer, wrong: bool) -> Hit {
         let hit = |t: f32, primitive: u32| Hit { t, primitive, u: 0.0, v: 0.0, status: Status::Hit as u32 };
+        let invented = || hit(ray.t_max.min((self.diagonal / 2.0) as f32), NO_PRIMITIVE);
         match (self.control, truth.hit) {
-            (Control::AlwaysMiss, _) | (Control::Oracle, None) => Hit::miss(Status::Miss),
-            (Control::Oracle, Some(truth)) => hit(truth.t as f32, truth.primitive),
-            (Control::AlwaysHit, _) => hit(ray.t_max.min((self.diagonal / 2.0) as f32), NO_PRIMITIVE),
+            (Control::AlwaysHit, _) => invented(),
+            (Control::AlwaysMiss, _) => Hit::miss(Status::Miss),
+            (Control::Corrupted, None) if wrong => invented(),
+            (Control::Corrupted, Some(_)) if wrong => Hit::miss(Status::Miss),
+            (Control::Oracle | Control::Corrupted, None) => Hit::miss(Status::Miss),
+            (Control::Oracle | Control::Corrupted, Some(truth)) => hit(truth.t as f32, truth.primitive),
         }
     }
 }
@@ -179,7 +209,7 @@ impl Answering {
     fn surface(&self, ray: &Ray, truth: &Answer, hit: &Hit) -> Surface {
         match (self.control, truth.hit, &self.geometry) {
             _ if !hit.is_hit() => Surface::none(SurfaceStatus::NoHit),
-            (Control::Oracle, Some(truth), Some(geometry)) => {
+            (Control::Oracle | Control::Corrupted, Some(truth), Some(geometry)) => {
                 let [a, b, c] = geometry.corners(truth.primitive).map(Vec3::as_dvec3);
                 Surface {
                     position: Ray64::from(ray).at(truth.t).as_vec3().into(),
@@ -211,8 +241,9 @@ impl Structure for Answering {
             known.ok_or_else(|| TracerError::Failed("a control was given rays that it does not know".to_owned()))?;
         let of_hits = hits.host_mut(rays.len())?;
         clock.host_phase("answer", || {
-            for ((hit, ray), truth) in of_hits.iter_mut().zip(rays.iter()).zip(answers.iter()) {
-                *hit = self.answer(ray, truth);
+            let wrong = corrupted(answers);
+            for (index, hit) in of_hits.iter_mut().enumerate() {
+                *hit = self.answer(&rays[index], &answers[index], wrong[index]);
             }
         });
         if job.end == EndPoint::Surface {

@@ -7,12 +7,17 @@
 mod contender;
 pub mod controls;
 mod journal;
+mod kernels;
 mod place;
 mod race;
 pub(crate) mod records;
+mod rounds;
 mod run;
 mod scene;
 pub mod session;
+mod tracing;
+mod trial;
+mod twice;
 mod window;
 
 use tracebench_api::TracerError;
@@ -25,6 +30,7 @@ pub use run::{Context, execute, execute_all};
 pub(crate) use run::{add, begin, empty, measure_scene, nothing, placed, refuse};
 pub use scene::{LoadedScene, choose_pose, load, load_scene, prepare};
 use session::SessionError;
+pub(crate) use trial::{Trial, against_itself, fresh_and_repeated};
 pub use window::WINDOW;
 pub(crate) use window::measure;
 
@@ -88,6 +94,8 @@ impl RunError {
     }
 }
 
+#[cfg(test)]
+mod replay;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]

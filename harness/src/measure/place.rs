@@ -6,8 +6,8 @@ use tracebench_api::{Hit, Update};
 
 use super::RunError;
 use super::session::{PreparedRays, Session};
-use crate::plan::TracerRequest;
-use crate::results::{SceneRecord, Skipped, TracerRun, ViewpointRecord};
+use crate::plan::{Plan, TracerRequest};
+use crate::results::{RaceRecord, Sampling, SceneRecord, Skipped, TracerRun, ViewpointRecord};
 
 /// A contender that is asked for.
 pub(crate) struct Request {
@@ -35,8 +35,10 @@ impl Request {
 /// How much is done for every contender.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Effort {
-    /// Counted samples of every time.
-    pub samples: usize,
+    /// How long sampling goes on.
+    pub sampling: Sampling,
+    /// Seed of the orders.
+    pub seed: u64,
     /// Whether times are taken: else everything is done once.
     pub timed: bool,
     /// Whether structures are read back and checked.
@@ -48,14 +50,15 @@ pub(crate) struct Effort {
 }
 
 impl Effort {
-    /// Everything, with so many samples.
-    pub fn timed(samples: usize) -> Self {
-        Self { samples, timed: true, validated: true, counted: true, lenient: false }
+    /// Everything, with times taken as a plan says.
+    pub fn timed(plan: &Plan) -> Self {
+        Self { sampling: plan.preset.sampling, seed: plan.seed, timed: true, ..Self::untimed() }
     }
 
     /// Everything once.
     pub fn untimed() -> Self {
-        Self { samples: 0, timed: false, validated: true, counted: true, lenient: false }
+        let sampling = Sampling::rounds(0);
+        Self { sampling, seed: 0, timed: false, validated: true, counted: true, lenient: false }
     }
 }
 
@@ -119,6 +122,8 @@ pub(crate) struct Measured {
     /// By request, or why not.
     pub rows: Vec<Result<TracerRun, Refusal>>,
     pub anchors: Vec<TracerRun>,
+    /// Rows name theirs by its place.
+    pub races: Vec<RaceRecord>,
     /// Ray sets that were not made.
     pub skipped: Vec<Skipped>,
     /// What the study wanted to know of the place.

@@ -1,22 +1,29 @@
-//! The race: contenders and controls of one window in one place, sampled in turn.
+//! The race: contenders and controls of one window in one place, sampled in rounds; here what they build.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
-use tracebench_api::{Geometry, Hit, HitBuffer, Timing, TracerError, Update, Viewpoint};
+use tracebench_api::{Geometry, Residency, Timing, TracerError, Update, Viewpoint};
 
 use super::controls::Control;
+use super::kernels::{Kernels, Side};
 use super::place::{Effort, Film, Refusal, Request};
-use super::records::{self, Traced};
-use super::session::{PreparedRays, Session, SessionError};
+use super::records;
+use super::rounds::Rounds;
+use super::session::{Session, SessionError};
 use super::{Contender, RunError};
 use crate::plan::{Resolution, TracerRequest};
 use crate::progress::Progress;
-use crate::results::{BuildRecord, MemoryRecord, TraceRecord};
+use crate::results::{BuildRecord, MemoryRecord, RaceRecord, Sampling};
 
 /// A validation that takes longer is told of, where bars do not show: it is the only work that grows with what is stored.
 const LONG_VALIDATION: Duration = Duration::from_secs(2);
+
+/// The race of structures that are built.
+const BUILDS: &str = "builds";
+/// The race of structures that follow an animation.
+const UPDATES: &str = "updates";
 
 /// A structure with the contender that builds it. Several lanes trace it where they differ in trace parameters alone.
 struct Stall {
@@ -31,13 +38,26 @@ struct Stall {
 }
 
 /// One who traces: a control, or a contender that was asked for.
-struct Lane {
+pub(super) struct Lane {
     /// None of a control.
-    request: Option<TracerRequest>,
-    control: Option<Control>,
+    pub request: Option<TracerRequest>,
+    pub control: Option<Control>,
     stall: usize,
+    /// How often it traces in one sample.
+    pub repeats: usize,
     /// What took it out of the race.
-    out: Option<Refusal>,
+    pub out: Option<Refusal>,
+}
+
+impl Lane {
+    /// Its name in records.
+    pub fn label(&self) -> String {
+        match (&self.request, self.control) {
+            (Some(request), _) => records::request_record(request).label(),
+            (None, Some(control)) => control.description().name.to_owned(),
+            (None, None) => String::new(),
+        }
+    }
 }
 
 /// What came of one lane in one race.
@@ -60,29 +80,46 @@ pub(crate) struct Built {
     pub build: BuildRecord,
 }
 
-/// What the race of a ray set gave.
-pub(crate) struct Answered {
-    pub outcomes: Vec<Outcome<TraceRecord>>,
-    /// Every lane's answers.
-    pub hits: Vec<Option<Vec<Hit>>>,
-    /// What a control scored wrongly.
-    pub void: Option<String>,
+/// What the race of the structures gave.
+pub(crate) struct Structures {
+    /// By lane; times name their race by its place here.
+    pub outcomes: Vec<Outcome<Built>>,
+    pub races: Vec<RaceRecord>,
+}
+
+/// Where a race is run.
+#[derive(Clone)]
+pub(crate) struct Setting<'a> {
+    pub scene: String,
+    pub viewpoint: String,
+    pub window: u32,
+    /// None where nothing is timed.
+    pub kernels: Option<&'a Kernels>,
+    /// Tells races of the same from one another.
+    pub turn: usize,
 }
 
 /// One window in one place.
 pub(crate) struct Race<'a> {
-    session: &'a Session,
+    pub(super) session: &'a Session,
     film: Option<&'a Film>,
-    effort: Effort,
-    progress: &'a Progress,
+    pub(super) effort: Effort,
+    pub(super) progress: &'a Progress,
+    pub(super) setting: Setting<'a>,
     stalls: Vec<Stall>,
-    lanes: Vec<Lane>,
+    pub(super) lanes: Vec<Lane>,
 }
 
 impl<'a> Race<'a> {
     /// A race with the controls in its first lanes.
-    pub fn new(session: &'a Session, film: Option<&'a Film>, effort: Effort, progress: &'a Progress) -> Self {
-        let mut race = Self { session, film, effort, progress, stalls: Vec::new(), lanes: Vec::new() };
+    pub fn new(
+        session: &'a Session,
+        film: Option<&'a Film>,
+        effort: Effort,
+        progress: &'a Progress,
+        setting: Setting<'a>,
+    ) -> Self {
+        let mut race = Self { session, film, effort, progress, setting, stalls: Vec::new(), lanes: Vec::new() };
         for (control, contender) in session.controls() {
             race.enter(contender, None, Some(control));
         }
@@ -102,7 +139,13 @@ impl<'a> Race<'a> {
 
     /// Lets another one trace the structure of the last stall.
     pub fn join(&mut self, request: Option<&TracerRequest>, control: Option<Control>) {
-        self.lanes.push(Lane { request: request.cloned(), control, stall: self.stalls.len() - 1, out: None });
+        self.lanes.push(Lane {
+            request: request.cloned(),
+            control,
+            stall: self.stalls.len() - 1,
+            repeats: 1,
+            out: None,
+        });
     }
 
     /// Takes a lane out.
@@ -130,38 +173,109 @@ impl<'a> Race<'a> {
         None
     }
 
-    /// The rounds of a kind of work: one to warm up, then the counted ones; where nothing is timed a single one.
-    fn rounds(&self) -> usize {
-        if self.effort.timed { self.effort.samples + 1 } else { 1 }
+    /// What sampling goes by; none where nothing is timed.
+    fn sampling(&self) -> Option<Sampling> {
+        self.effort.timed.then_some(self.effort.sampling)
     }
 
-    /// Whether a round's times count.
-    fn counts(&self, round: usize) -> bool {
-        self.effort.timed && round > 0
+    /// The seed of the orders of a race, a number that JSON holds exactly.
+    pub(super) fn order_seed(&self, work: &str, attempt: usize) -> u64 {
+        let Setting { scene, viewpoint, window, turn, .. } = &self.setting;
+        let words = format!("{} {scene} {viewpoint} {window} {work} {turn} {attempt}", self.effort.seed);
+        u64::from_str_radix(&crate::hash::sha256_of(words.as_bytes())[..13], 16).unwrap_or_default()
     }
 
-    /// Builds everything, or lets it follow the film, in turn; then lets every structure be read back and checked.
-    pub fn build(&mut self) -> Result<Vec<Outcome<Built>>, RunError> {
+    /// Rounds of so many lanes, with the fixed kernels of the clocks that they are timed by.
+    pub(super) fn rounds(
+        &self,
+        seed: u64,
+        lanes: usize,
+        stalls: impl Iterator<Item = usize> + Clone,
+        sampling: Option<Sampling>,
+    ) -> Rounds<'a> {
+        let on = |stall: usize| match self.stalls[stall].contender.description.residency {
+            Residency::Host => Side::Host,
+            Residency::Device => Side::Device,
+        };
+        let kernels = self.setting.kernels.filter(|_| sampling.is_some());
+        let sides =
+            [Side::Host, Side::Device].into_iter().filter(|side| stalls.clone().any(|stall| on(stall) == *side));
+        let kernels: Vec<(Side, &Kernels)> = sides.filter_map(|side| Some((side, kernels?))).collect();
+        Rounds::new(sampling, seed, lanes, &kernels)
+    }
+
+    /// The record of a race; none where nothing was timed.
+    pub(super) fn record(&self, work: &str, seed: u64, rounds: &Rounds<'_>, lanes: Vec<String>) -> Option<RaceRecord> {
+        let Setting { scene, viewpoint, window, .. } = self.setting.clone();
+        let kernels = rounds.kernels();
+        Some(RaceRecord {
+            scene,
+            viewpoint,
+            window,
+            work: work.to_owned(),
+            lanes,
+            order_seed: seed,
+            orders: rounds.orders.iter().map(|order| order.iter().map(|lane| *lane as u32).collect()).collect(),
+            warm_up_rounds: 1,
+            sampling: rounds.sampling?,
+            ended_by: rounds.ended_by,
+            sampled_s: rounds.sampled_s,
+            widest_interval: rounds.widest_interval,
+            drift: kernels.iter().any(|kernel| kernel.drifts),
+            kernels,
+            twice: Vec::new(),
+            repeated_because: None,
+        })
+    }
+
+    /// A stall in words: the first lane that traces it.
+    fn stall_label(&self, stall: usize) -> String {
+        self.lanes.iter().find(|lane| lane.stall == stall).map_or_else(String::new, Lane::label)
+    }
+
+    /// Stalls of contenders: controls build nothing that is worth a look.
+    fn is_contender(&self, stall: usize) -> bool {
+        self.lanes.iter().any(|lane| lane.stall == stall && lane.control.is_none())
+    }
+
+    /// The stalls of contenders that are in, once for each who traces them.
+    pub(super) fn contenders(&self) -> impl Iterator<Item = usize> + '_ {
+        self.lanes.iter().filter(|lane| lane.control.is_none() && lane.out.is_none()).map(|lane| lane.stall)
+    }
+
+    /// Builds everything, or lets it follow the film, in rounds; then lets every structure be read back and checked.
+    pub fn build(&mut self) -> Result<Structures, RunError> {
         let passes = self.film.map_or(0, |film| film.passes);
-        self.follow(passes)?;
+        let mut races: Vec<RaceRecord> = self.follow(passes)?.into_iter().collect();
+        let of_updates = races.len();
         let still: Vec<usize> = (0..self.stalls.len()).filter(|stall| self.stalls[*stall].follows.is_none()).collect();
-        let bar = self.progress.bar("builds", (self.rounds() * still.len()) as u64);
-        for round in 0..self.rounds() {
-            for stall in &still {
-                self.build_once(*stall, self.counts(round));
+        let seed = self.order_seed(BUILDS, 0);
+        let contenders: Vec<usize> = still.iter().copied().filter(|stall| self.is_contender(*stall)).collect();
+        let mut rounds = self.rounds(seed, still.len(), contenders.iter().copied(), self.sampling());
+        let bar = self.progress.bar(BUILDS, (rounds.least() * still.len()) as u64);
+        let gpu = self.session.gpu();
+        while let Some(round) =
+            rounds.next(gpu, || contenders.iter().map(|stall| &self.stalls[*stall].builds[..]).collect())?
+        {
+            for place in round.order {
+                self.build_once(still[place], round.counts);
                 bar.inc(1);
             }
         }
         bar.finish_and_clear();
+        races.extend(self.record(BUILDS, seed, &rounds, still.iter().map(|stall| self.stall_label(*stall)).collect()));
         if self.effort.validated {
             self.validate();
         }
         let end = self.session.end();
         let built = |stall: &Stall| {
+            let mut build = records::build_record(&stall.builds, stall.contender.setup_ms);
+            let race = if stall.follows.is_some() { 0 } else { of_updates };
+            build.times.race = (!stall.builds.is_empty() && race < races.len()).then_some(race as u32);
             Ok::<Built, TracerError>(Built {
                 memory: records::memory_record(stall.contender.structure()?.memory(), end),
                 structure_statistics: stall.statistics.clone(),
-                build: records::build_record(&stall.builds, stall.contender.setup_ms),
+                build,
             })
         };
         let stalls = &self.stalls;
@@ -169,7 +283,8 @@ impl<'a> Race<'a> {
             None => built(&stalls[lane.stall]).map(Outcome::Measured),
             Some(refusal) => Ok(Outcome::Out(refusal.clone())),
         };
-        Ok(self.lanes.iter().map(outcome).collect::<Result<_, TracerError>>()?)
+        let outcomes = self.lanes.iter().map(outcome).collect::<Result<_, TracerError>>()?;
+        Ok(Structures { outcomes, races })
     }
 
     /// Builds everything once more, as it was when the races before were run; nothing is timed.
@@ -192,32 +307,41 @@ impl<'a> Race<'a> {
     }
 
     /// Lets those follow the film who do: one pass to warm up, then the counted ones; every pass begins with fresh builds over
-    /// the first frame, outside of the times.
-    fn follow(&mut self, passes: u32) -> Result<(), RunError> {
-        let Some(film) = self.film else { return Ok(()) };
+    /// the first frame, outside of the times. A round is a frame.
+    fn follow(&mut self, passes: u32) -> Result<Option<RaceRecord>, RunError> {
+        let Some(film) = self.film else { return Ok(None) };
         let followers: Vec<usize> =
             (0..self.stalls.len()).filter(|stall| self.stalls[*stall].follows.is_some()).collect();
         let gpu = self.session.gpu();
         let (triangles, materials) = (film.triangles.clone(), film.materials.clone());
         let mut geometry = Geometry::with_materials(film.positions[0].clone(), triangles, materials, gpu)?;
         let steps = film.positions.len() as u64 * followers.len() as u64;
-        let bar = self.progress.bar("updates", steps * (u64::from(passes) + 1));
+        let bar = self.progress.bar(UPDATES, steps * (u64::from(passes) + 1));
+        let frames = film.positions.len().saturating_sub(1);
+        let sampling = Sampling { least_rounds: passes * frames as u32, further: None };
+        let seed = self.order_seed(UPDATES, 0);
+        let sampling = (self.effort.timed && passes > 0).then_some(sampling);
+        let mut rounds = self.rounds(seed, followers.len(), followers.iter().copied(), sampling);
         for pass in 0..=passes {
             for (frame, positions) in film.positions.iter().enumerate() {
                 geometry = geometry.moved_to(positions.clone(), gpu)?;
-                for stall in &followers {
-                    let timing = self.attempt(*stall, |one| match (frame, one.follows) {
+                let counts = pass > 0 && frame > 0;
+                // The first round warms up.
+                let round = if counts || (pass, frame) == (0, 0) { rounds.next(gpu, Vec::new)? } else { None };
+                let order = round.map_or_else(|| (0..followers.len()).collect(), |round| round.order);
+                for place in order {
+                    let stall = followers[place];
+                    let timing = self.attempt(stall, |one| match (frame, one.follows) {
                         (0, _) | (_, None) => one.contender.build(&geometry, &one.viewpoint, gpu),
                         (_, Some(update)) => one.contender.update(update, &geometry, &one.viewpoint, gpu),
                     });
-                    if let Some(timing) = timing.filter(|_| pass > 0 && frame > 0) {
-                        self.stalls[*stall].builds.push(timing);
-                    }
+                    self.stalls[stall].builds.extend(timing.filter(|_| counts));
                     bar.inc(1);
                 }
             }
         }
-        Ok(())
+        rounds.next(gpu, || followers.iter().map(|stall| &self.stalls[*stall].builds[..]).collect())?;
+        Ok(self.record(UPDATES, seed, &rounds, followers.iter().map(|stall| self.stall_label(*stall)).collect()))
     }
 
     /// Lets every structure be read back and checked against the scene that it was last built over, outside of any time. What is unsound, or says of itself what is no
@@ -253,7 +377,7 @@ impl<'a> Race<'a> {
     }
 
     /// The contender that a lane traces by, told the lane's own parameters.
-    fn contender(&mut self, lane: usize) -> &Contender {
+    pub(super) fn contender(&mut self, lane: usize) -> &Contender {
         let Lane { request, stall, .. } = &self.lanes[lane];
         let contender = &mut self.stalls[*stall].contender;
         if let Some(request) = request {
@@ -263,7 +387,7 @@ impl<'a> Race<'a> {
     }
 
     /// Does something in a lane unless it has failed before; a failure takes it out.
-    fn attempt_in<R>(
+    pub(super) fn attempt_in<R>(
         &mut self,
         lane: usize,
         work: impl FnOnce(&Session, &Contender) -> Result<R, TracerError>,
@@ -280,103 +404,6 @@ impl<'a> Race<'a> {
             }
         }
     }
-
-    /// One trace each to warm up, then rounds over all lanes; the last timed output is judged.
-    pub fn trace(&mut self, rays: &PreparedRays) -> Result<Answered, RunError> {
-        let was_in: Vec<bool> = self.lanes.iter().map(|lane| lane.out.is_none()).collect();
-        let count = self.lanes.len();
-        let bar = self.progress.bar(&format!("trace {}", rays.set.name), (self.rounds() * count) as u64);
-        let mut buffers: Vec<Option<HitBuffer>> = Vec::new();
-        for lane in 0..count {
-            buffers.push(self.attempt_in(lane, |session, contender| session.hit_buffer(contender, rays)));
-        }
-        let mut timings: Vec<Vec<Timing>> = vec![Vec::new(); count];
-        for round in 0..self.rounds() {
-            for lane in 0..count {
-                bar.inc(1);
-                let Some(hits) = &mut buffers[lane] else { continue };
-                let timing = self.attempt_in(lane, |session, contender| session.sample_trace(contender, rays, hits));
-                timings[lane].extend(timing.filter(|_| self.counts(round)));
-            }
-        }
-        bar.finish_and_clear();
-        // Finding the causes of many wrong rays takes as long as telling the truth of as many.
-        let bar = self.progress.bar(&format!("judge {}", rays.set.name), count as u64);
-        let mut answered = Answered { outcomes: Vec::new(), hits: Vec::new(), void: None };
-        for (lane, (buffer, timings)) in buffers.into_iter().zip(timings).enumerate() {
-            bar.inc(1);
-            let judged = buffer.and_then(|buffer| self.judge(lane, rays, &buffer, &timings).transpose()).transpose()?;
-            let outcome = match (judged, &self.lanes[lane].out) {
-                (Some((record, hits, void)), _) => {
-                    answered.hits.push(Some(hits));
-                    answered.void = answered.void.or(void);
-                    answered.outcomes.push(Outcome::Measured(record));
-                    continue;
-                }
-                (None, Some(refusal)) if was_in[lane] => Outcome::Out(refusal.clone()),
-                (None, _) => Outcome::Absent,
-            };
-            answered.hits.push(None);
-            answered.outcomes.push(outcome);
-        }
-        Ok(answered)
-    }
-
-    /// Judges a lane's last output; `None` if it was taken out. Beside the record the hits, and what it scored wrongly, if it is
-    /// a control.
-    #[expect(clippy::type_complexity, reason = "taken apart by its one caller")]
-    fn judge(
-        &mut self,
-        lane: usize,
-        rays: &PreparedRays,
-        buffer: &HitBuffer,
-        timings: &[Timing],
-    ) -> Result<Option<(TraceRecord, Vec<Hit>, Option<String>)>, RunError> {
-        let counted = self.effort.counted;
-        let read = self.attempt_in(lane, |session, contender| {
-            let (hits, surfaces) = (buffer.read(session.gpu())?, buffer.read_surfaces(session.gpu())?);
-            let counters = if counted { session.count(contender, rays, &hits, &surfaces)? } else { Vec::new() };
-            Ok((hits, surfaces, counters, session.trace_memory(contender, rays)?))
-        });
-        let Some((hits, surfaces, counters, trace_memory)) = read else { return Ok(None) };
-        let session = self.session;
-        let contender = self.contender(lane);
-        let judged = session
-            .judge(contender, rays, &hits)
-            .and_then(|judgement| Ok((judgement, session.judge_surfaces(contender, rays, &hits, &surfaces)?)));
-        let (mut judgement, surfaces) = match judged {
-            Ok(judged) => judged,
-            Err(error) if self.effort.lenient => {
-                self.take_out(lane, Refusal::of_session(&error));
-                return Ok(None);
-            }
-            Err(error) => return Err(error.into()),
-        };
-        let mut void = None;
-        if let Some(control) = self.lanes[lane].control {
-            let (occluded, free) = rays.hits_and_misses();
-            let of_hits = control.check(&judgement, occluded, free);
-            let of_surfaces = surfaces.as_ref().map_or(Ok(()), |each| control.check_surfaces(each, occluded, free));
-            void = of_hits.and(of_surfaces).err();
-            // What a control gets wrong it gets wrong by design.
-            judgement.wrong_rays_mut().clear();
-        } else if let Some(request) = self.lanes[lane].request.as_ref().filter(|_| self.effort.timed) {
-            let label = records::request_record(request).label();
-            self.progress.say(&format!("  {}: {label} done", rays.set.name));
-        }
-        let end = session.end();
-        let record = records::trace_record(Traced {
-            rays,
-            timings,
-            hits: &hits,
-            counters: &counters,
-            trace_memory,
-            end,
-            judgement,
-            surfaces,
-        });
-        Ok(Some((record, hits, void)))
-    }
 }
 
 impl Refusal {
@@ -389,7 +416,7 @@ impl Refusal {
         Self { reason: error.to_string(), too_large, unavailable, for_room }
     }
 
-    fn of_session(error: &SessionError) -> Self {
+    pub(super) fn of_session(error: &SessionError) -> Self {
         Self { reason: error.to_string(), too_large: false, unavailable: false, for_room: false }
     }
 }

@@ -89,7 +89,7 @@ fn by_name(parts: impl IntoIterator<Item = MemoryEntry>) -> Vec<MemoryEntry> {
     joined
 }
 
-fn times(timings: &[Timing]) -> Times {
+pub(super) fn times(timings: &[Timing]) -> Times {
     let believed = Timing::believable(timings);
     let submissions: Vec<_> = timings.iter().filter_map(|timing| timing.submit_to_done_ms).collect();
     let by_submission: Vec<Timing>;

@@ -1,18 +1,19 @@
 //! Plain runs: every contender of a plan in every scene.
 
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 
 use tracebench_api::{RayBuffer, TracerError};
 use tracebench_scenes::Scene;
 
 use super::controls::Control;
+use super::kernels::Kernels;
 use super::place::{Effort, Hook, Measured, Place, Placed, Refusal, Request};
 use super::window::measure;
 use super::{Contender, Crew, Journal, RunError, load, prepare, records};
 use crate::plan::{Plan, Shard, TracerRequest};
 use crate::progress::Progress;
 use crate::registry::Device;
-use crate::results::{Provenance, Run, SCHEMA, Skipped};
+use crate::results::{Provenance, Run, SCHEMA, Skipped, TracerRun};
 use crate::truth::Cache;
 
 /// What everything is measured with.
@@ -28,18 +29,28 @@ pub struct Context<'a> {
     /// Which of the plan's places are measured; all without one.
     pub shard: Option<Shard>,
     pub(super) crew: RefCell<Crew>,
+    kernels: OnceCell<Kernels>,
 }
 
 impl<'a> Context<'a> {
     /// Everything, and nothing is kept before all has ended.
     pub fn new(device: &'a Device, cache: &'a Cache, progress: &'a Progress, journal: &'a Journal) -> Self {
-        Self { device, cache, progress, journal, shard: None, crew: RefCell::default() }
+        Self { device, cache, progress, journal, shard: None, crew: RefCell::default(), kernels: OnceCell::new() }
     }
 
     /// A part of the places alone.
     #[must_use]
     pub fn of_shard(self, shard: Option<Shard>) -> Self {
         Self { shard, ..self }
+    }
+
+    /// The fixed kernels, made for the first race that is timed.
+    pub(super) fn kernels(&self) -> Result<&Kernels, TracerError> {
+        if let Some(made) = self.kernels.get() {
+            return Ok(made);
+        }
+        let made = Kernels::new(self.device.as_ref().ok().map(|gpu| &**gpu))?;
+        Ok(self.kernels.get_or_init(|| made))
     }
 
     /// Whether a place is measured here.
@@ -98,7 +109,7 @@ pub fn execute_all(plans: &[Plan], context: &Context<'_>) -> Result<Run, RunErro
         let requests: Vec<Request> = plan.tracers.iter().map(Request::of).collect();
         for (place, scene) in load(plan, context.progress)?.into_iter().enumerate() {
             if context.takes(place) {
-                let effort = Effort::timed(plan.preset.samples);
+                let effort = Effort::timed(plan);
                 let found = measure_scene(index, plan, scene, &requests, effort, None, context)?;
                 for (request, refused) in add(&mut run, found) {
                     refuse(&mut run, requests[request].tracer.name(), None, refused);
@@ -185,6 +196,7 @@ pub(crate) fn empty<'r>(requests: impl IntoIterator<Item = &'r TracerRequest>, c
         cases: None,
         explanation: None,
         ray_parameters: Default::default(),
+        control_names: Control::names(),
         controls: Vec::new(),
         runs: Vec::new(),
         anchors: Vec::new(),
@@ -195,14 +207,17 @@ pub(crate) fn empty<'r>(requests: impl IntoIterator<Item = &'r TracerRequest>, c
 
 /// Adds what was measured in a place, and gives who could not be, by request.
 pub(crate) fn add(run: &mut Run, found: Measured) -> Vec<(usize, (String, Refusal))> {
-    let Measured { scene, controls, rows, anchors, skipped, .. } = found;
+    let Measured { scene, controls, rows, anchors, races, skipped, .. } = found;
+    let before = run.races.len() as u32;
+    let placed = |row: TracerRun| row.with_races_after(before);
     run.skipped.extend(skipped);
-    run.controls.extend(controls);
-    run.anchors.extend(anchors);
+    run.controls.extend(controls.into_iter().map(placed));
+    run.anchors.extend(anchors.into_iter().map(placed));
+    run.races.extend(races);
     let mut refused = Vec::new();
     for (request, row) in rows.into_iter().enumerate() {
         match row {
-            Ok(row) => run.runs.push(row),
+            Ok(row) => run.runs.push(placed(row)),
             Err(refusal) => refused.push((request, (scene.name.clone(), refusal))),
         }
     }

@@ -228,7 +228,7 @@ impl Session {
         HitBuffer::for_end(self.end, rays.buffer.host.len(), contender.description.residency, self.gpu())
     }
 
-    /// Poisons the hits, traces once and gives the time.
+    /// Poisons the hits, traces so many times (once, but for the control of the clock) and gives the time of all together.
     ///
     /// # Errors
     /// What the tracer says.
@@ -237,10 +237,13 @@ impl Session {
         contender: &Contender,
         rays: &PreparedRays,
         hits: &mut HitBuffer,
+        repeats: usize,
     ) -> Result<Timing, TracerError> {
         hits.poison(self.gpu())?;
         let mut clock = PhaseClock::new(self.gpu());
-        contender.structure()?.trace(self.job(contender, rays), hits, &mut clock)?;
+        for _ in 0..repeats {
+            contender.structure()?.trace(self.job(contender, rays), hits, &mut clock)?;
+        }
         clock.finish()
     }
 

@@ -3,13 +3,13 @@
 use tracebench_api::{Description, Geometry, Parameters, Preset, Ray, Tracer};
 use tracebench_tests::{Fake, Manner};
 
-use super::race::{Built, Outcome, Race};
+use super::race::{Built, Outcome, Race, Setting};
 use super::session::{RayRequest, Session};
 use super::*;
 use crate::measure::controls::Control;
 use crate::progress::Progress;
 use crate::rays::{RAY_SETS, default_parameters};
-use crate::results::TraceRecord;
+use crate::results::{RaceRecord, Sampling, TraceRecord};
 use crate::truth::{Cache, Truth};
 use crate::viewpoint::Pose;
 
@@ -32,6 +32,7 @@ struct Came {
     traced: Outcome<TraceRecord>,
     /// What a control scored wrongly.
     void: Option<String>,
+    race: Option<RaceRecord>,
 }
 
 impl Came {
@@ -50,15 +51,27 @@ impl Came {
 
 /// Builds and traces one contender as every race does.
 fn race(tracer: Box<dyn Tracer>, control: Option<Control>) -> Came {
+    raced(2, tracer, control)
+}
+
+/// The same with so many rounds.
+fn race_of(rounds: u32, tracer: Box<dyn Tracer>) -> Came {
+    raced(rounds, tracer, None)
+}
+
+fn raced(rounds: u32, tracer: Box<dyn Tracer>, control: Option<Control>) -> Came {
     let description = Description { name: "fake", ..Control::AlwaysMiss.description() };
     let parameters = Parameters::preset(&[], Preset::Published);
     let session = session();
     let quiet = Progress::new(true);
-    let mut race = Race::new(&session, None, Effort::timed(2), &quiet);
+    let effort = Effort { sampling: Sampling::rounds(rounds), timed: true, ..Effort::untimed() };
+    let setting =
+        Setting { scene: "fake".to_owned(), viewpoint: "given".to_owned(), window: 0, kernels: None, turn: 0 };
+    let mut race = Race::new(&session, None, effort, &quiet, setting);
     race.enter(Contender::ready(description, parameters, tracer), None, control);
-    let built = race.build().unwrap().pop().unwrap();
+    let built = race.build().unwrap().outcomes.pop().unwrap();
     let mut answered = race.trace(&session.rays[0]).unwrap();
-    Came { built, traced: answered.outcomes.pop().unwrap(), void: answered.void }
+    Came { built, traced: answered.outcomes.pop().unwrap(), void: answered.void, race: answered.race }
 }
 
 /// Proves that the buffer is poisoned before every sample: a contender that answers once and rests on that is refused;
@@ -91,12 +104,32 @@ fn hits_must_not_depend_on_counting() {
     assert!(failure.contains("other hits") && wavering.trace().is_none(), "{failure}");
 }
 
+/// Proves that a contender which takes no longer for its work twice than for once is noticed by the control of the clock: the race
+/// is run once more, then its times are void, while answers and counters stand. Honest ones that are too quick are not judged.
+#[test]
+fn a_clock_that_does_not_see_double_work_is_void() {
+    let lazy = race_of(12, Box::new(Fake(Manner::Lazy)));
+    let trace = lazy.trace().unwrap();
+    let why = trace.times.void.as_ref().unwrap();
+    assert!(why.contains("done twice takes") && trace.times.samples_ms.len() == 12, "{why}");
+    let record = lazy.race.as_ref().unwrap();
+    assert!(record.repeated_because.is_some() && !record.twice[0].passed);
+    assert_eq!((record.orders.len(), record.lanes.len()), (12, Control::ALL.len() + 2));
+    assert!(lazy.void.is_none() && !trace.statuses.is_empty());
+    for (manner, rounds) in [(Manner::Honest, 12), (Manner::Lazy, 11)] {
+        let quick = race_of(rounds, Box::new(Fake(manner)));
+        let record = quick.race.as_ref().unwrap();
+        assert!(quick.trace().unwrap().times.void.is_none() && record.repeated_because.is_none());
+        assert!(record.twice[0].not_judged.is_some());
+    }
+}
+
 /// Proves that a control which does not score what it must is noticed: one that always misses in the oracle's place is, in its
 /// own place it is not.
 #[test]
 fn a_failing_control_is_noticed() {
     assert_eq!(race(Box::new(Fake(Manner::Honest)), Some(Control::AlwaysMiss)).void, None);
-    for place in [Control::Oracle, Control::AlwaysHit] {
+    for place in [Control::Oracle, Control::AlwaysHit, Control::Corrupted] {
         let void = race(Box::new(Fake(Manner::Honest)), Some(place)).void.unwrap();
         assert!(void.contains(place.description().name), "{void}");
         assert!(RunError::Control(void).to_string().contains("void"));

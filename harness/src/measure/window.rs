@@ -6,11 +6,11 @@ use tracebench_api::{Hit, TracerError};
 
 use super::controls::Control;
 use super::place::{Measured, Place, Placed, Refusal};
-use super::race::{Built, Outcome, Race};
+use super::race::{Built, Outcome, Race, Setting};
 use super::run::Context;
 use super::{RunError, records};
 use crate::plan::Resolution;
-use crate::results::{SceneRecord, Skipped, TraceRecord, TracerRun, ViewpointRecord};
+use crate::results::{RaceRecord, SceneRecord, Skipped, TraceRecord, TracerRun, ViewpointRecord};
 
 /// Structures of contenders that are there at a time.
 pub const WINDOW: usize = 32;
@@ -27,9 +27,10 @@ struct Head {
 }
 
 /// The race of the builds, as it is kept.
-#[derive(Serialize, Deserialize)]
+#[derive(Default, Serialize, Deserialize)]
 struct BuildsRace {
     lanes: Vec<Outcome<Built>>,
+    races: Vec<RaceRecord>,
 }
 
 /// The race of a ray set, as it is kept.
@@ -39,6 +40,7 @@ struct RaysRace {
     lanes: Vec<Outcome<TraceRecord>>,
     void: Option<String>,
     hooked: Value,
+    race: Option<RaceRecord>,
 }
 
 /// A place while it is measured.
@@ -49,6 +51,7 @@ struct Here<'a> {
     head: Head,
     void: Option<String>,
     hooked: Vec<Value>,
+    races: Vec<RaceRecord>,
 }
 
 /// One window, measured: the controls' rows, then those of its requests in order.
@@ -77,6 +80,7 @@ pub(crate) fn measure(place: &Place<'_>, context: &Context<'_>) -> Result<Measur
         controls: Vec::new(),
         rows: Vec::new(),
         anchors: Vec::new(),
+        races: Vec::new(),
         skipped: here.head.skipped.clone(),
         told: here.head.told.clone(),
         hooked: Vec::new(),
@@ -135,7 +139,7 @@ pub(crate) fn measure(place: &Place<'_>, context: &Context<'_>) -> Result<Measur
             row => found.rows.push(row),
         }
     }
-    (found.hooked, found.void) = (here.hooked, here.void);
+    (found.hooked, found.void, found.races) = (here.hooked, here.void, here.races);
     Ok(found)
 }
 
@@ -159,7 +163,7 @@ impl<'a> Here<'a> {
                 (head, Some(placed))
             }
         };
-        Ok(Self { place, context, placed, head, void: None, hooked: Vec::new() })
+        Ok(Self { place, context, placed, head, void: None, hooked: Vec::new(), races: Vec::new() })
     }
 
     /// Runs the races of a window, or takes them from the journal. `requests` by structure.
@@ -176,12 +180,12 @@ impl<'a> Here<'a> {
         }
         if let Some(placed) = self.placed.as_ref().filter(|_| kept_builds.is_none() || kept.iter().any(Option::is_none))
         {
-            let mut race = self.race(placed, requests)?;
+            let mut race = self.race(number, placed, requests)?;
             match &kept_builds {
                 None => {
-                    let lanes = race.build()?;
+                    let built = race.build()?;
                     self.check_device()?;
-                    let ended = BuildsRace { lanes };
+                    let ended = BuildsRace { lanes: built.outcomes, races: built.races };
                     journal.keep(&builds, &ended)?;
                     kept_builds = Some(ended);
                 }
@@ -205,22 +209,30 @@ impl<'a> Here<'a> {
                     None => Value::Null,
                 };
                 let rays = rays.set.name.to_owned();
-                let ended = RaysRace { rays, lanes: answered.outcomes, void: answered.void, hooked };
+                let ended =
+                    RaysRace { rays, lanes: answered.outcomes, void: answered.void, hooked, race: answered.race };
                 journal.keep(name, &ended)?;
                 *kept = Some(ended);
             }
         }
-        let builds = kept_builds.map(|ended| ended.lanes).unwrap_or_default();
+        let builds = kept_builds.unwrap_or_default();
         Ok(self.rows(number, requests, builds, kept.into_iter().flatten().collect()))
     }
 
     /// A race that everyone has entered who can be created.
-    fn race<'r>(&self, placed: &'r Placed, requests: &[&[usize]]) -> Result<Race<'r>, RunError>
+    fn race<'r>(&self, number: usize, placed: &'r Placed, requests: &[&[usize]]) -> Result<Race<'r>, RunError>
     where
         'a: 'r,
     {
         let film = placed.film.as_ref();
-        let mut race = Race::new(&placed.session, film, self.place.effort, self.context.progress);
+        let setting = Setting {
+            scene: self.head.scene.name.clone(),
+            viewpoint: self.head.viewpoint.name.clone(),
+            window: number as u32,
+            kernels: self.place.effort.timed.then(|| self.context.kernels()).transpose()?,
+            turn: 0,
+        };
+        let mut race = Race::new(&placed.session, film, self.place.effort, self.context.progress, setting);
         let mut lane = Control::ALL.len();
         for stall in requests {
             let request = &self.place.requests[stall[0]];
@@ -260,17 +272,22 @@ impl<'a> Here<'a> {
     }
 
     /// Puts the outcomes of a window's races together, lane by lane.
-    fn rows(
-        &mut self,
-        number: usize,
-        requests: &[&[usize]],
-        builds: Vec<Outcome<Built>>,
-        races: Vec<RaysRace>,
-    ) -> Window {
+    fn rows(&mut self, number: usize, requests: &[&[usize]], builds: BuildsRace, races: Vec<RaysRace>) -> Window {
         let controls = Control::ALL.len();
         let order: Vec<usize> = requests.concat();
+        let of_builds = self.races.len() as u32;
+        self.races.extend(builds.races);
+        let builds = builds.lanes;
         let mut lanes: Vec<Vec<Outcome<TraceRecord>>> = builds.iter().map(|_| Vec::new()).collect();
-        for race in races {
+        for mut race in races {
+            if let Some(record) = race.race.take() {
+                for outcome in &mut race.lanes {
+                    if let Outcome::Measured(trace) = outcome {
+                        trace.times.race = Some(self.races.len() as u32);
+                    }
+                }
+                self.races.push(record);
+            }
             self.void = self.void.take().or(race.void);
             if number == 0 {
                 self.hooked.push(race.hooked);
@@ -280,7 +297,10 @@ impl<'a> Here<'a> {
             }
         }
         let mut window = Window { controls: Vec::new(), rows: Vec::new() };
-        for (lane, (built, traced)) in builds.into_iter().zip(lanes).enumerate() {
+        for (lane, (mut built, traced)) in builds.into_iter().zip(lanes).enumerate() {
+            if let Outcome::Measured(Built { build, .. }) = &mut built {
+                build.times.race = build.times.race.map(|race| race + of_builds);
+            }
             let request = order.get(lane.wrapping_sub(controls)).copied();
             let row = self.row(number, lane, request, built, traced);
             match request {

@@ -13,7 +13,7 @@ use crate::judge::Rule;
 use crate::plan::{Plan, RunPreset, SceneSource, TracerRequest, ViewRequest};
 use crate::progress::Progress;
 use crate::rays::{RAY_SETS, default_parameters};
-use crate::results::Run;
+use crate::results::{Run, Sampling};
 use crate::studies::sweep::{Sweep, parameter_axis};
 use crate::studies::tune::Tune;
 use crate::truth::Cache;
@@ -109,7 +109,7 @@ fn plan() -> Plan {
         tracers: vec![request()],
         ray_sets: RAY_SETS[..1].to_vec(),
         ray_parameters: default_parameters(),
-        preset: RunPreset { ray_image: [8, 8], samples: 1, ..smoke },
+        preset: RunPreset { ray_image: [8, 8], sampling: Sampling::rounds(1), ..smoke },
         view: ViewRequest::Default,
         time_s: 0.0,
         seed: 1,
@@ -157,7 +157,11 @@ fn a_window_of_structures_is_resident() {
             .collect();
         let plan = Plan { tracers: requests, ..plan() };
         let run = measured(|context| execute(&plan, context));
-        assert_eq!((run.runs.len(), run.anchors.len(), run.controls.len()), (most, windows - 1, 3), "{parameter}");
+        assert_eq!(
+            (run.runs.len(), run.anchors.len(), run.controls.len()),
+            (most, windows - 1, controls::Control::ALL.len()),
+            "{parameter}"
+        );
         assert!(MOST_HELD.get() <= WINDOW, "{} structures at a time", MOST_HELD.get());
         let last = run.runs.iter().map(|row| row.window).max();
         assert_eq!(last, Some(windows as u32 - 1));

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::estimate::Estimate;
+
 /// A claim.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -42,7 +44,7 @@ pub enum Test {
         table: String,
         /// The quantity, one of the paper's.
         quantity: String,
-        /// The paper's scenes that it is about, of whose stand-ins alone the quantity is taken; none for all scenes.
+        /// The paper's scenes that it is about, of whose stand-ins alone the quantity is taken; none for all of the table's.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         scenes: Vec<String>,
         /// What it must be.
@@ -79,6 +81,17 @@ pub enum Over {
     Most,
 }
 
+/// What a rule says of what was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decision {
+    /// It is as it must be.
+    Holds,
+    /// It is not.
+    Fails,
+    /// What was found leaves it open.
+    Open,
+}
+
 impl Claim {
     /// The table that measures it, if one does.
     pub fn table(&self) -> Option<&str> {
@@ -90,19 +103,49 @@ impl Claim {
 }
 
 impl Rule {
-    /// Whether a value lies in the range.
-    pub fn takes(&self, value: f64) -> bool {
-        self.least.is_none_or(|least| value >= least) && self.most.is_none_or(|most| value <= most)
+    /// Where an interval lies: within the range, outside of it, or over one of its ends.
+    fn place(&self, found: &Estimate) -> Decision {
+        let [low, high] = found.interval;
+        let (above, below) = (
+            |end: f64| self.most.is_some_and(|most| end > most),
+            |end: f64| self.least.is_some_and(|least| end < least),
+        );
+        match () {
+            () if !found.doubts.is_empty() => Decision::Open,
+            () if above(low) || below(high) => Decision::Fails,
+            () if above(high) || below(low) => Decision::Open,
+            () => Decision::Holds,
+        }
     }
 
-    /// Whether values, at least one, are as they must be.
-    pub fn holds(&self, values: &[f64]) -> bool {
-        let taken = values.iter().filter(|value| self.takes(**value)).count();
+    /// Whether what was found, at least one, is as it must be; open where that hangs on intervals that reach over an end of the range
+    /// or on what is doubted.
+    pub fn decide(&self, found: &[Estimate]) -> Decision {
+        let places: Vec<Decision> = found.iter().map(|each| self.place(each)).collect();
+        let count = |wanted: Decision| places.iter().filter(|place| **place == wanted).count();
+        let (held, failed) = (count(Decision::Holds), count(Decision::Fails));
         match self.over {
-            Over::Median => self.takes(crate::statistics::median(values)),
-            Over::Every => taken == values.len(),
-            Over::Most => 2 * taken > values.len(),
+            // What is doubted may lie anywhere.
+            Over::Median => {
+                let end = |of: fn(&Estimate) -> f64, open: f64| {
+                    let ends = found.iter().map(|each| if each.doubts.is_empty() { of(each) } else { open });
+                    crate::statistics::median(&ends.collect::<Vec<_>>())
+                };
+                let interval =
+                    [end(|each| each.interval[0], f64::NEG_INFINITY), end(|each| each.interval[1], f64::INFINITY)];
+                self.place(&Estimate::timed(0.0, interval, []))
+            }
+            Over::Every if failed > 0 => Decision::Fails,
+            Over::Every if held == found.len() => Decision::Holds,
+            Over::Most if 2 * held > found.len() => Decision::Holds,
+            Over::Most if 2 * (found.len() - failed) <= found.len() => Decision::Fails,
+            Over::Every | Over::Most => Decision::Open,
         }
+    }
+
+    /// Whether what was found of one scene leaves open on which side of an end of the range it is.
+    pub(super) fn leaves_open(&self, found: &Estimate) -> bool {
+        self.place(found) == Decision::Open
     }
 
     /// The rule in words.

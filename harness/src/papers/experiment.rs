@@ -7,6 +7,7 @@ use crate::plan::{Plan, RunPreset, TracerRequest};
 use crate::rays::MOST_RAYS;
 use crate::registry;
 use crate::report::chart::series::SeriesChart;
+use crate::results::SceneRecord;
 
 /// A paper's table or figure, measured here.
 #[derive(Debug)]
@@ -27,6 +28,8 @@ pub struct Experiment {
     pub end: EndPoint,
     /// What is run one after the other.
     pub steps: &'static [Step],
+    /// Whether rows stand at every choice of [`MEANS`] that their tracer has: where traces of methods are compared.
+    pub means: bool,
     /// What the page shows of it before its rows.
     pub(crate) sections: &'static [Section],
     /// The charts of the page.
@@ -57,9 +60,14 @@ pub struct Step {
     pub resolution: f64,
     /// Factor on the edges of the faces on top of it.
     pub faces: f64,
+    /// Time of the animation where nothing else is said, seconds.
+    pub time_s: f64,
     /// Who runs.
     pub rows: &'static [Row],
 }
+
+/// How searches read and are launched, of tracers that have the choice: parameters with the values that tables show.
+pub(super) const MEANS: [(&str, &[&str]); 2] = [("reads", &["buffer", "texture"]), ("rays_per_lane", &["1", "32"])];
 
 /// A tracer with every combination of values of its parameters.
 #[derive(Debug, PartialEq)]
@@ -90,7 +98,12 @@ pub(super) const fn stands_for(scene: &'static str, published: &'static str) -> 
 
 /// A step at a factor on every resolution.
 pub(super) const fn at(resolution: f64, rows: &'static [Row]) -> Step {
-    Step { resolution, faces: 1.0, rows }
+    Step { resolution, faces: 1.0, time_s: 0.0, rows }
+}
+
+/// A step at a time of the animation.
+pub(super) const fn at_time(time_s: f64, rows: &'static [Row]) -> Step {
+    Step { resolution: 1.0, faces: 1.0, time_s, rows }
 }
 
 /// A tracer as published.
@@ -109,10 +122,11 @@ pub struct TooManyRays {
 impl Experiment {
     /// The tracers of each step; a value in the published preset counts as named all the same, so that labels tell it.
     pub fn requests(&self) -> Vec<Vec<TracerRequest>> {
-        self.steps.iter().map(|step| step.rows.iter().flat_map(Row::requests).collect()).collect()
+        let means = if self.means { &MEANS[..] } else { &[] };
+        self.steps.iter().map(|step| step.rows.iter().flat_map(|row| row.requests(means)).collect()).collect()
     }
 
-    /// What is to be run: the base plan at the resolution of every step, with its tracers.
+    /// What is to be run: the base plan at the resolution and time of every step, with its tracers.
     ///
     /// # Errors
     /// If a step has more rays than one set may have.
@@ -124,14 +138,16 @@ impl Experiment {
                 return Err(TooManyRays { rays, factor: step.resolution.to_string() });
             }
             let end = if base.end == EndPoint::Surface { base.end } else { self.end };
-            Ok(Plan { preset, end, tracers: tracers.clone(), table: Some(self.name), ..base.clone() })
+            let time_s = if base.time_s == 0.0 { step.time_s } else { base.time_s };
+            Ok(Plan { preset, end, time_s, tracers: tracers.clone(), table: Some(self.name), ..base.clone() })
         };
         self.steps.iter().zip(steps).map(plan).collect()
     }
 
-    /// The paper's scene that a scene stands for.
-    pub fn stands_for(&self, scene: &str) -> Option<&'static str> {
-        self.scenes.iter().find(|each| each.scene == scene).map(|each| each.published)
+    /// The paper's scene that a scene stands for: one of the catalogue does at its own scale, a file of the same name does not.
+    pub fn stands_for(&self, scene: &SceneRecord) -> Option<&'static str> {
+        let whole = scene.scale == Some(1.0);
+        self.scenes.iter().find(|each| whole && each.scene == scene.name).map(|each| each.published)
     }
 
     /// Whether a tracer of this name belongs into the table.
@@ -154,10 +170,13 @@ impl Step {
 }
 
 impl Row {
-    fn requests(&self) -> Vec<TracerRequest> {
+    /// With every combination of its values, and of those of means that its tracer has.
+    fn requests(&self, means: &[(&str, &[&str])]) -> Vec<TracerRequest> {
         let Some(registration) = registry::find(self.tracer) else { return Vec::new() };
+        let known = (registration.describe)().parameters;
+        let means = means.iter().filter(|(name, _)| known.iter().any(|parameter| parameter.name == *name));
         let mut requests = vec![TracerRequest::of(registration, Preset::Published)];
-        for (parameter, values) in self.values {
+        for (parameter, values) in self.values.iter().chain(means) {
             let with = |request: &TracerRequest, value: &str| {
                 let mut request = request.clone();
                 // A test holds every value against its parameter's range.

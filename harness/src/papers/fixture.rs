@@ -6,7 +6,10 @@ use tracebench_api::{ClockKind, MemoryEntry, Query};
 
 use super::{Paper, Rows, files, find};
 pub(super) use crate::report::fixture::{COUNT, Quality, run};
-use crate::results::{CounterRecord, Judgement, PhaseRecord, Run, TraceRecord, TracerRun};
+use crate::results::{
+    CounterRecord, EndedBy, Judgement, LEAST_ROUNDS, PhaseRecord, RaceRecord, Run, Sampling, Times, TraceRecord,
+    TracerRun,
+};
 
 /// A contender of a scene: its parameters, what its structure says of itself, its ray sets.
 pub(super) fn contender(
@@ -41,7 +44,7 @@ pub(super) fn run_of(runs: Vec<TracerRun>) -> Run {
 /// A quantity of a paper by scene.
 pub(super) fn values(paper: &Paper, name: &str, run: &Run) -> BTreeMap<String, f64> {
     let found = paper.quantity(name).unwrap().values(&Rows::of(run));
-    found.into_iter().map(|each| (each.scene, each.value)).collect()
+    found.into_iter().map(|each| (each.scene, each.found.value)).collect()
 }
 
 /// A quantity of a paper in a run of one scene, or over all scenes.
@@ -53,15 +56,56 @@ pub(super) fn value(paper: &Paper, name: &str, run: &Run) -> f64 {
 
 pub(super) fn set_time(run: &mut TracerRun, rays: &str, ms: f64) {
     let trace = run.traces.iter_mut().find(|trace| trace.rays == rays).unwrap();
-    (trace.times.median_ms, trace.times.submit_to_done_median_ms) = (ms, Some(ms));
+    all_rounds(&mut trace.times, ms);
+}
+
+/// As many rounds as a verdict takes, all alike.
+pub(super) fn all_rounds(times: &mut Times, ms: f64) {
+    (times.samples_ms, times.interval_ms) = (vec![ms; 12], [ms; 2]);
+    (times.median_ms, times.submit_to_done_median_ms) = (ms, Some(ms));
+    times.submit_to_done_samples_ms = vec![ms; 12];
+}
+
+/// The run with every time in a race: the builds in one, each ray set in one of its own.
+pub(super) fn in_races(mut run: Run) -> Run {
+    let mut works = vec!["builds".to_owned()];
+    for row in &mut run.runs {
+        row.build.times.race = Some(0);
+        for trace in &mut row.traces {
+            let known = works.iter().position(|work| *work == trace.rays);
+            trace.times.race = Some(known.unwrap_or(works.len()) as u32);
+            works.extend(known.is_none().then(|| trace.rays.clone()));
+        }
+    }
+    let race = |work: String| RaceRecord {
+        scene: "room".to_owned(),
+        viewpoint: "door".to_owned(),
+        window: 0,
+        work,
+        lanes: Vec::new(),
+        order_seed: 1,
+        orders: Vec::new(),
+        warm_up_rounds: 1,
+        sampling: Sampling { least_rounds: LEAST_ROUNDS, further: None },
+        ended_by: EndedBy::Rounds,
+        sampled_s: 1.0,
+        widest_interval: None,
+        kernels: Vec::new(),
+        drift: false,
+        twice: Vec::new(),
+        repeated_because: None,
+    };
+    run.races = works.into_iter().map(race).collect();
+    run
 }
 
 pub(super) fn set_phase(run: &mut TracerRun, name: &str, ms: f64) {
-    run.build.times.phases = vec![PhaseRecord { name: name.to_owned(), median_ms: ms, samples_ms: vec![ms] }];
+    let rounds = run.build.times.samples_ms.len();
+    run.build.times.phases = vec![PhaseRecord { name: name.to_owned(), median_ms: ms, samples_ms: vec![ms; rounds] }];
 }
 
 pub(super) fn set_build(run: &mut TracerRun, ms: f64) {
-    (run.build.times.median_ms, run.build.times.submit_to_done_median_ms) = (ms, Some(ms));
+    all_rounds(&mut run.build.times, ms);
 }
 
 pub(super) fn set_bytes(run: &mut TracerRun, parts: &[(&str, u64)]) {

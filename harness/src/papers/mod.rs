@@ -8,6 +8,8 @@
 
 mod claims;
 mod dirt;
+mod duration;
+mod estimate;
 mod experiment;
 #[cfg(test)]
 mod fixture;
@@ -17,17 +19,20 @@ mod quantity;
 mod rows;
 #[cfg(test)]
 mod tests;
+mod times;
 mod verdict;
 mod vvp16;
 
-pub use claims::{Claim, Over, Rule, Test};
+pub use claims::{Claim, Decision, Over, Rule, Test};
+pub use duration::Duration;
+pub use estimate::Estimate;
 pub use experiment::{Experiment, Part, Row, StandIn, Step, TooManyRays};
 pub(crate) use page::files;
 pub use page::{claims_text, write_claims};
 pub use published::{Publication, Published, PublishedColumn, PublishedRow, PublishedTable, Setting};
-pub use quantity::{Measure, Quantity};
+pub use quantity::{Measure, OfScene, Quantity};
 pub use rows::{Rows, SceneRows};
-use tracebench_api::EndPoint;
+use tracebench_api::{EndPoint, MemoryEntry};
 pub use verdict::{JudgedClaim, MeasuredBy, SceneValue, Verdict, judge, judge_all};
 
 use crate::results::TracerRun;
@@ -52,8 +57,30 @@ pub struct Paper {
     quantities: &'static [&'static [Quantity]],
     /// Counts that structures say of themselves and its pages show, with their headings.
     counts: &'static [(&'static str, &'static str)],
-    /// Tracers with those buffers of a trace to surfaces, by name, that it counts as their memory.
+    /// Tracers with those buffers of a trace, by name, that it counts as their memory beside the structure.
     of_a_trace: &'static [(&'static str, &'static [&'static str])],
+    /// Bytes of these buffers as the paper's own set-up has them, which are not allocated here.
+    own_buffers: fn(&TracerRun) -> f64,
+}
+
+/// What is counted as memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Scope {
+    /// The structure alone, what it uses by its own ledger.
+    Structure,
+    /// With it those buffers of a trace that the paper counts, as the ledger has them.
+    WithTrace,
+    /// With the structure the paper's own buffers, computed: those of its formula, in its own set-up.
+    OfPaper,
+}
+
+impl Scope {
+    /// Every scope, with what it is called on pages.
+    pub(crate) const ALL: [(Self, &'static str); 3] = [
+        (Self::Structure, "structure alone, used (MiB) ↓"),
+        (Self::WithTrace, "with the buffers of a trace, by the ledger (MiB) ↓"),
+        (Self::OfPaper, "with the paper's own buffers, computed, not allocated (MiB) ↓"),
+    ];
 }
 
 /// Finds a paper by its short name.
@@ -77,15 +104,21 @@ impl Paper {
         self.quantities.iter().copied().flatten().find(|quantity| quantity.name == name)
     }
 
-    /// Bytes that a structure uses, by its own ledger, and with them those buffers of a trace to surfaces that the paper counts.
-    pub(crate) fn bytes(&self, run: &TracerRun) -> f64 {
-        let counted = |name: &str| {
-            self.of_a_trace.iter().any(|(tracer, names)| *tracer == run.tracer.name && names.contains(&name))
+    /// Bytes in a scope; none of a trace where none goes to surfaces.
+    pub(crate) fn bytes(&self, run: &TracerRun, scope: Scope) -> Option<f64> {
+        let used = |parts: &[MemoryEntry], counted: &dyn Fn(&str) -> bool| -> f64 {
+            parts.iter().filter(|part| counted(&part.name)).map(|part| part.used_bytes as f64).sum()
         };
-        let to_surfaces = run.traces.iter().find(|trace| trace.end == EndPoint::Surface);
-        let of_a_trace = to_surfaces.into_iter().flat_map(|trace| &trace.per_trace);
-        let parts = run.memory.structure.iter().chain(of_a_trace.filter(|part| counted(&part.name)));
-        parts.map(|part| part.used_bytes as f64).sum()
+        let further = match scope {
+            Scope::Structure => 0.0,
+            Scope::WithTrace => {
+                let to_surfaces = run.traces.iter().find(|trace| trace.end == EndPoint::Surface)?;
+                let of = self.of_a_trace.iter().find(|(tracer, _)| *tracer == run.tracer.name);
+                used(&to_surfaces.per_trace, &|name| of.is_some_and(|(_, names)| names.contains(&name)))
+            }
+            Scope::OfPaper => (self.own_buffers)(run),
+        };
+        Some(used(&run.memory.structure, &|_| true) + further)
     }
 
     /// What it printed.

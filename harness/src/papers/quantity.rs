@@ -1,15 +1,28 @@
 //! Quantities that decide claims: functions of a run, by name.
 
+use super::estimate::Estimate;
 use super::rows::{Rows, SceneRows};
-use super::verdict::SceneValue;
 
 /// Of what a quantity is a value.
 #[derive(Clone, Copy, Debug)]
 pub enum Measure {
-    /// Of every scene that has the rows for it.
+    /// Of every scene that has the rows for it, counted.
     Scene(fn(&SceneRows<'_>) -> Option<f64>),
-    /// Of all scenes together.
+    /// Of all scenes together, counted.
     Scenes(fn(&[SceneRows<'_>]) -> Option<f64>),
+    /// Of every scene that has the rows for it, timed.
+    TimedScene(fn(&SceneRows<'_>) -> Option<Estimate>),
+    /// Of all scenes together, timed.
+    TimedScenes(fn(&[SceneRows<'_>]) -> Option<Estimate>),
+}
+
+/// A quantity of one scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OfScene {
+    /// The scene.
+    pub scene: String,
+    /// Its value.
+    pub found: Estimate,
 }
 
 /// A quantity.
@@ -25,15 +38,19 @@ pub struct Quantity {
 
 impl Quantity {
     /// Its values in a run; none where the run lacks the rows. What is no number is none.
-    pub fn values(&self, rows: &Rows<'_>) -> Vec<SceneValue> {
-        let value = |scene: &str, value: f64| SceneValue { scene: scene.to_owned(), value };
-        let found: Vec<SceneValue> = match self.measure {
-            Measure::Scene(of) => {
-                rows.scenes.iter().filter_map(|scene| Some(value(&scene.label, of(scene)?))).collect()
-            }
-            Measure::Scenes(of) => of(&rows.scenes).map(|found| value("all scenes", found)).into_iter().collect(),
+    pub fn values(&self, rows: &Rows<'_>) -> Vec<OfScene> {
+        let of = |scene: &str, found: Estimate| OfScene { scene: scene.to_owned(), found };
+        let each = |value: &dyn Fn(&SceneRows<'_>) -> Option<Estimate>| -> Vec<OfScene> {
+            rows.scenes.iter().filter_map(|scene| Some(of(&scene.label, value(scene)?))).collect()
         };
-        found.into_iter().filter(|found| found.value.is_finite()).collect()
+        let all = |found: Option<Estimate>| found.map(|found| of("all scenes", found)).into_iter().collect();
+        let found: Vec<OfScene> = match self.measure {
+            Measure::Scene(value) => each(&|scene| value(scene).map(Estimate::from)),
+            Measure::TimedScene(value) => each(&value),
+            Measure::Scenes(value) => all(value(&rows.scenes).map(Estimate::from)),
+            Measure::TimedScenes(value) => all(value(&rows.scenes)),
+        };
+        found.into_iter().filter(|each| each.found.value.is_finite()).collect()
     }
 }
 
@@ -51,6 +68,22 @@ pub(super) const fn of_scenes(
     of: fn(&[SceneRows<'_>]) -> Option<f64>,
 ) -> Quantity {
     Quantity { name, unit, measure: Measure::Scenes(of) }
+}
+
+pub(super) const fn timed_of_scene(
+    name: &'static str,
+    unit: &'static str,
+    of: fn(&SceneRows<'_>) -> Option<Estimate>,
+) -> Quantity {
+    Quantity { name, unit, measure: Measure::TimedScene(of) }
+}
+
+pub(super) const fn timed_of_scenes(
+    name: &'static str,
+    unit: &'static str,
+    of: fn(&[SceneRows<'_>]) -> Option<Estimate>,
+) -> Quantity {
+    Quantity { name, unit, measure: Measure::TimedScenes(of) }
 }
 
 pub(super) const PERCENT: &str = "%";

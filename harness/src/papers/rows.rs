@@ -1,9 +1,11 @@
 //! A run's rows as quantities look at them: by scene, by parameters, by resolution.
 
+use std::collections::BTreeSet;
+
 use serde_json::Value;
 
 use super::experiment::Experiment;
-use crate::results::{Judgement, Run, Skipped, TraceRecord, TracerRun, same_pose, time_ratio};
+use crate::results::{Judgement, Run, Skipped, TraceRecord, TracerRun, same_pose};
 
 /// A run by scene.
 pub struct Rows<'a> {
@@ -16,6 +18,8 @@ pub struct Rows<'a> {
 /// What was measured of one scene from one viewpoint, at every resolution.
 #[derive(Clone)]
 pub struct SceneRows<'a> {
+    /// The run that it is of.
+    pub run: &'a Run,
     /// The scene's name, with the viewpoint's where the scene stands there twice.
     pub label: String,
     /// Its contenders.
@@ -33,26 +37,42 @@ impl<'a> Rows<'a> {
                 Some(scene) => scene.runs.push(one),
                 None => {
                     let skipped = run.skipped.iter().filter(|skipped| skipped.scene == one.scene.name).collect();
-                    scenes.push(SceneRows { label: one.scene.name.clone(), runs: vec![one], skipped });
+                    scenes.push(SceneRows { run, label: one.scene.name.clone(), runs: vec![one], skipped });
                 }
             }
         }
         let names: Vec<String> = scenes.iter().map(|scene| scene.label.clone()).collect();
+        let times: Vec<(String, f64)> =
+            scenes.iter().map(|scene| (scene.label.clone(), scene.runs[0].viewpoint.time_s)).collect();
         for scene in &mut scenes {
-            if names.iter().filter(|name| **name == scene.label).count() > 1 {
+            let viewpoint = &scene.runs[0].viewpoint;
+            if times.iter().any(|(name, time_s)| *name == scene.label && *time_s != viewpoint.time_s) {
+                scene.label = format!("{} at {} s", scene.label, viewpoint.time_s);
+            } else if names.iter().filter(|name| **name == scene.label).count() > 1 {
                 scene.label = format!("{} from {}", scene.label, scene.runs[0].viewpoint.name);
             }
         }
         Self { run, scenes }
     }
 
-    /// The scenes alone that stand for some of a paper's in an experiment.
+    /// The scenes alone that stand for some of a paper's in an experiment, for any of them where none is named.
     pub(super) fn standing_for(&self, experiment: &Experiment, published: &[String]) -> Self {
         let wanted = |scene: &&SceneRows<'_>| {
-            let name = scene.runs.first().and_then(|run| experiment.stands_for(&run.scene.name));
-            name.is_some_and(|name| published.iter().any(|each| each == name))
+            let name = scene.runs.first().and_then(|run| experiment.stands_for(&run.scene));
+            name.is_some_and(|name| published.is_empty() || published.iter().any(|each| each == name))
         };
         Self { run: self.run, scenes: self.scenes.iter().filter(wanted).cloned().collect() }
+    }
+
+    /// How many scenes there are, whatever the viewpoints and times.
+    pub(super) fn names(&self) -> usize {
+        self.scenes.iter().map(|scene| &scene.runs[0].scene.name).collect::<BTreeSet<_>>().len()
+    }
+
+    /// How many rows there are of an experiment's own, and how many it has over all its scenes.
+    pub(super) fn of_all(&self, experiment: &Experiment) -> [usize; 2] {
+        let own = self.standing_for(experiment, &[]).scenes.iter().map(|scene| scene.runs.len()).sum();
+        [own, experiment.scenes.len() * experiment.requests().iter().map(Vec::len).sum::<usize>()]
     }
 }
 
@@ -116,6 +136,7 @@ impl<'a> SceneRows<'a> {
         resolutions.sort_unstable();
         resolutions.dedup();
         let at = |wanted: [u64; 3]| SceneRows {
+            run: self.run,
             label: self.label.clone(),
             runs: self.runs.iter().filter(|run| resolution(run) == wanted).copied().collect(),
             skipped: self.skipped.clone(),
@@ -134,11 +155,6 @@ fn resolution(run: &TracerRun) -> [u64; 3] {
 /// A tracer's trace of a ray set.
 pub(crate) fn trace<'a>(run: &'a TracerRun, rays: &str) -> Option<&'a TraceRecord> {
     run.traces.iter().find(|trace| trace.rays == rays)
-}
-
-/// How many times as long a trace of a ray set takes in one row as in another.
-pub(crate) fn trace_ratio(one: &TracerRun, other: &TracerRun, rays: &str) -> Option<f64> {
-    time_ratio(&trace(one, rays)?.times, &trace(other, rays)?.times)
 }
 
 /// What a structure says of itself.

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::dirt::tests::{dirt, over_buckets};
-use super::fixture::run_of;
+use super::fixture::{in_races, run_of, set_build};
 use super::vvp16::tests::variants;
 use super::*;
 use crate::plan::{RUN_PRESETS, TracerRequest};
@@ -95,7 +95,12 @@ fn experiments_name_what_exists() {
         assert!(experiment.published.iter().all(|id| published.iter().any(|table| table.id == *id)));
         assert!(experiment.settings.iter().all(|setting| setting.starts_with("rays.")));
         for (step, requests) in experiment.steps.iter().zip(experiment.requests()) {
-            let combinations = |row: &Row| row.values.iter().map(|(_, values)| values.len()).product::<usize>();
+            let combinations = |row: &Row| {
+                let known = (crate::registry::find(row.tracer).unwrap().describe)().parameters;
+                let has = |name: &str| experiment.means && known.iter().any(|parameter| parameter.name == name);
+                let means = experiment::MEANS.iter().filter(|(name, _)| has(name));
+                row.values.iter().chain(means).map(|(_, values)| values.len()).product::<usize>()
+            };
             assert_eq!(requests.len(), step.rows.iter().map(combinations).sum::<usize>(), "{}", experiment.name);
             for (index, request) in requests.iter().enumerate() {
                 let same =
@@ -148,11 +153,40 @@ fn rules_hold_over_what_they_name() {
         (vec![0.0, 1.0, 1.0, 9.0], [true, false, false]),
         (vec![3.0], [false, false, false]),
     ] {
-        assert_eq!([median, every, most].map(|rule| rule.holds(&values)), expected, "{values:?}");
+        let counted: Vec<Estimate> = values.iter().copied().map(Estimate::from).collect();
+        let expected = expected.map(|holds| if holds { Decision::Holds } else { Decision::Fails });
+        assert_eq!([median, every, most].map(|rule| rule.decide(&counted)), expected, "{values:?}");
     }
     let open = Rule { over: Over::Every, least: None, most: Some(0.0) };
-    assert!(open.holds(&[-5.0, 0.0]) && !open.holds(&[1e-9]));
+    assert_eq!(open.decide(&[(-5.0).into(), 0.0.into()]), Decision::Holds);
+    assert_eq!(open.decide(&[1e-9.into()]), Decision::Fails);
     assert_eq!(open.words(), "every scene at most 0");
+}
+
+/// What is timed decides where its interval lies on one side of every end of the range, and where nothing hangs on those that do
+/// not; what is doubted decides nothing, however clear its interval.
+#[test]
+fn open_intervals_decide_nothing() {
+    let rule = |over| Rule { over, least: Some(1.0), most: Some(2.0) };
+    let rules = [Over::Median, Over::Every, Over::Most].map(rule);
+    let timed = |interval: [f64; 2]| Estimate::timed(f64::midpoint(interval[0], interval[1]), interval, []);
+    let doubted = timed([1.4, 1.6]).doubted("drift".to_owned());
+    let [inside, below, over_end] = [[1.2, 1.8], [0.1, 0.2], [1.5, 2.1]].map(timed);
+    use Decision::{Fails, Holds, Open};
+    for (found, expected) in [
+        (vec![&inside], [Holds; 3]),
+        (vec![&below], [Fails; 3]),
+        (vec![&over_end], [Open; 3]),
+        (vec![&doubted], [Open; 3]),
+        (vec![&inside, &inside, &doubted], [Holds, Open, Holds]),
+        (vec![&inside, &inside, &over_end], [Holds, Open, Holds]),
+        (vec![&inside, &below, &over_end], [Holds, Fails, Open]),
+        (vec![&below, &over_end], [Open, Fails, Fails]),
+        (vec![&below, &below, &doubted], [Fails; 3]),
+    ] {
+        let found: Vec<Estimate> = found.into_iter().cloned().collect();
+        assert_eq!(rules.map(|rule| rule.decide(&found)), expected, "{found:?}");
+    }
 }
 
 fn claim_of(id: &str) -> (&'static Paper, Claim) {
@@ -166,20 +200,31 @@ fn verdicts_follow_from_values() {
     let (paper, claim) = claim_of("dirt-references-2x2");
     let run = |saved: f64| {
         let of = move |tile_size: u64, _| (1000, if tile_size == 1 { 1000.0 } else { 1000.0 * (1.0 - saved) });
-        run_of([over_buckets("a", of), over_buckets("b", of)].concat())
+        run_of([over_buckets("cloth", of), over_buckets("room", of)].concat())
     };
-    let judged = |run: &Run| judge(paper, &claim, "dirt-figure10", &Rows::of(run));
+    let judged = |run: &Run| judge(paper, &claim, &Rows::of(run));
     let holds = judged(&run(0.56));
     assert_eq!((holds.verdict, holds.values.len(), holds.reason), (Verdict::Holds, 2, None));
     assert!((holds.median.unwrap() - 56.0).abs() < 1e-9);
     assert_eq!(holds.measured_by.unwrap().table, "dirt-figure10");
     let fails = judged(&run(0.2));
     assert!(fails.verdict == Verdict::DoesNotHold && (fails.values[0].value - 20.0).abs() < 1e-9);
-    let lacking = judged(&run_of(vec![dirt("a", json!({ "tile_size": "1", "buckets": 24 }), &[("references", 5.0)])]));
+    let lacking =
+        judged(&run_of(vec![dirt("room", json!({ "tile_size": "1", "buckets": 24 }), &[("references", 5.0)])]));
     assert!(lacking.verdict == Verdict::NotMeasured && lacking.values.is_empty() && lacking.reason.is_some());
-    assert_eq!(judge(paper, &claim, "dirt-table1", &Rows::of(&run(0.56))).verdict, Verdict::NotMeasured);
+    assert_eq!((lacking.scenes, lacking.measured_by.unwrap().rows), ([1, 3], [1, 45]));
+    // What stands for none of the paper's scenes decides nothing: another scene, a smaller one, a file of the same name.
+    for (name, scale) in [("barn", Some(1.0)), ("cloth", Some(0.05)), ("cloth", None)] {
+        let mut other = run(0.56);
+        for one in &mut other.runs {
+            (one.scene.name, one.scene.scale) = (name.to_owned(), scale);
+        }
+        let judged = judged(&other);
+        assert_eq!((judged.verdict, judged.scenes), (Verdict::NotMeasured, [0, 3]), "{name} {scale:?}");
+        assert!(!judged.values.is_empty());
+    }
     let (_, never) = claim_of("dirt-hiz-speedup");
-    assert_eq!(judge(paper, &never, "dirt-table2", &Rows::of(&run(0.56))).verdict, Verdict::NotMeasurable);
+    assert_eq!(judge(paper, &never, &Rows::of(&run(0.56))).verdict, Verdict::NotMeasurable);
 }
 
 /// Claims about times of rasterization are decided on hardware alone; on a software adapter the values stand all the same.
@@ -187,19 +232,19 @@ fn verdicts_follow_from_values() {
 fn rasterization_is_timed_on_hardware_alone() {
     let (paper, claim) = claim_of("dirt-buckets-build-linear");
     assert!(claim.needs_hardware_raster);
-    let mut runs = over_buckets("a", |_, _| (1000, 1000.0));
+    let mut runs = over_buckets("room", |_, _| (1000, 1000.0));
     for run in &mut runs {
         let step = (run.tracer.parameters["buckets"].as_f64().unwrap() - 8.0) / 8.0;
-        run.build.times.median_ms = 10.0 * 1.02_f64.powf(step);
+        set_build(run, 10.0 * 1.02_f64.powf(step));
     }
-    let software = run_of(runs);
+    let software = in_races(run_of(runs));
     let mut hardware = software.clone();
     hardware.provenance.machine.adapter.as_mut().unwrap().kind = "discrete".to_owned();
-    let judged = |run: &Run| judge(paper, &claim, "dirt-figure10", &Rows::of(run));
+    let judged = |run: &Run| judge(paper, &claim, &Rows::of(run));
     let (here, there) = (judged(&software), judged(&hardware));
     assert_eq!((here.verdict, there.verdict), (Verdict::NotMeasurable, Verdict::Holds));
     assert!(here.values == there.values && (here.median.unwrap() - 2.0).abs() < 1e-9);
-    hardware.runs.iter_mut().for_each(|run| run.build.times.median_ms = 10.0);
+    hardware.runs.iter_mut().for_each(|run| set_build(run, 10.0));
     assert_eq!(judged(&hardware).verdict, Verdict::DoesNotHold);
     hardware.provenance.machine.adapter = None;
     assert_eq!(judged(&hardware).verdict, Verdict::NotMeasurable);
@@ -209,11 +254,11 @@ fn rasterization_is_timed_on_hardware_alone() {
 #[test]
 fn claims_are_set_together() {
     let of = |tile_size: u64, _| (1000, 1000.0 / tile_size as f64);
-    let run = Run { table: Some("dirt-figure10".to_owned()), ..run_of(over_buckets("a", of)) };
+    let run = Run { table: Some("dirt-figure10".to_owned()), ..run_of(over_buckets("room", of)) };
     let none = judge_all(&dirt::PAPER, &[]).unwrap();
     let of_vvp16 = judge_all(&vvp16::PAPER, &[]).unwrap();
     assert_eq!([none.len(), of_vvp16.len()], [&dirt::PAPER, &vvp16::PAPER].map(|paper| paper.claims().unwrap().len()));
-    assert_eq!(of_vvp16.len(), 61);
+    assert_eq!(of_vvp16.len(), 62);
     assert!(none.iter().all(|each| matches!(each.verdict, Verdict::NotMeasured | Verdict::NotMeasurable)));
     let missing = none.iter().find(|each| each.claim.id == "dirt-samples-2x2").unwrap();
     assert!(missing.reason.as_ref().unwrap().contains("tracebench table dirt-figure10"));
@@ -247,12 +292,12 @@ fn claims_about_a_scene_look_at_its_stand_in() {
     let judged = |scene: &str| {
         let mut runs = variants(scene, [3.0, 1.0]);
         runs.extend(variants("elsewhere", [1.0, 1.0]));
-        let run = run_of(runs);
-        judge(paper, &claim, table, &Rows::of(&run))
+        let run = in_races(run_of(runs));
+        judge(paper, &claim, &Rows::of(&run))
     };
     let found = judged(stand_in);
     assert!(found.values.len() == 1 && found.values[0].scene == stand_in, "{:?}", found.values);
     assert!((found.median.unwrap() - 200.0).abs() < 1e-9 && found.verdict == Verdict::Holds);
     let none = judged("nowhere");
-    assert!(none.values.is_empty() && none.verdict == Verdict::NotMeasured && none.reason.unwrap().contains("Ruins"));
+    assert!(none.verdict == Verdict::NotMeasured && none.reason.unwrap().contains("Ruins"));
 }

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::claims::{Claim, Test};
+use super::claims::{Claim, Decision, Rule, Test};
+use super::quantity::OfScene;
 use super::rows::Rows;
 use super::{DataError, Paper};
 use crate::results::Run;
@@ -16,6 +17,9 @@ pub enum Verdict {
     /// What was measured is not as claimed.
     #[serde(rename = "does not hold here")]
     DoesNotHold,
+    /// What was measured does not tell.
+    #[serde(rename = "undecided")]
+    Undecided,
     /// Nothing here can tell.
     #[serde(rename = "not measurable here")]
     NotMeasurable,
@@ -26,13 +30,15 @@ pub enum Verdict {
 
 impl Verdict {
     /// Every verdict.
-    pub const ALL: [Self; 4] = [Self::Holds, Self::DoesNotHold, Self::NotMeasurable, Self::NotMeasured];
+    pub const ALL: [Self; 5] =
+        [Self::Holds, Self::DoesNotHold, Self::Undecided, Self::NotMeasurable, Self::NotMeasured];
 
     /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Holds => "holds",
             Self::DoesNotHold => "does not hold here",
+            Self::Undecided => "undecided",
             Self::NotMeasurable => "not measurable here",
             Self::NotMeasured => "not measured",
         }
@@ -46,6 +52,15 @@ pub struct SceneValue {
     pub scene: String,
     /// The value.
     pub value: f64,
+    /// Where it lies, if a time is in it; an end that is `null` is open.
+    pub interval: Option<[f64; 2]>,
+}
+
+impl From<&OfScene> for SceneValue {
+    fn from(of: &OfScene) -> Self {
+        let OfScene { scene, found } = of;
+        Self { scene: scene.clone(), value: found.value, interval: found.timed.then_some(found.interval) }
+    }
 }
 
 /// A claim with what is said of it.
@@ -63,6 +78,8 @@ pub struct JudgedClaim {
     pub unit: &'static str,
     /// Their median.
     pub median: Option<f64>,
+    /// How many of the scenes that it is about were measured, and how many there are.
+    pub scenes: [usize; 2],
     /// The run that has them.
     pub measured_by: Option<MeasuredBy>,
 }
@@ -72,6 +89,8 @@ pub struct JudgedClaim {
 pub struct MeasuredBy {
     /// The table.
     pub table: String,
+    /// How many of the table's rows it has, and how many there are.
+    pub rows: [usize; 2],
     /// Where.
     pub machine: String,
     /// The run preset.
@@ -88,8 +107,8 @@ impl JudgedClaim {
     }
 
     fn without_values(claim: Claim, verdict: Verdict, reason: String) -> Self {
-        let (values, unit, median, measured_by) = (Vec::new(), "", None, None);
-        Self { claim, verdict, reason: Some(reason), values, unit, median, measured_by }
+        let (values, unit, median, scenes, measured_by) = (Vec::new(), "", None, [0; 2], None);
+        Self { claim, verdict, reason: Some(reason), values, unit, median, scenes, measured_by }
     }
 }
 
@@ -99,45 +118,75 @@ fn on_hardware(run: &Run) -> bool {
 }
 
 /// Judges one claim of a paper by a run that was made for its table, or is taken for it.
-pub fn judge(paper: &Paper, claim: &Claim, table: &str, rows: &Rows<'_>) -> JudgedClaim {
-    let (wanted, name, scenes, rule) = match &claim.test {
+pub fn judge(paper: &Paper, claim: &Claim, rows: &Rows<'_>) -> JudgedClaim {
+    let (table, name, scenes, rule) = match &claim.test {
         Test::NotMeasurable { not_measurable } => {
             return JudgedClaim::not_measurable(claim, not_measurable);
         }
         Test::Measured { table, quantity, scenes, rule } => (table, quantity, scenes, rule),
     };
-    let quantity = paper.quantity(name).filter(|_| wanted == table);
-    let about = paper.experiment(wanted).filter(|_| !scenes.is_empty()).map(|made| rows.standing_for(made, scenes));
-    let values = quantity.map(|quantity| quantity.values(about.as_ref().unwrap_or(rows))).unwrap_or_default();
-    let plain: Vec<f64> = values.iter().map(|value| value.value).collect();
-    let (verdict, reason) = if values.is_empty() {
-        let scene =
-            if scenes.is_empty() { "scene".to_owned() } else { format!("scene in place of {}", scenes.join(" or ")) };
-        (Verdict::NotMeasured, Some(format!("the run has no {scene} with the rows of {wanted} that it takes")))
-    } else if claim.needs_hardware_raster && !on_hardware(rows.run) {
-        (Verdict::NotMeasurable, Some("needs times of hardware rasterization, the adapter is software".to_owned()))
-    } else if rule.holds(&plain) {
-        (Verdict::Holds, None)
-    } else {
-        (Verdict::DoesNotHold, None)
+    let Some((experiment, quantity)) = paper.experiment(table).zip(paper.quantity(name)) else {
+        let reason = format!("there is no table {table} or no quantity {name}");
+        return JudgedClaim::without_values(claim.clone(), Verdict::NotMeasured, reason);
+    };
+    let about = rows.standing_for(experiment, scenes);
+    // What stands for nothing decides nothing, and is shown all the same.
+    let found = quantity.values(if about.scenes.is_empty() { rows } else { &about });
+    let estimates: Vec<_> = found.iter().map(|each| each.found.clone()).collect();
+    let (verdict, reason) = match () {
+        () if about.scenes.is_empty() => {
+            let of = if scenes.is_empty() { "any of the paper's".to_owned() } else { scenes.join(" or ") };
+            (Verdict::NotMeasured, Some(format!("the run has no scene that stands for {of}")))
+        }
+        () if found.is_empty() => {
+            (Verdict::NotMeasured, Some(format!("the run has no scene with the rows of {table} that it takes")))
+        }
+        () if claim.needs_hardware_raster && !on_hardware(rows.run) => {
+            let reason = "needs times of hardware rasterization, the adapter is software";
+            (Verdict::NotMeasurable, Some(reason.to_owned()))
+        }
+        () => match rule.decide(&estimates) {
+            Decision::Holds => (Verdict::Holds, None),
+            Decision::Fails => (Verdict::DoesNotHold, None),
+            Decision::Open => (Verdict::Undecided, Some(open(rule, &found))),
+        },
     };
     let run = rows.run;
     let measured_by = MeasuredBy {
-        table: table.to_owned(),
+        table: experiment.name.to_owned(),
+        rows: rows.of_all(experiment),
         machine: run.provenance.machine.label(),
         preset: run.preset.clone(),
         commit: run.provenance.commit.clone(),
         started: run.provenance.started.clone(),
     };
+    let values: Vec<SceneValue> = found.iter().map(SceneValue::from).collect();
+    let plain: Vec<f64> = values.iter().map(|value| value.value).collect();
     JudgedClaim {
         claim: claim.clone(),
         verdict,
         reason,
         median: (!values.is_empty()).then(|| crate::statistics::median(&plain)),
         values,
-        unit: quantity.map_or("", |quantity| quantity.unit),
+        unit: quantity.unit,
+        scenes: [about.names(), if scenes.is_empty() { experiment.scenes.len() } else { scenes.len() }],
         measured_by: Some(measured_by),
     }
+}
+
+/// Why nothing is said, by scene.
+fn open(rule: &Rule, found: &[OfScene]) -> String {
+    let why = |of: &OfScene| {
+        let doubts: Vec<&str> = of.found.doubts.iter().map(String::as_str).collect();
+        let why = match (doubts.is_empty(), of.found.at_means) {
+            (false, _) => doubts.join(", "),
+            (true, false) => "the interval does not separate".to_owned(),
+            (true, true) => "equal and best means disagree, or their intervals do not separate".to_owned(),
+        };
+        rule.leaves_open(&of.found).then(|| format!("{}: {why}", of.scene))
+    };
+    let all: Vec<String> = found.iter().filter_map(why).collect();
+    all.join("; ")
 }
 
 /// Judges all claims of a paper by the runs that were made for its tables. A claim that several runs measure is judged by each;
@@ -157,7 +206,7 @@ pub fn judge_all(paper: &Paper, runs: &[Run]) -> Result<Vec<JudgedClaim>, DataEr
         };
         let before = judged.len();
         for run in runs.iter().filter(|run| run.table.as_deref() == Some(table)) {
-            judged.push(judge(paper, &claim, table, &Rows::of(run)));
+            judged.push(judge(paper, &claim, &Rows::of(&run.aligned())));
         }
         if judged.len() == before {
             let reason = format!("no run of `tracebench table {table}` was given");

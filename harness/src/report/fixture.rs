@@ -6,9 +6,9 @@ use tracebench_api::{AdapterListing, ClockKind, DeviceLimits, EndPoint, HitBuffe
 
 use crate::machine::Machine;
 use crate::results::{
-    AnyJudgement, BuildRecord, ByRule, Classes, ClosestJudgement, CounterRecord, Headline, Judgement, MemoryRecord,
-    Occlusion, Percentiles, PhaseRecord, Provenance, Run, SCHEMA, SceneRecord, Skipped, Times, TraceRecord,
-    TracerRecord, TracerRun, ViewpointRecord, WrongRay,
+    AnyJudgement, BuildRecord, ByRule, Classes, ClosestJudgement, CounterRecord, EndedBy, Headline, Judgement,
+    MemoryRecord, Occlusion, Percentiles, PhaseRecord, Provenance, RaceRecord, Run, SCHEMA, Sampling, SceneRecord,
+    Skipped, Times, TraceRecord, TracerRecord, TracerRun, ViewpointRecord, WrongRay,
 };
 use crate::statistics::{median, median_interval, wilson};
 
@@ -35,7 +35,7 @@ pub(crate) struct Quality {
     pub clock: ClockKind,
 }
 
-/// An analytic and a sampled tracer, three controls, three ray sets.
+/// An analytic and a sampled tracer, the controls, three ray sets.
 pub(crate) fn typical() -> Run {
     let exact = Quality { missed: 0.0, blur: 1e-9, speed: 3.1, clock: ClockKind::Host };
     let sampled = Quality { missed: 0.11, blur: 2e-4, speed: 11.0, clock: ClockKind::SubmitToDone };
@@ -71,7 +71,7 @@ pub(crate) fn crowded() -> Run {
 
 /// Contenders of given qualities on given ray sets, with the controls.
 pub(crate) fn run(contenders: &[(&str, Quality)], sets: &[(&str, Query)]) -> Run {
-    let controls = [("oracle", 0.0, 0.0), ("always-miss", 1.0, 0.0), ("always-hit", 0.0, 0.3)];
+    let controls = [("oracle", 0.0, 0.0), ("always-miss", 1.0, 0.0), ("always-hit", 0.0, 0.3), ("corrupted", 0.0, 0.0)];
     Run {
         schema: SCHEMA,
         provenance: provenance(),
@@ -84,16 +84,39 @@ pub(crate) fn run(contenders: &[(&str, Quality)], sets: &[(&str, Query)]) -> Run
         cases: None,
         explanation: None,
         ray_parameters: BTreeMap::new(),
+        control_names: crate::measure::controls::Control::names(),
         controls: controls.iter().map(|(name, missed, blur)| control(name, *missed, *blur, sets)).collect(),
         runs: contenders.iter().map(|(name, quality)| contender(name, *quality, sets)).collect(),
         anchors: Vec::new(),
-        races: Vec::new(),
+        races: std::iter::once("builds").chain(sets.iter().map(|(rays, _)| *rays)).map(race).collect(),
         skipped: vec![Skipped {
             tracer: Some("bvh-ray-query".to_owned()),
             scene: "room".to_owned(),
             rays: None,
             reason: "not available on this machine: the adapter has no ray queries | none".to_owned(),
         }],
+    }
+}
+
+/// A race in which nothing drifts.
+pub(crate) fn race(work: &str) -> RaceRecord {
+    RaceRecord {
+        scene: "room".to_owned(),
+        viewpoint: "door".to_owned(),
+        window: 0,
+        work: work.to_owned(),
+        lanes: Vec::new(),
+        order_seed: 1,
+        orders: Vec::new(),
+        warm_up_rounds: 1,
+        sampling: Sampling::rounds(20),
+        ended_by: EndedBy::Rounds,
+        sampled_s: 1.0,
+        widest_interval: None,
+        kernels: Vec::new(),
+        drift: false,
+        twice: Vec::new(),
+        repeated_because: None,
     }
 }
 
@@ -181,6 +204,9 @@ fn control(name: &str, missed: f64, blur: f64, sets: &[(&str, Query)]) -> Tracer
         if name == "always-hit" {
             answer_hit(&mut trace.judgement);
         }
+        if name == "corrupted" {
+            corrupt(&mut trace.judgement);
+        }
     }
     run
 }
@@ -201,6 +227,30 @@ fn answer_hit(judgement: &mut Judgement) {
             let occlusion = &mut judgement.occlusion;
             (occlusion.true_free, occlusion.false_occluded) = (0, occlusion.true_free);
             (occlusion.balanced_accuracy, occlusion.balanced_accuracy_interval) = (Some(0.5), Some([0.5, 0.5]));
+        }
+    }
+}
+
+/// Makes a verdict of an oracle that of one which is wrong with one ray of eight.
+fn corrupt(judgement: &mut Judgement) {
+    match judgement {
+        Judgement::Closest(judgement) => {
+            let misses = COUNT - TIES - HITS;
+            let (missed, invented) = (HITS.div_ceil(8), misses.div_ceil(8));
+            for classes in [&mut judgement.classes.tight, &mut judgement.classes.footprint] {
+                (classes.true_hit, classes.false_miss) = (HITS - missed, missed);
+                (classes.true_miss, classes.false_hit) = (misses - invented, invented);
+            }
+            score(judgement);
+        }
+        Judgement::Any(judgement) => {
+            let table = &mut judgement.occlusion;
+            let (occluded, free) = (table.true_occluded, table.true_free);
+            let (missed, invented) = (occluded.div_ceil(8), free.div_ceil(8));
+            (table.true_occluded, table.false_free) = (occluded - missed, missed);
+            (table.true_free, table.false_occluded) = (free - invented, invented);
+            let share = |wrong: u64, of: u64| (of - wrong) as f64 / of as f64;
+            table.balanced_accuracy = Some(f64::midpoint(share(missed, occluded), share(invented, free)));
         }
     }
 }
@@ -234,12 +284,15 @@ fn contender(name: &str, quality: Quality, sets: &[(&str, Query)]) -> TracerRun 
             build_peak_bytes: 11 << 20,
         },
         structure_statistics: BTreeMap::from([("nodes".to_owned(), 4321.0), ("sah_cost".to_owned(), 57.25)]),
-        build: BuildRecord { times: times(quality, &samples, vec![phase("sort"), phase("collapse")]), setup_ms: 12.5 },
+        build: BuildRecord {
+            times: times(quality, &samples, vec![phase("sort"), phase("collapse")], 0),
+            setup_ms: 12.5,
+        },
         traces: sets.iter().enumerate().map(|(index, (rays, query))| trace(rays, *query, index, quality)).collect(),
     }
 }
 
-fn times(quality: Quality, samples: &[f64], phases: Vec<PhaseRecord>) -> Times {
+fn times(quality: Quality, samples: &[f64], phases: Vec<PhaseRecord>, race: u32) -> Times {
     let (interval_ms, interval_coverage) = median_interval(samples);
     Times {
         clock: quality.clock,
@@ -251,8 +304,11 @@ fn times(quality: Quality, samples: &[f64], phases: Vec<PhaseRecord>) -> Times {
         submit_to_done_median_ms: (quality.clock != ClockKind::Host).then(|| median(samples) + 0.3),
         timestamps_refused: false,
         grown_samples: 0,
-        submit_to_done_samples_ms: Vec::new(),
-        race: None,
+        submit_to_done_samples_ms: match quality.clock {
+            ClockKind::Host => Vec::new(),
+            _ => samples.iter().map(|sample| sample + 0.3).collect(),
+        },
+        race: Some(race),
         void: None,
         aligned_by: None,
     }
@@ -269,7 +325,7 @@ fn trace(rays: &str, query: Query, index: usize, quality: Quality) -> TraceRecor
         query,
         count: COUNT,
         end: EndPoint::Hit,
-        times: times(quality, &samples, Vec::new()),
+        times: times(quality, &samples, Vec::new(), index as u32 + 1),
         mrays_per_s: COUNT as f64 / (median(&samples) * 1e3),
         per_trace_bytes: COUNT * 52,
         per_trace: HitBuffer::memory(EndPoint::Hit, COUNT as usize),

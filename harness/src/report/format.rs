@@ -107,10 +107,11 @@ pub(super) fn clock(clock: ClockKind) -> &'static str {
     }
 }
 
-/// The clock of times, and whether another was refused.
+/// The clock of times, whether another was refused, and whether they are void.
 pub(crate) fn clock_of(times: &Times) -> String {
     let refused = if times.timestamps_refused { " (timestamps not believed)" } else { "" };
-    format!("{}{refused}", clock(times.clock))
+    let void = if times.void.is_some() { " (**times void**)" } else { "" };
+    format!("{}{refused}{void}", clock(times.clock))
 }
 
 /// A clock's name as a table's value.

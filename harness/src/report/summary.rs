@@ -11,7 +11,9 @@ use super::markdown::{Table, inline};
 use super::metrics::{self, Metric};
 use super::surfaces;
 use super::verdict::{self, Verdict};
-use crate::results::{AnyJudgement, Causes, Classes, Judgement, MARK, Provenance, Run, Skipped};
+use crate::results::{
+    AnyJudgement, Causes, Classes, EndedBy, Judgement, LEAST_ROUNDS, MARK, Provenance, RaceRecord, Run, Skipped,
+};
 
 /// How many causes a row names.
 const TOP_CAUSES: usize = 5;
@@ -35,6 +37,9 @@ pub(super) fn summary(run: &Run, groups: &[Group<'_>]) -> String {
 /// What holds of the whole run, below a title.
 pub(crate) fn head(run: &Run, title: &str) -> String {
     let mut text = head_of(&run.provenance, &run.preset, run.seed, &verdict::controls(run), title);
+    if !run.races.is_empty() {
+        let _ = writeln!(text, "- Clock: {}", inline(&clock(run)));
+    }
     text += "\n";
     if run.provenance.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind == "software") {
         text += "**The adapter is software: accuracy, counters and bytes lead; device times are those of a software \
@@ -51,6 +56,26 @@ pub(crate) fn head(run: &Run, title: &str) -> String {
              rays whose truth hangs on rounding, are left out of every share. Each time names its clock; times of \
              different clocks do not compare. ↑ more is better, ↓ less is better. 1 MiB is 2^20 bytes.\n";
     text
+}
+
+/// How long was sampled, and which races decide nothing.
+fn clock(run: &Run) -> String {
+    let rounds = || run.races.iter().map(|race| race.orders.len());
+    let (fewest, most) = (rounds().min(), rounds().max());
+    let name = |race: &RaceRecord| format!("{} of {}", race.work, race.scene);
+    let those = |what: &str, wanted: &dyn Fn(&RaceRecord) -> bool| {
+        let found: Vec<String> = run.races.iter().filter(|race| wanted(race)).map(name).collect();
+        if found.is_empty() { String::new() } else { format!("; {what} in {}: {}", found.len(), found.join(", ")) }
+    };
+    let (fewest, most) = (fewest.unwrap_or(0), most.unwrap_or(0));
+    let few = if fewest < LEAST_ROUNDS as usize { "; fewer than 12 decide nothing" } else { "" };
+    format!(
+        "{} races of {fewest} to {most} rounds{few}{}{}{}",
+        run.races.len(),
+        those("intervals wider than wanted when the time was up", &|race| race.ended_by == EndedBy::TimeLimit),
+        those("**drift**", &|race| race.drift),
+        those("**void times**", &|race| race.twice.iter().any(|twice| !twice.passed)),
+    )
 }
 
 /// Where, when and of what something was measured, below a title.

@@ -7,6 +7,7 @@ use tracebench_api::{ClockKind, Query};
 
 use super::*;
 use crate::files::FileError;
+use crate::measure::controls::Control;
 use crate::results::{Judgement, TraceRecord};
 
 fn write(run: &Run) -> (TempDir, BTreeMap<String, Vec<u8>>) {
@@ -121,7 +122,7 @@ fn no_speed_without_accuracy() {
 fn failing_controls_are_told() {
     let mut run = fixture::typical();
     assert_eq!(verdict::controls(&run), verdict::Verdict::Sound);
-    for control in 0..3 {
+    for control in 0..Control::ALL.len() {
         let mut bad = run.clone();
         // Each control with the verdict of a contender that is wrong now and then.
         bad.controls[control].traces.clone_from(&run.runs[1].traces);
@@ -129,7 +130,7 @@ fn failing_controls_are_told() {
     }
     // A control that is missing, whole or from one ray set, vouches for nothing either.
     let sets = run.runs[0].traces.len();
-    for control in 0..3 {
+    for control in 0..Control::ALL.len() {
         let mut bad = run.clone();
         bad.controls.remove(control);
         assert!(matches!(verdict::controls(&bad), verdict::Verdict::Void(failed) if failed.len() == sets));
@@ -146,7 +147,9 @@ fn failing_controls_are_told() {
         assert!(said(&bad).iter().all(|said| *said) && said(&run).iter().all(|said| !said));
     }
     run.controls.clear();
-    assert!(matches!(verdict::controls(&run), verdict::Verdict::Void(failed) if failed.len() == 3 * sets));
+    assert!(
+        matches!(verdict::controls(&run), verdict::Verdict::Void(failed) if failed.len() == Control::ALL.len() * sets)
+    );
 }
 
 /// One row for each trace, one for each wrong ray, and the figures are those of the run.
@@ -155,7 +158,7 @@ fn tables_hold_the_run() {
     let run = fixture::typical();
     let (_folder, files) = write(&run);
     let (header, rows) = table(&files, "traces.csv");
-    assert_eq!(rows.len(), (2 + 3) * 3);
+    assert_eq!(rows.len(), (2 + Control::ALL.len()) * 3);
     let unique: std::collections::BTreeSet<_> = header.iter().collect();
     assert_eq!(unique.len(), header.len());
     let row = rows.iter().find(|row| row["tracer"] == "screen-dda" && row["rays"] == "diffuse").unwrap();

@@ -27,7 +27,7 @@ impl Verdict {
 pub(super) fn controls(run: &Run) -> Verdict {
     let mut failed: Vec<String> = Vec::new();
     for (contender, trace) in run.runs.iter().flat_map(|one| one.traces.iter().map(move |trace| (one, trace))) {
-        for control in Control::ALL {
+        for control in asked(&run.control_names) {
             if let Some(problem) = problem(run, control, contender, trace) {
                 let name = control.description().name;
                 let sentence = format!("{name} {problem} on {} of {}", trace.rays, contender.scene.name);
@@ -38,6 +38,11 @@ pub(super) fn controls(run: &Run) -> Verdict {
         }
     }
     if failed.is_empty() { Verdict::Sound } else { Verdict::Void(failed) }
+}
+
+/// The controls of a record: those of before a control was there do without it.
+fn asked(names: &[String]) -> impl Iterator<Item = Control> {
+    Control::ALL.into_iter().filter(move |control| names.iter().any(|name| name == control.description().name))
 }
 
 /// What is wrong with a control beside a contender's trace.
@@ -71,7 +76,7 @@ pub(super) fn tuning_controls(tuning: &Tuning) -> Verdict {
     for (scene, view) in tuning.scenes.iter().flat_map(|scene| scene.views.iter().map(move |view| (scene, view))) {
         for set in &view.sets {
             let Some(judged) = set.values.iter().find_map(|each| each.judged.as_ref()) else { continue };
-            for control in Control::ALL {
+            for control in asked(&tuning.control_names) {
                 let rays = (set.rays.as_str(), set.rays_sha256.as_str(), set.count);
                 if let Some(problem) = problem_on(view.controls.iter(), control, rays, &judged.judgement) {
                     let (name, place) = (control.description().name, &view.viewpoint.name);

@@ -1,6 +1,6 @@
 //! Shards of one plan joined into one record.
 
-use super::{Provenance, Run, ShardRecord, SweepRecord};
+use super::{Provenance, Run, ShardRecord, SweepRecord, TracerRun};
 
 /// Why records cannot be joined.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
@@ -83,9 +83,12 @@ fn join(whole: &mut Run, mut shard: Run, machine: u32) {
         row.machine = machine;
     }
     whole.provenance.resumed.extend(shard.provenance.resumed);
-    whole.controls.extend(shard.controls);
-    whole.runs.extend(shard.runs);
-    whole.anchors.extend(shard.anchors);
+    let before = whole.races.len() as u32;
+    let placed = |row: TracerRun| row.with_races_after(before);
+    whole.controls.extend(shard.controls.into_iter().map(placed));
+    whole.runs.extend(shard.runs.into_iter().map(placed));
+    whole.anchors.extend(shard.anchors.into_iter().map(placed));
+    whole.races.extend(shard.races);
     for skipped in shard.skipped {
         if !whole.skipped.contains(&skipped) {
             whole.skipped.push(skipped);

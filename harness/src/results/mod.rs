@@ -85,6 +85,9 @@ pub struct Run {
     /// What was said about ray sets: every parameter's value. Empty in files of before there were any.
     #[serde(default)]
     pub ray_parameters: BTreeMap<String, serde_json::Value>,
+    /// Names of the controls that stand beside every contender. In files of before they were told the first three.
+    #[serde(default = "first_controls")]
+    pub control_names: Vec<String>,
     /// The controls, in the form of runs.
     pub controls: Vec<TracerRun>,
     /// The contenders.
@@ -111,6 +114,10 @@ pub struct Skipped {
     pub rays: Option<String>,
     /// Why.
     pub reason: String,
+}
+
+fn first_controls() -> Vec<String> {
+    ["oracle", "always-miss", "always-hit"].map(str::to_owned).to_vec()
 }
 
 impl Run {

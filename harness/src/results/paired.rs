@@ -2,8 +2,8 @@
 //!
 //! In every round of a race all contenders are sampled once, in an order drawn by lot. So the ratio of two contenders is that of
 //! their times in the same round: what slows the machine for a while slows both. Where both are alike the lot alone decides who
-//! comes out slower in a round, so logarithms of paired ratios are symmetric about 0 and independent from round to round, however
-//! times scatter, drift or hang together. That is all that the interval of [`middle`] takes for granted.
+//! comes out slower in a round, with a chance of one half and anew in every round, however times scatter, drift or hang together.
+//! That is all that order statistics of the paired ratios take for granted ([`median_interval_of`]); outliers do not widen them.
 //!
 //! Rows of different windows are paired each with the anchor of its window. What was timed in different races cannot be paired:
 //! there the interval is that of two lots, [`Ratio::of_times`], and the fixed kernels of both must have taken the same time.
@@ -14,7 +14,7 @@ use serde::Serialize;
 use tracebench_api::ClockKind;
 
 use super::{LEAST_ROUNDS, RaceRecord, Ratio, Run, Times, TraceRecord, TracerRun, same_place, same_rays};
-use crate::statistics::{median, middle};
+use crate::statistics::{median, median_interval_of};
 
 /// What the interval of a verdict covers.
 pub const COVERAGE: f64 = 0.999;
@@ -209,11 +209,23 @@ impl Paired {
     }
 }
 
+impl Paired {
+    /// How many times as long one lot took as another of the same race, of which is known whether it drifts and why it is void.
+    pub fn in_race(one_ms: &[f64], other_ms: &[f64], drift: Option<String>, void: Option<String>) -> Self {
+        let ratio = of_rounds(one_ms, other_ms, COVERAGE);
+        let rounds = one_ms.len().min(other_ms.len());
+        let few = (rounds < LEAST_ROUNDS as usize).then_some(Doubt::FewRounds(rounds));
+        let doubt = void.map(Doubt::Void).or(few).or(drift.map(Doubt::Drift));
+        Self { ratio, pairing: Pairing::Rounds, doubt: doubt.or(ratio.is_none().then_some(Doubt::NoTimes)) }
+    }
+}
+
 /// The ratio of times in the same rounds; `None` for no rounds.
 pub fn of_rounds(one: &[f64], other: &[f64], coverage: f64) -> Option<Ratio> {
-    let logarithms: Vec<f64> = one.iter().zip(other).map(|(one, other)| (one / other).ln()).collect();
-    let found = middle(&logarithms, coverage)?;
-    Some(Ratio { value: found.value.exp(), interval: found.interval.map(f64::exp), coverage: found.coverage })
+    let ratios: Vec<f64> = one.iter().zip(other).map(|(one, other)| one / other).collect();
+    let (interval, covered) = median_interval_of(&ratios, coverage);
+    let sound = !ratios.is_empty() && ratios.iter().all(|ratio| ratio.is_finite() && *ratio > 0.0);
+    sound.then(|| Ratio { value: median(&ratios), interval, coverage: covered })
 }
 
 impl Run {
@@ -227,10 +239,10 @@ impl Run {
         let fewest = lots.iter().flatten().map(Vec::len).min().unwrap_or(0);
         let void = both().find_map(|part| part.times.void.clone());
         let known = both().all(|part| self.race(part.times).is_some());
-        let doubt = if lots.contains(&None) || ratio.is_none() {
-            Some(Doubt::NoTimes)
-        } else if let Some(why) = void {
+        let doubt = if let Some(why) = void {
             Some(Doubt::Void(why))
+        } else if lots.contains(&None) || ratio.is_none() {
+            Some(Doubt::NoTimes)
         } else if !known {
             Some(Doubt::Unrecorded)
         } else if fewest < LEAST_ROUNDS as usize {
@@ -295,7 +307,7 @@ impl Run {
         }
         for kernel in ours.iter().flat_map(|race| &race.kernels) {
             let others = theirs.iter().flat_map(|race| &race.kernels);
-            for beside in others.filter(|each| (each.clock, each.steps) == (kernel.clock, kernel.steps)) {
+            for beside in others.filter(|each| (each.clock, each.tasks) == (kernel.clock, kernel.tasks)) {
                 let change = median(&kernel.samples_ms) / median(&beside.samples_ms);
                 if change.max(1.0 / change) > 1.0 + MOST_CHANGE {
                     return Some("the machine was faster in one race than in the other".to_owned());
@@ -305,3 +317,6 @@ impl Run {
         None
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -55,6 +55,25 @@ pub struct Sampling {
     pub further: Option<Further>,
 }
 
+impl Sampling {
+    /// So many rounds, whatever comes of them.
+    pub const fn rounds(rounds: u32) -> Self {
+        Self { least_rounds: rounds, further: None }
+    }
+
+    /// In words.
+    pub fn words(&self) -> String {
+        match self.further {
+            None => format!("{} rounds", self.least_rounds),
+            Some(Further { interval_share, time_limit_s }) => format!(
+                "{} rounds and on until ratios are known within {} % or {time_limit_s} s are over",
+                self.least_rounds,
+                interval_share * 100.0
+            ),
+        }
+    }
+}
+
 /// When sampling beyond the least rounds ends, whatever comes first.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Further {
@@ -83,8 +102,8 @@ pub enum EndedBy {
 pub struct KernelRecord {
     /// Its clock.
     pub clock: ClockKind,
-    /// Steps of its loop.
-    pub steps: u32,
+    /// How much work it is.
+    pub tasks: u32,
     /// Its time in every counted round.
     pub samples_ms: Vec<f64>,
     /// How much longer it takes in the last round than in the first by its trend, a share.

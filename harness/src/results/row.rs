@@ -39,6 +39,18 @@ pub struct TracerRun {
     pub traces: Vec<TraceRecord>,
 }
 
+impl TracerRun {
+    /// The row where its races stand behind so many others.
+    #[must_use]
+    pub fn with_races_after(mut self, others: u32) -> Self {
+        let traces = self.traces.iter_mut().map(|trace| &mut trace.times);
+        for times in traces.chain([&mut self.build.times]) {
+            times.race = times.race.map(|race| race + others);
+        }
+        self
+    }
+}
+
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks by reference")]
 fn is_first(place: &u32) -> bool {
     *place == 0

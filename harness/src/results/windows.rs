@@ -20,13 +20,26 @@ impl TracerRun {
 }
 
 impl Run {
-    /// The record with the times of later windows as they would be in the first; the same where there is one window. A time
-    /// whose anchor has none is left out, so that nothing is made of it.
+    /// The record as tables show it: with the times of later windows as they would be in the first, and without those that are void,
+    /// or whose anchor has none, so that nothing is made of them. The same where there is nothing of all that.
     pub fn aligned(&self) -> Cow<'_, Self> {
-        if self.runs.iter().all(|row| row.window == 0) {
+        let void = |row: &TracerRun| {
+            row.build.times.void.is_some() || row.traces.iter().any(|trace| trace.times.void.is_some())
+        };
+        if self.runs.iter().all(|row| row.window == 0 && !void(row)) {
             return Cow::Borrowed(self);
         }
         let mut run = self.clone();
+        for row in run.runs.iter_mut().filter(|row| row.window == 0) {
+            let of_traces = row.traces.iter_mut().filter(|trace| trace.times.void.is_some());
+            for trace in of_traces {
+                trace.times.scale(None);
+                trace.mrays_per_s = 0.0;
+            }
+            if row.build.times.void.is_some() {
+                row.build.times.scale(None);
+            }
+        }
         for row in run.runs.iter_mut().filter(|row| row.window > 0) {
             let in_place = |one: &&TracerRun| same_place(one, row);
             let there = self.anchors.iter().filter(in_place).find(|one| one.window == row.window);
@@ -41,7 +54,7 @@ impl Run {
                 let same = first.clock == own.clock && later.clock == own.clock;
                 let [first, later] =
                     if same { [first.median_ms, later.median_ms] } else { common_clock(&first, &later)? };
-                (later > 0.0).then_some(first / later)
+                (later > 0.0 && own.void.is_none()).then_some(first / later)
             };
             let of_build = factor(&row.build.times, &|one| Some(one.build.times.clone()));
             row.build.times.scale(of_build);
@@ -116,6 +129,13 @@ mod tests {
         );
         assert_eq!(aligned.runs[0], plain.runs[0]);
         assert_eq!((aligned.runs[1].label().as_str(), aligned.runs[0].label().as_str()), ("b †", "a"));
+        // Void times are left out, those beside them are not.
+        let mut void = plain.clone();
+        void.runs[1].traces[0].times.void = Some("why".to_owned());
+        let shown = void.aligned();
+        assert!(shown.runs[1].traces[0].times.samples_ms.is_empty() && shown.runs[1].traces[0].mrays_per_s == 0.0);
+        assert_eq!(shown.runs[1].build.times.samples_ms, plain.runs[1].build.times.samples_ms);
+        assert_eq!(shown.runs[0].traces[0].times.median_ms, plain.runs[0].traces[0].times.median_ms);
         // Without the anchor the ratio would be another one.
         assert!(!near(run.runs[1].traces[0].times.median_ms, own.times.median_ms));
     }

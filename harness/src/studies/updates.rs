@@ -57,7 +57,7 @@ impl Way {
 pub fn execute(table: &Table, plan: &Plan, frames: u32, context: &Context<'_>) -> Result<Run, RunError> {
     let mut run = measure::begin(std::slice::from_ref(plan), context);
     run.table = Some(table.name.to_owned());
-    let passes = (plan.preset.samples as u32).div_ceil(frames);
+    let passes = plan.preset.sampling.least_rounds.div_ceil(frames);
     let mut updates = UpdatesRecord { frames, passes, scenes: Vec::new() };
     for (index, scene) in measure::load(plan, context.progress)?.into_iter().enumerate() {
         if !context.takes(index) {
@@ -170,7 +170,7 @@ fn measure_scene(
         }
         None => Err(RunError::Nothing("a scene was prepared twice".to_owned())),
     };
-    let effort = Effort::timed(plan.preset.samples);
+    let effort = Effort::timed(&plan);
     let place =
         Place { index, scene_sha256: Some(&sha256), prepare: &prepare, requests: &requests, effort, hook: None };
     let mut found = measure::measure(&place, context)?;

@@ -1,5 +1,6 @@
 //! The program as scripts use it: exit statuses, messages, files.
 
+mod clock;
 mod compare;
 mod papers;
 mod refusals;

@@ -96,9 +96,15 @@ fn a_figure_over_resolution_and_all_claims() {
         found["verdict"].as_str().unwrap().to_owned()
     };
     assert!(judged.len() > 60 && judged.iter().all(|each| each["verdict"].is_string()));
-    assert_eq!(verdict("dirt-mipmap-factor"), "does not hold here");
-    assert_eq!(verdict("dirt-mipmap-factor-table3"), "holds");
-    assert_eq!(verdict("dirt-clipped-bounds"), "holds");
+    // A file stands for none of the paper's scenes: it is shown and decides nothing.
+    let value = |id: &str| {
+        let found = judged.iter().find(|each| each["claim"]["id"] == id).unwrap();
+        assert!(found["reason"].as_str().unwrap().contains("stands for"), "{found}");
+        (verdict(id), found["values"][0]["value"].as_f64().unwrap())
+    };
+    let (said, factor) = value("dirt-mipmap-factor");
+    assert!(said == "not measured" && (factor - 4.0 / 3.0).abs() < 0.02, "{factor}");
+    assert_eq!(value("dirt-clipped-bounds"), ("not measured".to_owned(), 1.0));
     assert_eq!(verdict("dirt-hiz-speedup"), "not measurable here");
     assert_eq!(verdict("dirt-samples-2x2"), "not measured");
     for each in judged {
@@ -148,10 +154,16 @@ fn storages_of_the_other_paper() {
     let judged = std::fs::read(bench.path("claims/claims_vvp16.json")).unwrap();
     let judged: Value = serde_json::from_slice(&judged).unwrap();
     let judged = judged.as_array().unwrap();
-    assert_eq!(judged.len(), 61);
+    assert_eq!(judged.len(), 62);
     let found = |id: &str| judged.iter().find(|each| each["claim"]["id"] == id).unwrap();
-    for id in ["vvp16-memory-formula", "vvp16-dllb-overhead", "vvp16-textures", "vvp16-id-node"] {
-        assert_eq!(found(id)["verdict"], "holds", "{}", found(id));
+    for (id, expected) in
+        [("vvp16-memory-formula", 1.0), ("vvp16-dllb-overhead", 1.0), ("vvp16-textures", 1.0), ("vvp16-id-node", 12.0)]
+    {
+        // A file stands for none of the paper's scenes: it is shown and decides nothing.
+        assert_eq!(
+            (&found(id)["verdict"], &found(id)["values"][0]["value"]),
+            (&json!("not measured"), &json!(expected))
+        );
     }
     let ruins = found("vvp16-skipping-ruins");
     assert!(ruins["verdict"] == "not measured" && ruins["reason"].as_str().unwrap().contains("Ruins"), "{ruins}");
@@ -178,6 +190,27 @@ fn settings_come_on_top() {
     assert_eq!(sizes, ["1", "2"]);
 }
 
+/// Proves that `--only` leaves the rows that it names, which the page says, and that `--estimate` tells by them how long all would take
+/// and measures nothing.
+#[test]
+fn fewer_rows_and_how_long_all_take() {
+    let bench = bench();
+    let outcome = table(&bench, "dirt-figure10", "few", &["--only", "dirt.buckets=8", "--only", "dirt.tile_size=1,4"]);
+    assert!(outcome.stdout.contains("0 of 45 rows"), "{outcome:?}");
+    let run = bench.result("few");
+    let told = |one: &Value| {
+        let parameters = &one["tracer"]["parameters"];
+        (parameters["tile_size"].as_str().unwrap().to_owned(), parameters["buckets"].as_u64().unwrap())
+    };
+    let rows: Vec<_> = run["runs"].as_array().unwrap().iter().map(told).collect();
+    assert_eq!(rows, [("1".to_owned(), 8), ("4".to_owned(), 8)]);
+    let before = names(bench.folder.path());
+    let arguments = ["table", "dirt-figure10", "--scene", "room", "--preset", "paper", "--estimate", "few"];
+    let outcome = bench.call(&arguments);
+    assert!(outcome.status == 0 && outcome.stdout.contains("none of the 15 rows"), "{outcome:?}");
+    assert_eq!(names(bench.folder.path()), before);
+}
+
 /// Proves that wrong arguments end with status 2 and name what is right, that what cannot be read or run ends with 1, and that
 /// nothing is left behind.
 #[test]
@@ -189,6 +222,9 @@ fn wrong_papers() {
         (vec!["table", "dirt-table1", "--set", "bvh-cpu.build=fast"], vec!["not in"]),
         (vec!["table", "dirt-table1", "--set", "dirt.tile_size=3"], vec!["1, 2, 4, 8"]),
         (vec!["table", "dirt-table1", "--set", "rays.visibility_target=up"], vec!["outside"]),
+        (vec!["table", "dirt-figure10", "--only", "dirt.buckets=8,9"], vec!["no row has 9", "16"]),
+        (vec!["table", "dirt-figure10", "--only", "bvh-cpu.build=fast"], vec!["no row has fast"]),
+        (vec!["table", "bvh", "--only", "bvh-cpu.build=fast"], vec!["no paper's"]),
         (vec!["table", "dirt-figure11", "--preset", "smoke", "--size", "4096x4096"], vec!["--size", "2 times"]),
         (vec!["claims", "dart"], vec!["'dirt'"]),
         (vec!["claims"], vec!["<PAPER>"]),

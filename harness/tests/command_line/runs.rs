@@ -184,7 +184,7 @@ fn a_smoke_run() {
     };
     let sets: Value = serde_json::from_str(&bench.call(&["list", "rays", "--json"]).stdout).unwrap();
     let sets = sets.as_array().unwrap().len();
-    for name in ["oracle", "always-miss", "always-hit"] {
+    for name in ["oracle", "always-miss", "always-hit", "corrupted"] {
         assert_eq!(by_name("controls", name)["traces"].as_array().unwrap().len(), sets);
     }
     let oracle = by_name("controls", "oracle");

@@ -39,6 +39,7 @@ fn a_run_to_surfaces() {
                 match name {
                     "always-miss" => assert_eq!((&surfaces["lost"], share("agreement")), (&0.into(), None)),
                     "always-hit" => assert!(surfaces["lost"].as_u64().unwrap() > 20),
+                    "corrupted" => assert_eq!(share("agreement"), Some(1.0)),
                     // Hits within a pixel of the true one may be on its neighbour.
                     "dirt" | "screen-dda" => {
                         let least = if name == "dirt" { 0.95 } else { 0.1 };

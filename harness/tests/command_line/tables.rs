@@ -89,7 +89,7 @@ fn a_table_of_updates() {
     let counts = ["frames", "passes"].map(|name| found["updates"][name].as_u64().unwrap());
     assert_eq!((counts, &found["table"]), ([3, 2], &json!("bvh-updates")));
     assert_eq!(found["updates"]["scenes"][0]["times_s"].as_array().unwrap().len(), 4);
-    assert_eq!(found["controls"].as_array().unwrap().len(), 3);
+    assert_eq!(found["controls"].as_array().unwrap().len(), 4);
     let rows = found["runs"].as_array().unwrap();
     let row = |tracer: &str, way: &str| {
         let found = rows.iter().find(|row| row["tracer"]["name"] == tracer && row["way"]["name"] == way);

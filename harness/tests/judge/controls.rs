@@ -2,6 +2,17 @@
 
 use super::*;
 
+/// Answers of the truth, wrong where the corrupted control's are.
+fn corrupted_of(case: &Case) -> Vec<Hit> {
+    let wrong = corrupted(&case.answers);
+    let answer = |(right, wrong): (Hit, bool)| match (wrong, right.is_hit()) {
+        (false, _) => right,
+        (true, true) => miss(),
+        (true, false) => Hit { primitive: NO_PRIMITIVE, ..hit((DIAGONAL / 2.0) as f32) },
+    };
+    case.right().into_iter().zip(wrong).map(answer).collect()
+}
+
 /// Answers of a control to a hundred rays of which a few are ties, as the judge sees them.
 fn controlled(control: Control, query: Query) -> (Judgement, u64, u64) {
     let mut case = hundred(query);
@@ -10,6 +21,7 @@ fn controlled(control: Control, query: Query) -> (Judgement, u64, u64) {
     let hits: Vec<Hit> = match control {
         Control::Oracle => case.right(),
         Control::AlwaysMiss => vec![miss(); 100],
+        Control::Corrupted => corrupted_of(&case),
         Control::AlwaysHit => vec![Hit { primitive: NO_PRIMITIVE, ..hit((DIAGONAL / 2.0) as f32) }; 100],
     };
     let judge = Judge { names_primitives: control.description().names_primitives, ..case.judge() };
@@ -81,6 +93,7 @@ fn controls_of_one_kind() {
                     let hits = match control {
                         Control::Oracle => case.right(),
                         Control::AlwaysMiss => vec![miss(); 8],
+                        Control::Corrupted => corrupted_of(&case),
                         Control::AlwaysHit => vec![hit(6.0); 8],
                     };
                     let judgement = case.judge().judge(&hits).unwrap();
@@ -89,6 +102,34 @@ fn controls_of_one_kind() {
             }
         }
     }
+}
+
+/// Proves that the corrupted control is wrong with one of eight rays that hit and one of eight that miss, never with a tie, and
+/// that one which is wrong with one ray more, or fewer, or another share does not pass for it.
+#[test]
+fn the_corrupted_share_is_known() {
+    let mut case = hundred(Query::Closest);
+    case.answers[3].tie = true;
+    case.answers[64].tie = true;
+    let wrong = corrupted(&case.answers);
+    let of_kind = |is_hit: bool| {
+        let both = wrong.iter().zip(&case.answers);
+        both.filter(|(wrong, answer)| **wrong && answer.hit.is_some() == is_hit).count()
+    };
+    // Of 59 that hit and 39 that miss.
+    assert_eq!((of_kind(true), of_kind(false)), (8, 5));
+    assert!(!wrong[3] && !wrong[64]);
+    let judge = Judge { names_primitives: true, ..case.judge() };
+    let (hits, right) = (corrupted_of(&case), case.right());
+    let said = |hits: &[Hit]| Control::Corrupted.check(&judge.judge(hits).unwrap(), 59, 39);
+    said(&hits).unwrap();
+    let wrong_at = wrong.iter().position(|wrong| *wrong).unwrap();
+    let right_at = (0..100).find(|index| !wrong[*index] && !case.answers[*index].tie).unwrap();
+    let mut fewer = hits.clone();
+    fewer[wrong_at] = right[wrong_at];
+    let mut more = hits.clone();
+    more[right_at] = if right[right_at].is_hit() { miss() } else { hit(6.0) };
+    assert!(said(&fewer).is_err() && said(&more).is_err() && said(&right).is_err());
 }
 
 /// Proves that the diagonal that tolerances rest on is the one the tests assume.

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use tracebench_api::{Geometry, Hit, Layers, NO_PRIMITIVE, Projection, Query, Ray, Sampling, Status, View, Viewpoint};
 use tracebench_harness::judge::{CURVE_TOLERANCES, Class, Judge, JudgeError, MOST_WRONG_RAYS, Rule};
-use tracebench_harness::measure::controls::Control;
+use tracebench_harness::measure::controls::{Control, corrupted};
 use tracebench_harness::progress::Progress;
 use tracebench_harness::results::{AnyJudgement, Classes, ClosestJudgement, Judgement};
 use tracebench_harness::truth::{Answer, Cache, TrueHit, Truth};

@@ -128,7 +128,7 @@ fn needles_are_lost_on_edges() {
     let contender = built(&session);
     let rays = &session.rays[0];
     let mut hits = session.hit_buffer(&contender, rays).unwrap();
-    session.sample_trace(&contender, rays, &mut hits).unwrap();
+    session.sample_trace(&contender, rays, &mut hits, 1).unwrap();
     let mut judgement = session.judge(&contender, rays, &hits.read(None).unwrap()).unwrap();
     let wrong = judgement.wrong_rays_mut();
     assert!(wrong.len() > 50 && wrong.iter().all(|ray| ray.index % 2 == 0 && ray.class == "false_miss"));

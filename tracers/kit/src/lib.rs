@@ -1,12 +1,14 @@
 //! Device parts that several tracers share: views as uniforms, pipelines and dispatches, buffers that are kept and grow,
 //! pyramids' levels, prefix sums and sorts, rasterized eye depth and triangles, surfaces of hits, counts of rays, bits for what
-//! is touched, how searches read and are launched; and clipping in f64, which what they rasterize is held against.
+//! is touched, how searches read and are launched, work that is the same every time; and clipping in f64, which what they
+//! rasterize is held against.
 
 mod clip;
 mod compute;
 mod counts;
 mod empty_target;
 mod eye_depth;
+mod fixed_work;
 mod gather;
 mod lanes;
 mod last_count;
@@ -30,6 +32,7 @@ pub use compute::{
 pub use counts::RayCounts;
 pub use empty_target::EmptyTarget;
 pub use eye_depth::{EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
+pub use fixed_work::{FixedWork, FixedWorkPlan, fixed_task};
 pub use gather::{Gather, SurfaceGeometry};
 pub use lanes::{LANES_OF_WORKGROUP, dispatch_rays, rays_per_lane_parameter};
 pub use last_count::LastCount;

@@ -8,7 +8,7 @@ use crate::papers::page::Page;
 use crate::papers::page::charts::{stem, subtitle};
 use crate::papers::rows::{agreement, integer, statistic};
 use crate::papers::vvp16::ABUFFER;
-use crate::papers::{Experiment, SceneRows};
+use crate::papers::{Experiment, SceneRows, Scope};
 use crate::report::chart::series::{Panel, Series, SeriesChart};
 use crate::results::TracerRun;
 use crate::results::host_ms;
@@ -58,7 +58,10 @@ fn over_buckets_of(experiment: &Experiment, scene: &SceneRows<'_>) -> SeriesChar
         subtitle: subtitle(scene),
         key: None,
         panels: vec![
-            panel("Structure", "bytes used (MiB)", &|run| Some(PAPER.bytes(run) / MIB)),
+            panel("Structure", "bytes used (MiB)", &|run| Some(PAPER.bytes(run, Scope::Structure)? / MIB)),
+            panel("With the paper's own buffers", "bytes, computed (MiB)", &|run| {
+                Some(PAPER.bytes(run, Scope::OfPaper)? / MIB)
+            }),
             panel("References stored", "references (millions)", &|run| Some(statistic(run, "references")? / 1e6)),
             panel("Build", "build (ms)", &|run| Some(run.build.times.median_ms)),
             panel("Diffuse rays", "trace (ms)", &|run| Some(diffuse(run)?.times.median_ms)),
@@ -152,10 +155,13 @@ pub(super) fn memory_over_resolution(page: &Page<'_>) -> Vec<SeriesChart> {
     vec![SeriesChart {
         stem: stem(page.experiment, ""),
         title: "Structures over resolution".to_owned(),
-        subtitle: "one bucket; of DIRT tiles of one pixel, with hit and shading buffers".to_owned(),
+        subtitle: "one bucket; of DIRT tiles of one pixel".to_owned(),
         key: tracers.contains(ABUFFER).then_some(["dirt", ABUFFER]),
         panels: vec![
-            panel("Memory", "bytes used (MiB)", &|run| Some(PAPER.bytes(run) / MIB)),
+            panel("Structure", "bytes used (MiB)", &|run| Some(PAPER.bytes(run, Scope::Structure)? / MIB)),
+            panel("With the paper's own buffers", "bytes, computed (MiB)", &|run| {
+                Some(PAPER.bytes(run, Scope::OfPaper)? / MIB)
+            }),
             panel("References or fragments stored", "stored (millions)", &|run| {
                 Some(statistic(run, "references").or_else(|| statistic(run, "fragments"))? / 1e6)
             }),

@@ -7,7 +7,8 @@ use crate::papers::experiment::{Experiment, Row, Values, at, peer, stands_for};
 use crate::papers::vvp16::abuffer;
 
 /// Every one, in the order of lists.
-pub(super) const EXPERIMENTS: &[Experiment] = &[TABLE1, TABLE2, TABLE3, FIGURE8, FIGURE9, FIGURE10, FIGURE11, TEXT];
+pub(super) const EXPERIMENTS: &[Experiment] =
+    &[TABLE1, TABLE2, TABLE3, FIGURE7, FIGURE8, FIGURE9, FIGURE10, FIGURE11, TEXT];
 
 const fn dirt(values: Values) -> Row {
     Row { tracer: "dirt", values }
@@ -41,6 +42,7 @@ const TABLE1: Experiment = Experiment {
     settings: &["rays.visibility_target=outside"],
     end: EndPoint::Hit,
     steps: &[at(1.0, &[dirt(&[("tile_size", &["1", "2"]), ("buckets", &["24"])])])],
+    means: false,
     sections: &[sections::throughput],
     charts: &[],
     notes: &[
@@ -57,7 +59,7 @@ const TABLE2: Experiment = Experiment {
               the fragment A-buffer (DIRT, Table 2)",
     published: &["dirt-table2", "dirt-table2-summary"],
     scenes: &[stands_for("room", "Bunny"), stands_for("hangar", "Hangar"), stands_for("candy", "Candy")],
-    rays: "diffuse",
+    rays: "diffuse,specular",
     settings: &[],
     end: EndPoint::Surface,
     steps: &[at(
@@ -67,16 +69,19 @@ const TABLE2: Experiment = Experiment {
             abuffer(&[("views", &["seven"]), ("storage", &["dllb"]), ("buckets", &["4"]), IN_PIXELS, THICKNESS]),
         ],
     )],
-    sections: &[sections::beside_abuffer],
+    means: false,
+    sections: &[sections::beside_abuffer, sections::copies],
     charts: &[],
     notes: &[
-        "Traces go to surfaces: VVP16 stores what shading needs with every fragment, DIRT fetches it of hits; the memory of \
-         DIRT has hit buffer, mask and shading buffer in it, as its Table 3 counts them.",
+        "Traces go to surfaces: VVP16 stores what shading needs with every fragment, DIRT fetches it of hits. With the paper's own \
+         buffers DIRT has hit buffer, mask and shading buffer as its Table 3 counts them, a ray from every pixel of the frame and \
+         three shading points.",
         "The thickness of VVP16's fragments was tuned a scene in the paper, to values that it does not tell; here it is the one in \
          the row's label, the same in every scene.",
         "Coverage by sample loses what lies between samples: its times are those of searches that miss, so look at the \
          agreement beside them.",
-        "B = 4 is VVP16's, which the paper does not repeat; which rays were traced it does not state: diffuse ones here.",
+        "B = 4 is VVP16's, which the paper does not repeat; which rays were traced it does not state: diffuse ones here. \
+         Mirror rays, few where few surfaces are mirrors, show what Fetch takes of them.",
     ],
 };
 
@@ -95,11 +100,38 @@ const TABLE3: Experiment = Experiment {
     settings: &[],
     end: EndPoint::Hit,
     steps: &[at(1.0, &[dirt(&[("tile_size", &["1", "2", "4"]), ("buckets", &["4", "24"])])])],
+    means: false,
     sections: &[sections::formula],
     charts: &[],
     notes: &[
         "The formula has the device's own counts in it: c n_p are the references stored, tiles those of six faces.",
         "Hit buffer, shading buffer and mask are not part of a structure and not measured here.",
+    ],
+};
+
+/// Figure 7.
+const FIGURE7: Experiment = Experiment {
+    name: "dirt-figure7",
+    summary: "analytic hits beside fragments of four thicknesses (DIRT, Figure 7)",
+    published: &["dirt-figure7"],
+    scenes: &[stands_for("room", "Bunny")],
+    rays: "specular,diffuse,bounce2",
+    settings: &[],
+    end: EndPoint::Hit,
+    steps: &[at(
+        1.0,
+        &[
+            dirt(&[("tile_size", &["1"])]),
+            abuffer(&[("views", &["seven"]), ("storage", &["dllb"]), IN_PIXELS, ("thickness", &["0", "1", "4", "16"])]),
+        ],
+    )],
+    means: false,
+    sections: &[],
+    charts: &[],
+    notes: &[
+        "VVP16's thickness is varied in widths of a pixel where the ray is; the paper's three values are not told.",
+        "The paper's pictures have two indirect bounces; here these are the sets diffuse and bounce2, and mirrors, where it says that \
+         thickness shows most, are the set specular.",
     ],
 };
 
@@ -118,6 +150,7 @@ const FIGURE8: Experiment = Experiment {
         at(1.0, &[dirt(&[("tile_size", &["4"])]), LBVH, BVH]),
         at(2.0, &[dirt(&[("tile_size", &["8"])]), LBVH, BVH]),
     ],
+    means: true,
     sections: &[sections::mixes],
     charts: &[charts::mixes],
     notes: &[
@@ -138,9 +171,13 @@ const FIGURE9: Experiment = Experiment {
     settings: &[],
     end: EndPoint::Hit,
     steps: &[at(1.0, &[dirt(&[("views", &["six", "frame"])])])],
+    means: false,
     sections: &[],
     charts: &[],
-    notes: &["There are no shadow maps here. The second scene of the paper's figure is not named."],
+    notes: &[
+        "There are no shadow maps here: no tracer has a map from the light. The second scene of the paper's figure is not named; \
+         Candy is the one here.",
+    ],
 };
 
 /// Figure 10.
@@ -151,14 +188,14 @@ const FIGURE10: Experiment = Experiment {
     scenes: &[stands_for("cloth", "Cloth"), stands_for("room", "Bunny"), stands_for("candy", "Candy")],
     rays: "diffuse",
     settings: &[],
-    end: EndPoint::Hit,
+    end: EndPoint::Surface,
     steps: &[at(1.0, &[dirt(&[("tile_size", &["1", "2", "4"]), ("buckets", &["8", "16", "24", "32", "40"])])])],
-    sections: &[],
+    means: false,
+    sections: &[sections::copies],
     charts: &[charts::over_buckets],
     notes: &[
-        "Which three scenes the paper's figure has is lost with it, as are its values of B. Fetch and Shade are not \
-         measured here.",
-        "Memory is that of the structure by its own ledger.",
+        "Which three scenes the paper's figure has is lost with it, as are its values of B. Traces go to surfaces: Fetch is the phases \
+         mask and fetch. There is no Shade, which the paper times apart: nothing is lit here.",
     ],
 };
 
@@ -177,19 +214,20 @@ const FIGURE11: Experiment = Experiment {
     settings: &[],
     end: EndPoint::Surface,
     steps: &[at(0.25, ONE_BUCKET), at(0.5, ONE_BUCKET), at(1.0, ONE_BUCKET), at(2.0, ONE_BUCKET)],
+    means: false,
     sections: &[],
     charts: &[charts::memory_over_resolution],
     notes: &[
         "VVP16 has the camera's view beside the six faces. Which scenes the paper's figure has is lost with it.",
-        "Memory is that of the structure and of the hit buffer, the mask and the shading buffer that a trace to surfaces takes, by \
-         the ledger. Of the paper's three shading points one is allocated.",
+        "By the ledger a trace to surfaces has one of the paper's three shading points, and as many as there are rays; with the paper's \
+         own buffers there are three a pixel of the frame.",
     ],
 };
 
 /// What the text states beside them.
 const TEXT: Experiment = Experiment {
     name: "dirt-text",
-    summary: "what the text states beside its tables: coverage, acceptance, the early stop, tiles, path length, fragments \
+    summary: "what the text states beside its tables: coverage, acceptance, the early stop, tiles, path length, direct visibility \
               (DIRT, sections 4 and 5)",
     published: &[],
     scenes: &[
@@ -208,16 +246,14 @@ const TEXT: Experiment = Experiment {
                 dirt(&[("tile_size", &["1", "2", "4", "8"])]),
                 dirt(&[("tile_size", &["1"]), ("coverage", &["standard"])]),
                 dirt(&[("tile_size", &["2"]), ("searched", &["all"]), ("accept", &["tile", "distance"])]),
+                dirt(&[("tile_size", &["2"]), ("direct_visibility", &["on"])]),
                 peer("screen-dda"),
-                abuffer(&[IN_PIXELS, ("thickness", &["0", "1", "4", "16"])]),
             ],
         ),
         at(0.5, &[dirt(&[("tile_size", &["1", "4"])])]),
     ],
+    means: false,
     sections: &[],
     charts: &[],
-    notes: &[
-        "Rows that search all buckets or accept by distance are a proof's aid, not the method.",
-        "VVP16's thickness is varied in widths of a pixel where the ray is.",
-    ],
+    notes: &["Rows that search all buckets or accept by distance are a proof's aid, not the method."],
 };

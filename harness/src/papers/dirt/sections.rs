@@ -1,5 +1,6 @@
 //! What pages of DIRT's tables and figures show before their rows.
 
+use super::DIRT;
 use super::quantities::memory::tiles;
 use super::quantities::time::{MIXES, total_ms};
 use crate::papers::page::Page;
@@ -39,7 +40,7 @@ pub(super) fn throughput(page: &Page<'_>) -> String {
                 Some(one? / last?)
             };
             let theirs = |index: usize| {
-                let name = page.experiment.stands_for(&run.scene.name)?;
+                let name = page.experiment.stands_for(&run.scene)?;
                 let of = |column: &str| printed?.value(&[("scene", name)], column);
                 Some(of(KINDS[index].1)? / of(KINDS[KINDS.len() - 1].1)?)
             };
@@ -124,4 +125,52 @@ pub(super) fn mixes(page: &Page<'_>) -> String {
 /// DIRT beside the A-buffer.
 pub(super) fn beside_abuffer(page: &Page<'_>) -> String {
     beside(page, ABUFFER)
+}
+
+/// Parts of triangles by the number of buckets that hold them, as structures tell them: statistic, heading.
+const IN_BUCKETS: [(&str, &str); 9] = [
+    ("parts_in_1_bucket", "in 1 bucket (%)"),
+    ("parts_in_2_buckets", "2"),
+    ("parts_in_3_to_4_buckets", "3 to 4"),
+    ("parts_in_5_to_8_buckets", "5 to 8"),
+    ("parts_in_9_to_16_buckets", "9 to 16"),
+    ("parts_in_17_to_32_buckets", "17 to 32"),
+    ("parts_in_33_to_64_buckets", "33 to 64"),
+    ("parts_in_65_to_128_buckets", "65 to 128"),
+    ("parts_in_129_to_256_buckets", "129 to 256"),
+];
+
+/// Copies of a part in several buckets as a histogram, and tiles that one surface fills; nothing of structures that do not tell.
+pub(super) fn copies(page: &Page<'_>) -> String {
+    let rows = page.rows.scenes.iter().flat_map(|scene| scene.of_tracer(DIRT).map(move |run| (scene, run)));
+    let rows: Vec<_> = rows.filter(|(_, run)| statistic(run, "one_surface_tiles").is_some()).collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    let told = |name: &str| rows.iter().any(|(_, run)| statistic(run, name).is_some());
+    let bins: Vec<_> = IN_BUCKETS.iter().filter(|(name, _)| told(name)).collect();
+    let mut headings = strings(&["scene", "tracer", "copies a part"]);
+    headings.extend(bins.iter().map(|(_, heading)| (*heading).to_owned()));
+    headings.extend(strings(&["in every bucket (%)", "tiles of one surface (%)", "references in these (%)"]));
+    let mut table = Table::new(&headings);
+    for (scene, run) in rows {
+        let share = |name: &str, of: &str| {
+            let [part, whole] = [name, of].map(|name| statistic(run, name));
+            optional(part.zip(whole).map(|(part, whole)| 100.0 * part / whole), 3)
+        };
+        let copies = statistic(run, "references").zip(statistic(run, "parts"));
+        let mut cells = vec![scene.label.clone(), run.label()];
+        cells.push(optional(copies.map(|(references, parts)| references / parts), 3));
+        cells.extend(bins.iter().map(|(name, _)| share(name, "parts")));
+        cells.push(share("parts_in_every_bucket", "parts"));
+        cells.push(share("one_surface_tiles", "occupied_tiles"));
+        cells.push(share("references_in_one_surface_tiles", "references"));
+        table.row(&cells);
+    }
+    format!(
+        "\nParts of triangles, one a tile that it touches, by the number of the tile's buckets that hold a copy. Equation 1 divides \
+         the depths that a tile holds, whatever these are: where one surface, triangles that hang together by their corners, fills a \
+         tile, it is spread over all buckets.\n\n{}",
+        table.text
+    )
 }

@@ -1,9 +1,10 @@
 //! A tracer beside every other one of a table.
 
 use super::Page;
-use super::measured::{TIMES, strings, time_with_accuracy};
+use super::measured::{TIMES, bytes, strings, time_with_accuracy};
+use crate::papers::Scope;
 use crate::papers::rows::trace;
-use crate::report::format::{NONE, mib, optional, significant};
+use crate::report::format::{NONE, optional};
 use crate::report::markdown::{Table, inline};
 use crate::results::TracerRun;
 use crate::results::host_ms;
@@ -14,7 +15,9 @@ pub(in crate::papers) fn beside(page: &Page<'_>, reference: &str) -> String {
     for scene in &page.rows.scenes {
         let Some(first) = scene.like_first(reference, &[]) else { continue };
         let sets = scene.ray_sets();
-        let mut headings = strings(&["tracer", "memory (MiB) ↓", "ratio", "build (ms) ↓", "ratio"]);
+        let mut headings = strings(&["tracer"]);
+        headings.extend(Scope::ALL.iter().flat_map(|(_, heading)| [(*heading).to_owned(), "ratio".to_owned()]));
+        headings.extend(strings(&["build (ms) ↓", "ratio"]));
         for set in &sets {
             headings.extend([format!("{set} (ms) ↓"), "ratio".to_owned(), "build and trace: ratio".to_owned()]);
         }
@@ -23,9 +26,12 @@ pub(in crate::papers) fn beside(page: &Page<'_>, reference: &str) -> String {
             let build = |run: &TracerRun| host_ms(&run.build.times);
             let over =
                 |own: Option<f64>, first: Option<f64>| optional(own.zip(first).map(|(own, first)| own / first), 3);
-            let (bytes, own_build) = (page.paper.bytes(run), build(run));
-            let mut cells = vec![run.label(), mib(bytes as u64)];
-            cells.push(significant(bytes / page.paper.bytes(first), 3));
+            let own_build = build(run);
+            let mut cells = vec![run.label()];
+            for (scope, _) in Scope::ALL {
+                let [own, base] = [run, first].map(|run| page.paper.bytes(run, scope));
+                cells.extend([bytes(page, run, scope), over(own, base)]);
+            }
             cells.extend([optional(own_build, 4), over(own_build, build(first))]);
             for set in &sets {
                 let [own, base] = [run, first].map(|run| time_with_accuracy(&[trace(run, set)?]));

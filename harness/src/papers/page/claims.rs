@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::broken;
 use crate::files;
-use crate::papers::{Claim, JudgedClaim, Paper, Test, Verdict, judge_all};
+use crate::papers::{Claim, JudgedClaim, Paper, SceneValue, Test, Verdict, judge_all};
 use crate::report::ReportError;
 use crate::report::format::{NONE, significant};
 use crate::report::markdown::{Table, inline};
@@ -21,7 +21,8 @@ pub(super) fn section(judged: &[JudgedClaim]) -> String {
 
 const HOW: &str = "A claim holds if the values here lie in the range beside them; a percentage holds within 10 percentage points, \
                    or within half of its value where that is less. Where the paper gives no number, the range is this suite's and \
-                   stands with the conditions. The adapter and its clock are those above: on a software adapter a ratio of times \
+                   stands with the conditions. Of what is timed the interval stands beside the value; a verdict takes twelve rounds and an \
+                   interval that lies on one side of every end of the range, and else is undecided. The adapter and its clock are those above: on a software adapter a ratio of times \
                    says what it says there.";
 
 fn value(value: f64, unit: &str) -> String {
@@ -43,10 +44,19 @@ fn published(claim: &Claim) -> String {
     }
 }
 
+/// Where a time lies.
+fn interval(of: &SceneValue) -> String {
+    let end = |end: f64| if end.is_finite() { significant(end, 4) } else { NONE.to_owned() };
+    of.interval.map_or_else(String::new, |[low, high]| format!(" [{}, {}]", end(low), end(high)))
+}
+
 /// Every scene's own figure, then the median.
 fn measured(judged: &JudgedClaim) -> String {
-    let all: Vec<String> =
-        judged.values.iter().map(|each| format!("{} {}", each.scene, value(each.value, judged.unit))).collect();
+    let all: Vec<String> = judged
+        .values
+        .iter()
+        .map(|each| format!("{} {}{}", each.scene, value(each.value, judged.unit), interval(each)))
+        .collect();
     match (all.as_slice(), judged.median) {
         ([], _) => NONE.to_owned(),
         ([_, _, ..], Some(median)) => format!("{}; median {}", all.join(", "), value(median, judged.unit)),
@@ -63,7 +73,14 @@ fn rule(claim: &Claim) -> String {
 
 fn verdict(judged: &JudgedClaim) -> String {
     let reason = judged.reason.as_ref().map_or_else(String::new, |reason| format!(": {reason}"));
-    format!("**{}**{reason}", judged.verdict.name())
+    let [measured, all] = judged.scenes;
+    let part = if (1..all).contains(&measured) { format!(" ({measured} of {all} scenes)") } else { String::new() };
+    format!("**{}**{part}{reason}", judged.verdict.name())
+}
+
+/// What part of a table's rows there was, unless all were there.
+fn rows_of([measured, all]: [usize; 2]) -> String {
+    if measured < all { format!("{measured} of {all} rows, ") } else { String::new() }
 }
 
 fn table(judged: &[JudgedClaim], with_table: bool) -> String {
@@ -87,7 +104,7 @@ fn table(judged: &[JudgedClaim], with_table: bool) -> String {
             let by = each.measured_by.as_ref();
             cells.push(by.map_or_else(
                 || claim.table().unwrap_or(NONE).to_owned(),
-                |by| format!("{}, preset {}, {}", by.table, by.preset, by.started),
+                |by| format!("{}, {}preset {}, {}", by.table, rows_of(by.rows), by.preset, by.started),
             ));
         }
         table.row(&cells);

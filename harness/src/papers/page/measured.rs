@@ -5,13 +5,13 @@ use std::collections::BTreeSet;
 use tracebench_api::Query;
 
 use super::Page;
-use crate::papers::SceneRows;
 use crate::papers::rows::{self, trace};
+use crate::papers::{SceneRows, Scope};
 use crate::report::format::{self, NONE, clock_of, mib, significant, statistic, thousands, with_interval};
 use crate::report::group::Role;
 use crate::report::markdown::{Table, inline};
 use crate::report::{cells, metrics};
-use crate::results::{Judgement, TraceRecord, TracerRun};
+use crate::results::{Judgement, Times, TraceRecord, TracerRun};
 
 /// Headings.
 pub(in crate::papers) fn strings(headings: &[&str]) -> Vec<String> {
@@ -54,7 +54,8 @@ fn structures(page: &Page<'_>, scene: &SceneRows<'_>) -> String {
     let counts: Vec<_> = page.paper.counts.iter().filter(|(name, _)| known(name)).collect();
     let mut headings = strings(&["tracer"]);
     headings.extend(counts.iter().map(|(_, heading)| (*heading).to_owned()));
-    headings.extend(strings(&["memory used (MiB) ↓", "structure allocated (MiB) ↓"]));
+    headings.extend(Scope::ALL.map(|(_, heading)| heading.to_owned()));
+    headings.push("structure alone, allocated (MiB) ↓".to_owned());
     if timed {
         headings.extend([strings(&["build clock"]), vec![metrics::BUILD_TIME.heading()]].concat());
         headings.push("phases (ms)".to_owned());
@@ -64,7 +65,7 @@ fn structures(page: &Page<'_>, scene: &SceneRows<'_>) -> String {
         let count = |name: &str| rows::statistic(run, name).map_or_else(|| NONE.to_owned(), statistic);
         let mut cells = vec![run.label()];
         cells.extend(counts.iter().map(|(name, _)| count(name)));
-        cells.push(mib(page.paper.bytes(run) as u64));
+        cells.extend(Scope::ALL.map(|(scope, _)| bytes(page, run, scope)));
         cells.push(mib(run.memory.structure_bytes));
         if timed {
             let times = &run.build.times;
@@ -74,12 +75,22 @@ fn structures(page: &Page<'_>, scene: &SceneRows<'_>) -> String {
             } else {
                 with_interval(times.median_ms, times.interval_ms, 4)
             });
-            let phases = times.phases.iter().map(|each| format!("{} {}", each.name, significant(each.median_ms, 3)));
-            cells.push(phases.collect::<Vec<_>>().join("; "));
+            cells.push(phases(times));
         }
         table.row(&cells);
     }
     table.text
+}
+
+/// Every phase by its median.
+fn phases(times: &Times) -> String {
+    let phases = times.phases.iter().map(|each| format!("{} {}", each.name, significant(each.median_ms, 3)));
+    phases.collect::<Vec<_>>().join("; ")
+}
+
+/// Bytes in a scope.
+pub(super) fn bytes(page: &Page<'_>, run: &TracerRun, scope: Scope) -> String {
+    page.paper.bytes(run, scope).map_or_else(|| NONE.to_owned(), |bytes| mib(bytes as u64))
 }
 
 fn traces(scene: &SceneRows<'_>, set: &str) -> String {
@@ -95,6 +106,8 @@ fn traces(scene: &SceneRows<'_>, set: &str) -> String {
     let mut headings = strings(&["tracer", "clock"]);
     headings.extend([metrics::SPEED.heading(), metrics::TRACE_TIME.heading()]);
     headings.extend(strings(accuracies));
+    let in_phases = all.iter().any(|(.., trace)| trace.times.phases.len() > 1);
+    headings.extend(in_phases.then(|| "phases (ms)".to_owned()));
     headings.extend(cells::counter_headings(&all, &counters));
     let mut table = Table::new(&headings);
     for (role, run, trace) in &all {
@@ -102,6 +115,7 @@ fn traces(scene: &SceneRows<'_>, set: &str) -> String {
         let [label, clock, _, speed, time] = cells::speed_cells(*role, run, trace, judged);
         let mut row = vec![label, clock, speed, time];
         row.extend(accuracies);
+        row.extend(in_phases.then(|| if judged { phases(&trace.times) } else { NONE.to_owned() }));
         row.extend(cells::counters(run, trace, &counters));
         table.row(&row);
     }

@@ -47,7 +47,7 @@ pub(crate) fn files(paper: &Paper, experiment: &Experiment, run: &Run) -> Result
     let published = paper.published().map_err(|error| broken(&error))?;
     let all = paper.claims().map_err(|error| broken(&error))?;
     let own = all.iter().filter(|claim| claim.table() == Some(experiment.name));
-    let judged: Vec<_> = own.map(|claim| judge(paper, claim, experiment.name, &rows)).collect();
+    let judged: Vec<_> = own.map(|claim| judge(paper, claim, &rows)).collect();
     let page = Page { paper, experiment, rows: &rows, published: &published.tables };
     let charts: Vec<_> = experiment.charts.iter().flat_map(|charts| charts(&page)).collect();
     let mut text = summary::head(&run, &format!("Table {}: {}", experiment.name, experiment.summary));
@@ -76,11 +76,16 @@ fn notes(experiment: &Experiment, rows: &Rows<'_>) -> String {
     for note in experiment.notes {
         let _ = writeln!(text, "- {note}");
     }
+    let [measured, all] = rows.of_all(experiment);
+    if measured < all {
+        let _ = writeln!(text, "- {measured} of {all} rows of the table were measured.");
+    }
     for scene in &rows.scenes {
-        let of = &scene.runs[0].scene.name;
-        let said = match experiment.stands_for(of) {
-            Some(published) => format!("{} stands for the paper's {published}", inline(of)),
-            None => format!("{} stands for none of the paper's scenes", inline(of)),
+        let record = &scene.runs[0].scene;
+        let of = inline(&record.name);
+        let said = match experiment.stands_for(record) {
+            Some(published) => format!("{of} stands for the paper's {published}"),
+            None => format!("{of} stands for none of the paper's scenes"),
         };
         let _ = writeln!(text, "- {said}.");
     }

@@ -3,10 +3,10 @@
 use tracebench_api::EndPoint;
 
 use super::{abuffer, charts, sections};
-use crate::papers::experiment::{Experiment, StandIn, Step, at, peer, stands_for};
+use crate::papers::experiment::{Experiment, Row, StandIn, Step, at, at_time, peer, stands_for};
 
 /// Every one, in the order of lists.
-pub(super) const EXPERIMENTS: &[Experiment] = &[TABLE1, TABLE2, FIGURE11, FIGURE12, VIEWS];
+pub(super) const EXPERIMENTS: &[Experiment] = &[TABLE1, TABLE2, FIGURE10, FIGURE11, FIGURE12, VIEWS];
 
 /// The scenes of Table 1, by fragments and layers of seven views.
 const OF_TABLE_1: &[StandIn] = &[
@@ -31,6 +31,7 @@ const TABLE1: Experiment = Experiment {
         1.0,
         &[abuffer(&[]), abuffer(&[("skip_bounds", OFF), ("skip_buckets", OFF)]), abuffer(&[("buckets", &["8", "12"])])],
     )],
+    means: false,
     sections: &[sections::bounces],
     charts: &[],
     notes: &[
@@ -59,10 +60,33 @@ const TABLE2: Experiment = Experiment {
             abuffer(&[("storage", &["llb", "dllb"]), ("buckets", &["4", "1", "8"])]),
         ],
     )],
+    means: false,
     sections: &[sections::formula],
     charts: &[],
     notes: &[
         "The formula has the device's own counts in it, and 16 bytes of data a fragment: its normal and its material.",
+    ],
+};
+
+const MOVING: &[Row] = &[abuffer(&[])];
+
+/// Figure 10.
+const FIGURE10: Experiment = Experiment {
+    name: "vvp16-figure10",
+    summary: "build and four samples a pixel of scenes that deform, over their animations (VVP16, Figure 10)",
+    published: &["vvp16-figure10"],
+    scenes: &[stands_for("foliage", "Fairy Forest"), stands_for("cloth", "Cloth-ball")],
+    rays: "diffuse",
+    settings: &[],
+    end: EndPoint::Surface,
+    steps: &[at_time(0.5, MOVING), at_time(1.5, MOVING), at_time(2.5, MOVING)],
+    means: false,
+    sections: &[sections::frames],
+    charts: &[],
+    notes: &[
+        "The paper's figure has four samples a pixel, averaged over the frames; here one is traced, and counts four times, in three frames \
+         of each animation. Which of its two effects each picture shows is not told: diffuse rays, one bounce, here.",
+        "The paper's times have direct lighting in them, these have not: camera rays are not traced.",
     ],
 };
 
@@ -86,6 +110,7 @@ const FIGURE11: Experiment = Experiment {
             peer("ray-query"),
         ],
     )],
+    means: true,
     sections: &[sections::peers],
     charts: &[],
     notes: &[
@@ -118,6 +143,7 @@ const FIGURE12: Experiment = Experiment {
             abuffer(&[("views", &["frame"]), ("storage", STORAGES), ("decoupled", &["on"])]),
         ],
     )],
+    means: false,
     sections: &[sections::variants],
     charts: &[charts::variants],
     notes: &[
@@ -155,6 +181,7 @@ const VIEWS: Experiment = Experiment {
     settings: &[],
     end: EndPoint::Hit,
     steps: &[BASE, FINE_FACES, COARSE],
+    means: false,
     sections: &[sections::views_and_layers],
     charts: &[],
     notes: &[

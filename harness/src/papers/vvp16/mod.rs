@@ -30,7 +30,9 @@ pub(super) const PAPER: Paper = Paper {
         ("average_layers", "layers of a covered pixel"),
         ("maximum_layers", "most layers"),
     ],
+    // Its data are in the structure.
     of_a_trace: &[],
+    own_buffers: |_| 0.0,
 };
 
 /// Its tracer.

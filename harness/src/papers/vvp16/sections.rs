@@ -1,16 +1,17 @@
 //! What pages of VVP16's tables and figures show before their rows.
 
+use super::quantities::peers::SAMPLES;
 use super::quantities::variants::{STORAGES, WAYS, with};
 use super::quantities::{counted, memory, rays, search};
 use super::{ABUFFER, PAPER, skipping};
-use crate::papers::SceneRows;
 use crate::papers::page::Page;
 use crate::papers::page::beside::beside;
 use crate::papers::page::measured::{TIMES, strings, time_with_accuracy};
 use crate::papers::rows::{self, trace};
+use crate::papers::{SceneRows, Scope};
 use crate::report::format::{NONE, mib, optional, significant, statistic, thousands};
 use crate::report::markdown::{Table, inline};
-use crate::results::{TraceRecord, TracerRun};
+use crate::results::{TraceRecord, TracerRun, host_ms};
 
 /// A part of Table 1: what is traced, how the published columns of it end, and the published row's effect.
 type Part<'a> = (&'a str, &'a str, &'a str, Vec<&'a TraceRecord>, Vec<&'a TraceRecord>);
@@ -62,13 +63,13 @@ pub(super) fn bounces(page: &Page<'_>) -> String {
         let own = |name: &str| rows::statistic(on, name).map_or_else(|| NONE.to_owned(), statistic);
         let layers = rows::statistic(on, "fragments").zip(rows::statistic(on, "pixels"));
         let of = |effect: Option<&str>, column: &str| {
-            let name = page.experiment.stands_for(&on.scene.name)?;
+            let name = page.experiment.stands_for(&on.scene)?;
             let labels = [("scene", name), ("effect", effect.unwrap_or_default())];
             printed?.value(&labels[..1 + usize::from(effect.is_some())], column)
         };
         structures.row(&[
             scene.label.clone(),
-            mib(PAPER.bytes(on) as u64),
+            optional(PAPER.bytes(on, Scope::Structure).map(|bytes| bytes / f64::from(1 << 20)), 4),
             own("fragments"),
             format!("{} / {}", own("average_layers"), own("maximum_layers")),
             optional(layers.map(|(fragments, pixels)| fragments / pixels), 3),
@@ -130,7 +131,8 @@ pub(super) fn formula(page: &Page<'_>) -> String {
         for (formula, ledger) in formula.iter().zip(ledger) {
             cells.extend([thousands(*formula as u64), significant(ledger / formula, 6)]);
         }
-        cells.extend([mib(all as u64), thousands((PAPER.bytes(run) - all) as u64)]);
+        let Some(used) = PAPER.bytes(run, Scope::Structure) else { continue };
+        cells.extend([mib(all as u64), thousands((used - all) as u64)]);
         table.row(&cells);
     }
     format!("\nBytes used:\n\n{}", table.text)
@@ -186,8 +188,7 @@ pub(super) fn views_and_layers(page: &Page<'_>) -> String {
             }
             table.row(&cells);
         }
-        let name =
-            page.experiment.stands_for(&first.scene.name).map_or_else(String::new, |name| format!(" for {name}"));
+        let name = page.experiment.stands_for(&first.scene).map_or_else(String::new, |name| format!(" for {name}"));
         let [[width, height], [columns, lines]] = [first.viewpoint.ray_image, first.viewpoint.frame];
         text += &format!(
             "\n**{}**{name}, rays from {width}x{height}, frame {columns}x{lines}, faces {}\n\n{}",
@@ -197,4 +198,35 @@ pub(super) fn views_and_layers(page: &Page<'_>) -> String {
         );
     }
     text
+}
+
+/// Figure 10: build and samples of every frame, with their ratio beside the published one.
+pub(super) fn frames(page: &Page<'_>) -> String {
+    let mut table = Table::new(&strings(&[
+        "scene",
+        "frame at (s)",
+        "build (ms) ↓",
+        "one sample a pixel (ms) ↓",
+        "four samples over build",
+        "published: build / four samples (ms)",
+        "four samples over build",
+    ]));
+    for run in page.rows.scenes.iter().filter_map(|scene| scene.like_first(ABUFFER, &[])) {
+        let published =
+            |column: &str| page.printed()?.value(&[("scene", page.experiment.stands_for(&run.scene)?)], column);
+        let time = time_with_accuracy(&trace(run, "diffuse").into_iter().collect::<Vec<_>>());
+        let build = host_ms(&run.build.times);
+        let ratio = time.as_ref().zip(build).map(|((ms, _), build)| SAMPLES * ms / build);
+        let [construction, tracing] = ["Construction", "Tracing"].map(published);
+        table.row(&[
+            inline(&run.scene.name),
+            run.viewpoint.time_s.to_string(),
+            optional(build, 4),
+            time.map_or_else(|| NONE.to_owned(), |(_, text)| text),
+            optional(ratio, 3),
+            format!("{} / {}", optional(construction, 2), optional(tracing, 3)),
+            optional(tracing.zip(construction).map(|(tracing, construction)| tracing / construction), 3),
+        ]);
+    }
+    format!("\n{TIMES}\n\n{}", table.text)
 }

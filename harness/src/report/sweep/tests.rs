@@ -160,7 +160,8 @@ fn files_can_be_made_again() {
     assert!(text.contains("Controls: all score what they must"), "{text}");
     let oracles = |text: &str| text.matches("oracle (control)").count();
     let once = oracles(&text);
-    if let Judgement::Closest(judgement) = &mut run.controls[3].traces[0].judgement {
+    let second = run.controls.len() / 2;
+    if let Judgement::Closest(judgement) = &mut run.controls[second].traces[0].judgement {
         judgement.ties += 1;
     }
     assert_eq!(oracles(&summary(&run)), 2 * once);

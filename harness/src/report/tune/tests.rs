@@ -6,6 +6,7 @@ use tempfile::TempDir;
 use tracebench_api::{ClockKind, Query};
 
 use crate::judge::Rule;
+use crate::measure::controls::Control;
 use crate::report::fixture::{self, Quality};
 use crate::report::{read_run, write_derived, write_run};
 use crate::results::{
@@ -66,6 +67,7 @@ pub(in crate::report) fn tuning(values: &[&str], scenes: &[&str], views: usize, 
     choose(&mut made, &axis.own, Rule::Footprint);
     Tuning {
         provenance: fixture::provenance(),
+        control_names: Control::names(),
         seed: 1,
         preset: "quick".to_owned(),
         ray_parameters: BTreeMap::new(),
@@ -129,6 +131,7 @@ fn record(tuning: &Tuning) -> Run {
     let axes = vec![tuning.axis.clone()];
     Run {
         provenance: tuning.provenance.clone(),
+        control_names: tuning.control_names.clone(),
         seed: tuning.seed,
         preset: tuning.preset.clone(),
         ray_parameters: tuning.ray_parameters.clone(),

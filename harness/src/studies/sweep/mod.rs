@@ -156,7 +156,7 @@ impl Sweep {
         let mut run = measure::begin(std::slice::from_ref(&self.plan), context);
         for (index, scene) in measure::load(&self.plan, context.progress)?.into_iter().enumerate() {
             if context.takes(index) {
-                let (plan, effort) = (self.plan.clone(), Effort::timed(self.plan.preset.samples));
+                let (plan, effort) = (self.plan.clone(), Effort::timed(&self.plan));
                 let spot = Spot { index, plan: &plan, scene, effort };
                 self.measure(spot, &|found| found.scene.name.clone(), &mut run, context)?;
             }

@@ -14,6 +14,7 @@ use crate::plan::{SceneSource, ViewRequest};
 use crate::progress::Progress;
 use crate::rays::{RAY_SETS, default_parameters};
 use crate::registry::{Family, Registration};
+use crate::results::Sampling;
 use crate::truth::Cache;
 
 /// Structures that there is room for at once.
@@ -98,7 +99,7 @@ fn plan(own: &str) -> Plan {
         tracers: vec![TracerRequest { required: true, ..request }],
         ray_sets: RAY_SETS[..1].to_vec(),
         ray_parameters: default_parameters(),
-        preset: RunPreset { ray_image: [8, 8], samples: 1, ..smoke },
+        preset: RunPreset { ray_image: [8, 8], sampling: Sampling::rounds(1), ..smoke },
         view: ViewRequest::Default,
         time_s: 0.0,
         seed: 1,

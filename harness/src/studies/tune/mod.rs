@@ -13,7 +13,7 @@ pub use tuning::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ValueTuned
 use crate::judge::Rule;
 use crate::measure::{self, Context, Effort, Measured, RunError, records};
 use crate::plan::{Plan, RunPreset, SceneSource, TracerRequest, ViewRequest};
-use crate::results::{AxisRecord, Run, Skipped, TunedScene, TuningRecord, place_name};
+use crate::results::{AxisRecord, Run, Sampling, Skipped, TunedScene, TuningRecord, place_name};
 use crate::studies::sweep::{Spot, Sweep, SweepError};
 
 /// A parameter of a plan's only tracer, to be tuned.
@@ -30,8 +30,11 @@ impl Tune {
     /// # Errors
     /// [`SweepError`] as its variants say.
     pub fn new(plan: &Plan, request: &TracerRequest, axis: AxisRecord, rule: Rule) -> Result<Self, SweepError> {
-        let plan =
-            Plan { tracers: vec![request.clone()], preset: RunPreset { samples: 1, ..plan.preset }, ..plan.clone() };
+        let plan = Plan {
+            tracers: vec![request.clone()],
+            preset: RunPreset { sampling: Sampling::rounds(1), ..plan.preset },
+            ..plan.clone()
+        };
         Sweep::new(&plan, vec![axis.clone()], false)?;
         Ok(Self { plan, request: request.clone(), axis, rule })
     }

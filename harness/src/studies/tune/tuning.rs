@@ -17,6 +17,8 @@ use crate::results::{
 pub struct Tuning {
     /// Where, by which program and when.
     pub provenance: Provenance,
+    /// Names of the controls that stand beside every contender.
+    pub control_names: Vec<String>,
     /// Seed of the ray sets.
     pub seed: u64,
     /// Run preset.
@@ -145,6 +147,7 @@ impl Tuning {
         choose(&mut scenes, &axis.own, tuning.rule);
         Some(Self {
             provenance: run.provenance.clone(),
+            control_names: run.control_names.clone(),
             seed: run.seed,
             preset: run.preset.clone(),
             ray_parameters: run.ray_parameters.clone(),

@@ -2,19 +2,20 @@
 
 use super::accuracy::as_published;
 use super::memory::references;
+use crate::papers::Scope;
 use crate::papers::dirt::PAPER;
-use crate::papers::quantity::{IN_A_MILLION, PERCENT, Quantity, of_scene, of_scenes, rank_correlation};
+use crate::papers::estimate::Estimate;
+use crate::papers::quantity::{IN_A_MILLION, PERCENT, Quantity, of_scene, of_scenes, rank_correlation, timed_of_scene};
 use crate::papers::rows::{MILLION, SceneRows, beyond_of, false_misses, footprint, statistic, trace};
 use crate::papers::vvp16::{ABUFFER, bytes_over_formula, row};
-use crate::results::host_ms;
 use crate::results::{Classes, Judgement, TraceRecord, TracerRun};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     of_scene("memory_below_abuffer", PERCENT, memory_below),
     of_scene("references_beyond_fragments", PERCENT, references_beyond_fragments),
-    of_scene("build_below_abuffer", PERCENT, build_below),
-    of_scene("trace_below_abuffer", PERCENT, trace_below),
-    of_scene("dirt_trace_over_abuffer", "", trace_over),
+    timed_of_scene("build_below_abuffer", PERCENT, build_below),
+    timed_of_scene("trace_below_abuffer", PERCENT, trace_below),
+    timed_of_scene("dirt_trace_over_abuffer", "", trace_over),
     of_scenes("rank_of_saving_by_fragments", "", rank_of_saving_by_fragments),
     of_scenes("dirt_bytes_over_abuffer_where_fewest", "", bytes_over_abuffer_where_fewest),
     of_scene("abuffer_bytes_over_formula", "", bytes_over_formula),
@@ -28,14 +29,10 @@ fn pair<'a>(scene: &SceneRows<'a>) -> Option<[&'a TracerRun; 2]> {
     Some([scene.find("dirt", &[("tile_size", "1"), ("coverage", "standard")])?, row(scene, &[])?])
 }
 
-/// What something of DIRT is below that of the A-buffer, percent.
-fn below(scene: &SceneRows<'_>, of: impl Fn(&TracerRun) -> Option<f64>) -> Option<f64> {
-    let [dirt, abuffer] = pair(scene)?;
-    Some(100.0 * (1.0 - of(dirt)? / of(abuffer)?))
-}
-
+/// What DIRT with the paper's own buffers takes below what the A-buffer takes, percent.
 fn memory_below(scene: &SceneRows<'_>) -> Option<f64> {
-    below(scene, |run| Some(PAPER.bytes(run)))
+    let [dirt, abuffer] = pair(scene)?.map(|run| PAPER.bytes(run, Scope::OfPaper));
+    Some(100.0 * (1.0 - dirt? / abuffer?))
 }
 
 /// Stored references beyond stored fragments, percent.
@@ -44,22 +41,21 @@ fn references_beyond_fragments(scene: &SceneRows<'_>) -> Option<f64> {
     Some(100.0 * (references(dirt)? / statistic(abuffer, "fragments")? - 1.0))
 }
 
-fn build_below(scene: &SceneRows<'_>) -> Option<f64> {
-    below(scene, |run| host_ms(&run.build.times))
+/// What DIRT's build takes less than the A-buffer's, percent.
+fn build_below(scene: &SceneRows<'_>) -> Option<Estimate> {
+    let [dirt, abuffer] = pair(scene)?;
+    scene.build_ratio(dirt, abuffer).map(Estimate::percent_below)
 }
 
-fn diffuse_ms(run: &TracerRun) -> Option<f64> {
-    host_ms(&trace(run, "diffuse")?.times)
-}
-
-fn trace_below(scene: &SceneRows<'_>) -> Option<f64> {
-    below(scene, diffuse_ms)
+/// The same of diffuse rays.
+fn trace_below(scene: &SceneRows<'_>) -> Option<Estimate> {
+    trace_over(scene).map(Estimate::percent_below)
 }
 
 /// Time of diffuse rays in DIRT over that in the A-buffer.
-fn trace_over(scene: &SceneRows<'_>) -> Option<f64> {
+fn trace_over(scene: &SceneRows<'_>) -> Option<Estimate> {
     let [dirt, abuffer] = pair(scene)?;
-    Some(diffuse_ms(dirt)? / diffuse_ms(abuffer)?)
+    scene.trace_ratio(dirt, abuffer, "diffuse")
 }
 
 /// How DIRT's saving of memory is ranked by the fragments over the scenes.
@@ -76,7 +72,7 @@ fn bytes_over_abuffer_where_fewest(scenes: &[SceneRows<'_>]) -> Option<f64> {
     let point = |scene: SceneRows<'_>| {
         let (dirt, abuffer) = (scene.find("dirt", &[])?, row(&scene, &[])?);
         let layers = statistic(abuffer, "fragments")? / statistic(abuffer, "pixels")?;
-        Some([layers, PAPER.bytes(dirt) / PAPER.bytes(abuffer)])
+        Some([layers, PAPER.bytes(dirt, Scope::OfPaper)? / PAPER.bytes(abuffer, Scope::OfPaper)?])
     };
     let all = scenes.iter().flat_map(SceneRows::by_resolution).filter_map(point);
     all.min_by(|a, b| a[0].total_cmp(&b[0])).map(|[_, ratio]| ratio)

@@ -1,9 +1,12 @@
 //! Bytes, references and other counts.
 
+use tracebench_api::Status;
+
+use crate::papers::Scope;
 use crate::papers::dirt::PAPER;
 use crate::papers::quantity::{PERCENT, Quantity, greatest, least, mean, of_scene, of_scenes};
 use crate::papers::rows::{SceneRows, has, integer, per_ray, statistic, trace};
-use crate::results::TracerRun;
+use crate::results::{TraceRecord, TracerRun};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     of_scene("samples_saved_1_to_2", PERCENT, |scene| saved(scene, ["1", "2"], parts)),
@@ -20,10 +23,12 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     of_scenes("bytes_a_reference", "bytes", bytes_a_reference),
     of_scene("mipmap_factor", "", mipmap_factor),
     of_scene("greatest_references_ratio_of_tiles", "", greatest_references_ratio_of_tiles),
-    of_scene("copies_at_40_over_8", "", copies_at_40_over_8),
+    of_scene("copies_at_most_buckets_over_8", "", copies_at_most_buckets_over_8),
     of_scene("pyramid_steps_4_over_1", "", pyramid_steps_4_over_1),
     of_scene("equation_1b_beyond_last_bucket", "buckets", equation_1b_beyond_last_bucket),
     of_scene("validated_share", "", validated_share),
+    of_scene("surfaces_fetched_over_hits", "", surfaces_fetched_over_hits),
+    of_scenes("trace_bytes_over_scenes", "", trace_bytes_over_scenes),
 ];
 
 /// What the ledger calls the depth bounds.
@@ -43,10 +48,9 @@ fn parts(run: &TracerRun) -> Option<f64> {
     statistic(run, "parts")
 }
 
-/// Bytes as the paper counts them.
-#[expect(clippy::unnecessary_wraps, reason = "stands beside quantities that may be missing")]
+/// Bytes as the paper counts them: the structure and its own buffers.
 fn bytes(run: &TracerRun) -> Option<f64> {
-    Some(PAPER.bytes(run))
+    PAPER.bytes(run, Scope::OfPaper)
 }
 
 /// DIRT with a tile size, by rising B.
@@ -76,8 +80,9 @@ fn saved(scene: &SceneRows<'_>, tile_sizes: [&str; 2], of: fn(&TracerRun) -> Opt
 fn growth_per_8_buckets(scene: &SceneRows<'_>, tile_size: &str) -> Option<f64> {
     let runs = over_buckets(scene, tile_size);
     let steps = runs.windows(2).filter(|pair| pair[0].0 >= FEW_BUCKETS && pair[1].0 == pair[0].0 + 8);
-    let growth: Vec<f64> = steps.map(|pair| 100.0 * (PAPER.bytes(pair[1].1) / PAPER.bytes(pair[0].1) - 1.0)).collect();
-    mean(&growth)
+    let growth: Option<Vec<f64>> =
+        steps.map(|pair| Some(100.0 * (bytes(pair[1].1)? / bytes(pair[0].1)? - 1.0))).collect();
+    mean(&growth?)
 }
 
 /// By how many percentage points the scenes differ in what tiles of 2x2 save of memory.
@@ -99,7 +104,7 @@ fn extremes(scenes: &[SceneRows<'_>]) -> Option<[[f64; 2]; 2]> {
     };
     let of_scene = |scene: &SceneRows<'_>| {
         let run = scene.of_tracer("dirt").find(alike)?;
-        Some([references(run)?, PAPER.bytes(run)])
+        Some([references(run)?, bytes(run)?])
     };
     let found: Vec<[f64; 2]> = scenes.iter().filter_map(of_scene).collect();
     let fewest = found.iter().copied().reduce(|a, b| if b[0] < a[0] { b } else { a })?;
@@ -147,13 +152,12 @@ fn greatest_references_ratio_of_tiles(scene: &SceneRows<'_>) -> Option<f64> {
     greatest(ratios?)
 }
 
-/// References a part of a triangle in a tile, at B = 40 over B = 8, tiles of one pixel.
-fn copies_at_40_over_8(scene: &SceneRows<'_>) -> Option<f64> {
-    let copies = |buckets: &str| {
-        let run = scene.find("dirt", &[("tile_size", "1"), ("buckets", buckets)])?;
-        Some(references(run)? / statistic(run, "parts")?)
-    };
-    Some(copies("40")? / copies("8")?)
+/// References a part of a triangle in a tile, at the most buckets of the table over B = 8, tiles of one pixel.
+fn copies_at_most_buckets_over_8(scene: &SceneRows<'_>) -> Option<f64> {
+    let copies = |run: &TracerRun| Some(references(run)? / statistic(run, "parts")?);
+    let runs = over_buckets(scene, "1");
+    let (few, (buckets, many)) = (runs.iter().find(|(buckets, _)| *buckets == FEW_BUCKETS)?, runs.last()?);
+    (*buckets > FEW_BUCKETS).then(|| Some(copies(many)? / copies(few.1)?))?
 }
 
 /// Pyramid steps a diffuse ray, tiles of 4x4 over tiles of one pixel, at B = 24.
@@ -182,4 +186,32 @@ fn validated_share(scene: &SceneRows<'_>) -> Option<f64> {
     let validated = all.iter().filter(|run| !run.structure_statistics.is_empty()).count();
     let skipped = scene.skipped.iter().filter(|skipped| skipped.tracer.as_deref() == Some("dirt")).count();
     (!all.is_empty()).then(|| validated as f64 / (all.len() + skipped) as f64)
+}
+
+/// Surfaces that Fetch found over the hits that it looked for, the most over DIRT's rows and sets.
+fn surfaces_fetched_over_hits(scene: &SceneRows<'_>) -> Option<f64> {
+    let fetched = |trace: &TraceRecord| {
+        let hits = trace.statuses.get(Status::Hit.name()).copied().filter(|hits| *hits > 0)? as f64;
+        Some((hits - trace.counters.get("fetches_lost")?.total as f64) / hits)
+    };
+    greatest(scene.of_tracer("dirt").flat_map(|run| &run.traces).filter_map(fetched))
+}
+
+/// Bytes of a trace's own buffers in the scene where they are most over those in the scene where they are least, of resolutions and
+/// numbers of rays that all scenes have that which differs most.
+fn trace_bytes_over_scenes(scenes: &[SceneRows<'_>]) -> Option<f64> {
+    let of_scene = |scene: &SceneRows<'_>| -> Vec<([u32; 2], u64, f64)> {
+        let bytes = |run: &TracerRun| Some(PAPER.bytes(run, Scope::WithTrace)? - PAPER.bytes(run, Scope::Structure)?);
+        let rows = scene.of_tracer("dirt");
+        rows.filter_map(|run| Some((run.viewpoint.frame, run.traces.first()?.count, bytes(run)?))).collect()
+    };
+    let all: Vec<_> = scenes.iter().map(of_scene).collect();
+    let alike = |(frame, rays, _): &([u32; 2], u64, f64)| {
+        let same = |rows: &Vec<([u32; 2], u64, f64)>| {
+            rows.iter().find(|row| (row.0, row.1) == (*frame, *rays)).map(|row| row.2)
+        };
+        let bytes = all.iter().map(same).collect::<Option<Vec<f64>>>()?;
+        Some(greatest(bytes.iter().copied())? / least(bytes)?)
+    };
+    (all.len() > 1).then(|| greatest(all.first()?.iter().filter_map(alike)))?
 }

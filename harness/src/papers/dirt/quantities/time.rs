@@ -1,30 +1,36 @@
 //! Times, always as ratios within one run.
 
+use super::accuracy::as_published;
 use super::memory::{over_buckets, pairs};
+use crate::papers::Scope;
 use crate::papers::dirt::PAPER;
-use crate::papers::quantity::{PERCENT, Quantity, greatest, least, mean, of_scene};
-use crate::papers::rows::{SceneRows, agreement, has, statistic, trace, trace_ratio};
-use crate::results::TracerRun;
+use crate::papers::estimate::Estimate;
+use crate::papers::quantity::{PERCENT, Quantity, timed_of_scene};
+use crate::papers::rows::{SceneRows, agreement, has, statistic, trace};
+use crate::papers::times::{ratio, traced};
 use crate::results::host_ms;
-use crate::results::time_ratio;
+use crate::results::{Timed, TracerRun};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
-    of_scene("greatest_step_to_less_coherent", "", greatest_step_to_less_coherent),
-    of_scene("visibility_over_fastest_other", "", visibility_over_fastest_other),
-    of_scene("conservative_over_standard_trace", "", conservative_over_standard_trace),
-    of_scene("build_growth_per_8_buckets", PERCENT, build_growth_per_8_buckets),
-    of_scene("greatest_trace_ratio_of_8_buckets", "", greatest_trace_ratio_of_8_buckets),
-    of_scene("coarse_tile_trace_ratio_where_low", "", coarse_tile_trace_ratio_where_low),
-    of_scene("coarse_tile_gain_over_resolution_where_fine", "", coarse_tile_gain_over_resolution_where_fine),
-    of_scene("trace_at_8_over_24_to_40", "", trace_at_8_over_24_to_40),
-    of_scene("good_setting_over_best", "", good_setting_over_best),
-    of_scene("second_event_over_first_closed", "", second_event_over_first_closed),
-    of_scene("second_event_over_first_open", "", second_event_over_first_open),
-    of_scene("least_bvh_build_over_dirt", "", least_bvh_build_over_dirt),
-    of_scene("diffuse_slope_over_bvh", "", diffuse_slope_over_bvh),
-    of_scene("total_gain_last_over_first", "", total_gain_last_over_first),
-    of_scene("least_diffuse_time_over_bvh", "", least_diffuse_time_over_bvh),
-    of_scene("one_view_time_over_six", "", one_view_time_over_six),
+    timed_of_scene("greatest_step_to_less_coherent", "", greatest_step_to_less_coherent),
+    timed_of_scene("visibility_over_fastest_other", "", visibility_over_fastest_other),
+    timed_of_scene("conservative_over_standard_trace", "", conservative_over_standard_trace),
+    timed_of_scene("build_growth_per_8_buckets", PERCENT, build_growth_per_8_buckets),
+    timed_of_scene("greatest_trace_ratio_of_8_buckets", "", greatest_trace_ratio_of_8_buckets),
+    timed_of_scene("coarse_tile_trace_ratio_where_low", "", coarse_tile_trace_ratio_where_low),
+    timed_of_scene("coarse_tile_gain_over_resolution_where_fine", "", coarse_tile_gain_over_resolution_where_fine),
+    timed_of_scene("trace_at_8_over_24_to_40", "", trace_at_8_over_24_to_40),
+    timed_of_scene("good_setting_over_best", "", good_setting_over_best),
+    timed_of_scene("second_event_over_first_closed", "", second_event_over_first_closed),
+    timed_of_scene("second_event_over_first_open", "", second_event_over_first_open),
+    timed_of_scene("least_bvh_build_over_dirt", "", least_bvh_build_over_dirt),
+    timed_of_scene("diffuse_slope_over_bvh", "", diffuse_slope_over_bvh),
+    timed_of_scene("total_gain_last_over_first", "", total_gain_last_over_first),
+    timed_of_scene("least_diffuse_time_over_bvh", "", least_diffuse_time_over_bvh),
+    timed_of_scene("one_view_time_over_six", "", one_view_time_over_six),
+    timed_of_scene("direct_visibility_over_diffuse", "", direct_visibility_over_diffuse),
+    timed_of_scene("fetch_over_first_row", "", fetch_over_first_row),
+    timed_of_scene("fetch_of_few_over_many", "", fetch_of_few_over_many),
 ];
 
 /// The hierarchy built on the device, in place of HLBVH and TRBVH.
@@ -35,50 +41,49 @@ const MEDIUM_TESSELLATION: f64 = 4.0;
 const CLOSED: f64 = 0.01;
 
 /// Rays a second of one set over those of another, in one row.
-fn throughput_ratio(run: &TracerRun, one: &str, other: &str) -> Option<f64> {
-    let [one, other] = [one, other].map(|rays| trace(run, rays));
-    let (one, other) = (one?, other?);
-    Some(one.count as f64 / other.count as f64 / time_ratio(&one.times, &other.times)?)
+fn throughput_ratio(scene: &SceneRows<'_>, run: &TracerRun, one: &str, other: &str) -> Option<Estimate> {
+    let rays = |set: &str| Some(trace(run, set)?.count as f64);
+    Some(scene.set_ratio(run, other, one)? * (rays(one)? / rays(other)?))
 }
 
 /// The greatest ratio of throughput to that of the next more coherent kind, of specular, glossy, diffuse, over DIRT's rows.
-fn greatest_step_to_less_coherent(scene: &SceneRows<'_>) -> Option<f64> {
+fn greatest_step_to_less_coherent(scene: &SceneRows<'_>) -> Option<Estimate> {
     let mut steps = Vec::new();
     for run in scene.of_tracer("dirt") {
-        steps.push(throughput_ratio(run, "glossy", "specular")?);
-        steps.push(throughput_ratio(run, "diffuse", "glossy")?);
+        steps.push(throughput_ratio(scene, run, "glossy", "specular")?);
+        steps.push(throughput_ratio(scene, run, "diffuse", "glossy")?);
     }
-    greatest(steps)
+    Estimate::greatest(steps)
 }
 
 /// Throughput of visibility rays over that of the fastest other kind, the least over DIRT's rows.
-fn visibility_over_fastest_other(scene: &SceneRows<'_>) -> Option<f64> {
+fn visibility_over_fastest_other(scene: &SceneRows<'_>) -> Option<Estimate> {
     let mut ratios = Vec::new();
     for run in scene.of_tracer("dirt") {
         for other in ["specular", "glossy", "diffuse"] {
-            ratios.push(throughput_ratio(run, "visibility", other)?);
+            ratios.push(throughput_ratio(scene, run, "visibility", other)?);
         }
     }
-    least(ratios)
+    Estimate::least(ratios)
 }
 
 /// Time of diffuse rays with conservative coverage over that with coverage by sample, tiles of one pixel, the same B.
-fn conservative_over_standard_trace(scene: &SceneRows<'_>) -> Option<f64> {
+fn conservative_over_standard_trace(scene: &SceneRows<'_>) -> Option<Estimate> {
     let row = |coverage: &str| scene.find("dirt", &[("tile_size", "1"), ("coverage", coverage)]);
     let (conservative, standard) = (row("conservative")?, row("standard")?);
     let same = conservative.tracer.parameters.get("buckets") == standard.tracer.parameters.get("buckets");
-    trace_ratio(conservative, standard, "diffuse").filter(|_| same)
+    scene.trace_ratio(conservative, standard, "diffuse").filter(|_| same)
 }
 
 /// Growth of the build by a step of eight buckets, percent, mean over steps and tile sizes.
-fn build_growth_per_8_buckets(scene: &SceneRows<'_>) -> Option<f64> {
+fn build_growth_per_8_buckets(scene: &SceneRows<'_>) -> Option<Estimate> {
     let mut growth = Vec::new();
     for tile_size in ["1", "2", "4"] {
         for pair in steps_of_8(&over_buckets(scene, tile_size)) {
-            growth.push(100.0 * (time_ratio(&pair[1].build.times, &pair[0].build.times)? - 1.0));
+            growth.push(scene.build_ratio(pair[1], pair[0])?.percent_beyond());
         }
     }
-    mean(&growth)
+    Estimate::mean(growth)
 }
 
 /// Neighbours that are eight buckets apart.
@@ -87,22 +92,22 @@ fn steps_of_8<'a>(runs: &[(u64, &'a TracerRun)]) -> Vec<[&'a TracerRun; 2]> {
 }
 
 /// The greatest ratio of the time of diffuse rays to that with eight buckets fewer, over tile sizes.
-fn greatest_trace_ratio_of_8_buckets(scene: &SceneRows<'_>) -> Option<f64> {
+fn greatest_trace_ratio_of_8_buckets(scene: &SceneRows<'_>) -> Option<Estimate> {
     let mut ratios = Vec::new();
     for tile_size in ["1", "2", "4"] {
         for [fewer, more] in steps_of_8(&over_buckets(scene, tile_size)) {
-            ratios.push(trace_ratio(more, fewer, "diffuse")?);
+            ratios.push(scene.trace_ratio(more, fewer, "diffuse")?);
         }
     }
-    greatest(ratios)
+    Estimate::greatest(ratios)
 }
 
 /// Time of diffuse rays with tiles of 4x4 over that with tiles of one pixel at B = 24; of scenes alone whose tiles of one pixel
 /// hold few triangles.
-fn coarse_tile_trace_ratio_where_low(scene: &SceneRows<'_>) -> Option<f64> {
+fn coarse_tile_trace_ratio_where_low(scene: &SceneRows<'_>) -> Option<Estimate> {
     let all = pairs(scene, ["1", "4"]);
     let [fine, coarse] = all.into_iter().find(|(buckets, _)| *buckets == 24)?.1;
-    (triangles_a_tile(fine)? <= MEDIUM_TESSELLATION).then(|| trace_ratio(coarse, fine, "diffuse"))?
+    (triangles_a_tile(fine)? <= MEDIUM_TESSELLATION).then(|| scene.trace_ratio(coarse, fine, "diffuse"))?
 }
 
 /// Triangles in an occupied tile, on the mean.
@@ -112,43 +117,44 @@ fn triangles_a_tile(run: &TracerRun) -> Option<f64> {
 
 /// By how many times tiles of 4x4 are as fast as tiles of one pixel, at the highest resolution over the lowest; of scenes alone
 /// whose tiles of one pixel hold many triangles at the highest.
-fn coarse_tile_gain_over_resolution_where_fine(scene: &SceneRows<'_>) -> Option<f64> {
-    fn at<'a>(scene: &SceneRows<'a>) -> Option<(&'a TracerRun, f64)> {
+fn coarse_tile_gain_over_resolution_where_fine(scene: &SceneRows<'_>) -> Option<Estimate> {
+    fn at<'a>(scene: &SceneRows<'a>) -> Option<(&'a TracerRun, Estimate)> {
         let row = |tile_size| {
             let published = [("tile_size", tile_size), ("coverage", "conservative"), ("searched", "until_hit")];
             scene.find("dirt", &published)
         };
         let (fine, coarse) = (row("1")?, row("4")?);
-        Some((fine, trace_ratio(fine, coarse, "diffuse")?))
+        Some((fine, scene.trace_ratio(fine, coarse, "diffuse")?))
     }
     let all: Vec<_> = scene.by_resolution().iter().filter_map(at).collect();
     let (lowest, highest) = (all.first()?, all.last()?);
     let wanted = all.len() > 1 && triangles_a_tile(highest.0)? > MEDIUM_TESSELLATION;
-    wanted.then(|| highest.1 / lowest.1)
+    wanted.then(|| highest.1.clone() / lowest.1.clone())
 }
 
 /// Time of diffuse rays at B = 8 over the mean of B = 24 to 40, tiles of 2x2.
-fn trace_at_8_over_24_to_40(scene: &SceneRows<'_>) -> Option<f64> {
+fn trace_at_8_over_24_to_40(scene: &SceneRows<'_>) -> Option<Estimate> {
     let runs = over_buckets(scene, "2");
     let few = runs.iter().find(|(buckets, _)| *buckets == 8)?.1;
     let many = runs.iter().filter(|(buckets, _)| (24..=40).contains(buckets));
-    let shares: Option<Vec<f64>> = many.map(|(_, run)| trace_ratio(run, few, "diffuse")).collect();
-    Some(1.0 / mean(&shares?)?)
+    let shares: Option<Vec<Estimate>> = many.map(|(_, run)| scene.trace_ratio(run, few, "diffuse")).collect();
+    Some(Estimate::from(1.0) / Estimate::mean(shares?)?)
 }
 
 /// Build and a trace of diffuse rays of the best setting with tiles of 2x2 and B of 20 to 40, over that of the best setting of
 /// all that use no more bytes.
-fn good_setting_over_best(scene: &SceneRows<'_>) -> Option<f64> {
-    let total = |run: &TracerRun| Some(host_ms(&run.build.times)? + host_ms(&trace(run, "diffuse")?.times)?);
+fn good_setting_over_best(scene: &SceneRows<'_>) -> Option<Estimate> {
+    const MIX: Mix = &[("diffuse", 1.0)];
     let good = over_buckets(scene, "2").into_iter().filter(|(buckets, _)| (20..=40).contains(buckets));
-    let good: Vec<(f64, &TracerRun)> = good.filter_map(|(_, run)| Some((total(run)?, run))).collect();
-    let (own, run) = good.into_iter().reduce(|a, b| if b.0 < a.0 { b } else { a })?;
-    let rivals = scene.of_tracer("dirt").filter(|other| PAPER.bytes(other) <= PAPER.bytes(run));
-    Some(own / least(rivals.filter_map(total))?)
+    let good: Vec<(f64, &TracerRun)> = good.filter_map(|(_, run)| Some((total_ms(run, MIX)?, run))).collect();
+    let (_, run) = good.into_iter().reduce(|a, b| if b.0 < a.0 { b } else { a })?;
+    let bytes = |run: &TracerRun| PAPER.bytes(run, Scope::OfPaper);
+    let rivals = scene.of_tracer("dirt").filter(|other| bytes(other) <= bytes(run));
+    Estimate::greatest(rivals.filter_map(|rival| scene.total_ratio(run, rival, MIX)))
 }
 
 /// Time of the second event over the first, where the scene is closed or open: whether nearly all diffuse rays hit.
-fn second_event_over_first(scene: &SceneRows<'_>, closed: bool) -> Option<f64> {
+fn second_event_over_first(scene: &SceneRows<'_>, closed: bool) -> Option<Estimate> {
     let mut ratios = Vec::new();
     for run in scene.of_tracer("dirt").filter(|run| has(run, "searched", "until_hit") && has(run, "tile_size", "2")) {
         let (first, second) = (trace(run, "diffuse")?, trace(run, "bounce2")?);
@@ -156,16 +162,16 @@ fn second_event_over_first(scene: &SceneRows<'_>, closed: bool) -> Option<f64> {
         if (stay >= 1.0 - CLOSED) != closed {
             return None;
         }
-        ratios.push(time_ratio(&second.times, &first.times)?);
+        ratios.push(scene.set_ratio(run, "bounce2", "diffuse")?);
     }
-    mean(&ratios)
+    Estimate::mean(ratios)
 }
 
-fn second_event_over_first_closed(scene: &SceneRows<'_>) -> Option<f64> {
+fn second_event_over_first_closed(scene: &SceneRows<'_>) -> Option<Estimate> {
     second_event_over_first(scene, true)
 }
 
-fn second_event_over_first_open(scene: &SceneRows<'_>) -> Option<f64> {
+fn second_event_over_first_open(scene: &SceneRows<'_>) -> Option<Estimate> {
     second_event_over_first(scene, false)
 }
 
@@ -176,28 +182,24 @@ fn beside_bvh<'a>(scene: &SceneRows<'a>) -> Vec<[&'a TracerRun; 2]> {
 }
 
 /// Build of the hierarchy over that of DIRT, the least over the resolutions.
-fn least_bvh_build_over_dirt(scene: &SceneRows<'_>) -> Option<f64> {
-    let all = beside_bvh(scene).into_iter();
-    least(all.filter_map(|[dirt, bvh]| Some(host_ms(&bvh.build.times)? / host_ms(&dirt.build.times)?)))
+fn least_bvh_build_over_dirt(scene: &SceneRows<'_>) -> Option<Estimate> {
+    Estimate::least(beside_bvh(scene).into_iter().filter_map(|[dirt, bvh]| scene.build_ratio(bvh, dirt)))
 }
 
 /// Time of diffuse rays over the hierarchy's, the least over the resolutions.
-fn least_diffuse_time_over_bvh(scene: &SceneRows<'_>) -> Option<f64> {
-    let diffuse = |run: &TracerRun| host_ms(&trace(run, "diffuse")?.times);
-    least(beside_bvh(scene).into_iter().filter_map(|[dirt, bvh]| Some(diffuse(dirt)? / diffuse(bvh)?)))
+fn least_diffuse_time_over_bvh(scene: &SceneRows<'_>) -> Option<Estimate> {
+    Estimate::least(beside_bvh(scene).into_iter().filter_map(|[dirt, bvh]| scene.trace_ratio(dirt, bvh, "diffuse")))
 }
 
 /// Time that a diffuse ray more takes from the lowest to the highest resolution, over the hierarchy's.
-fn diffuse_slope_over_bvh(scene: &SceneRows<'_>) -> Option<f64> {
+fn diffuse_slope_over_bvh(scene: &SceneRows<'_>) -> Option<Estimate> {
     let all = beside_bvh(scene);
     let (first, last) = (all.first()?, all.last()?);
-    let slope = |index: usize| {
-        let ends = [first, last].map(|pair| trace(pair[index], "diffuse"));
-        let (low, high) = (ends[0]?, ends[1]?);
-        let rays = high.count as f64 - low.count as f64;
-        (rays > 0.0).then(|| Some((host_ms(&high.times)? - host_ms(&low.times)?) / rays))?
-    };
-    Some(slope(0)? / slope(1)?)
+    // The rays that are added are the same for both. All in parts of the hierarchy's highest.
+    let rays = |pair: &[&TracerRun; 2]| Some(trace(pair[0], "diffuse")?.count);
+    let part = |row: &TracerRun| ratio(scene.run, &traced(row, "diffuse")?, &traced(last[1], "diffuse")?);
+    let slope = (part(last[0])? - part(first[0])?) / (Estimate::from(1.0) - part(first[1])?);
+    (rays(last)? > rays(first)?).then_some(slope)
 }
 
 /// Ray sets of a mix, with how often each is traced.
@@ -221,19 +223,42 @@ pub(in crate::papers::dirt) fn total_ms(run: &TracerRun, mix: &[(&str, f64)]) ->
 }
 
 /// What the hierarchy takes for build and traces over what DIRT takes, at the highest resolution over the lowest.
-fn total_gain_last_over_first(scene: &SceneRows<'_>) -> Option<f64> {
+fn total_gain_last_over_first(scene: &SceneRows<'_>) -> Option<Estimate> {
     let all = beside_bvh(scene);
-    let gain = |pair: &[&TracerRun; 2]| Some(total_ms(pair[1], FULL_MIX)? / total_ms(pair[0], FULL_MIX)?);
+    let gain = |pair: &[&TracerRun; 2]| scene.total_ratio(pair[1], pair[0], FULL_MIX);
     let several = all.len() > 1;
-    Some(gain(all.last()?)? / gain(all.first()?)?).filter(|_| several)
+    several.then(|| Some(gain(all.last()?)? / gain(all.first()?)?))?
 }
 
 /// Build and traces of all sets with one view over those with six.
-fn one_view_time_over_six(scene: &SceneRows<'_>) -> Option<f64> {
-    let total = |views: &str| {
-        let run = scene.find("dirt", &[("views", views)])?;
-        let mix: Vec<(&str, f64)> = run.traces.iter().map(|trace| (trace.rays.as_str(), 1.0)).collect();
-        total_ms(run, &mix)
-    };
-    Some(total("frame")? / total("six")?)
+fn one_view_time_over_six(scene: &SceneRows<'_>) -> Option<Estimate> {
+    let [one, six] = ["frame", "six"].map(|views| scene.find("dirt", &[("views", views)]));
+    let (one, six) = (one?, six?);
+    let mix: Vec<(&str, f64)> = six.traces.iter().map(|trace| (trace.rays.as_str(), 1.0)).collect();
+    scene.total_ratio(one, six, &mix)
+}
+
+/// Time of the build's phase direct visibility over that of diffuse rays.
+fn direct_visibility_over_diffuse(scene: &SceneRows<'_>) -> Option<Estimate> {
+    let run = scene.find("dirt", &as_published(&[("tile_size", "2"), ("direct_visibility", "on")]))?;
+    ratio(scene.run, &Timed::build(run).phase("direct visibility"), &traced(run, "diffuse")?)
+}
+
+/// Time of diffuse rays' phase fetch over that of the first row, of all rows that which lies farthest from 1.
+fn fetch_over_first_row(scene: &SceneRows<'_>) -> Option<Estimate> {
+    let fetch = |run| Some(traced(run, "diffuse")?.phase("fetch"));
+    let first = fetch(scene.of_tracer("dirt").next()?)?;
+    let all = scene.of_tracer("dirt").skip(1).map(|run| ratio(scene.run, &fetch(run)?, &first));
+    let all = all.collect::<Option<Vec<Estimate>>>()?;
+    let [least, greatest] = [Estimate::least(all.clone())?, Estimate::greatest(all)?];
+    Some(if least.value * greatest.value < 1.0 { least } else { greatest })
+}
+
+/// Time of the phases mask and fetch of mirror rays over those of diffuse rays, where these are at least twice as many; conservative
+/// coverage, tiles of one pixel.
+fn fetch_of_few_over_many(scene: &SceneRows<'_>) -> Option<Estimate> {
+    let run = scene.find("dirt", &as_published(&[("tile_size", "1")]))?;
+    let fetched = |rays: &str| Some(traced(run, rays)?.phase("mask").and(traced(run, rays)?.phase("fetch")));
+    let few = trace(run, "specular")?.count * 2 <= trace(run, "diffuse")?.count;
+    few.then(|| ratio(scene.run, &fetched("specular")?, &fetched("diffuse")?))?
 }

@@ -69,3 +69,25 @@ fn a_page_shows_what_a_set_touched() {
     assert!(page.contains("| nodes per ray ↓ | nodes_touched ↓ |") && page.contains("| 37.00 |"), "{page}");
     assert!(!page.contains("0.0156") && !page.contains("nodes_touched per ray"), "{page}");
 }
+
+/// Copies of parts stand as shares of all parts, tiles of one surface as shares of the tiles with lists; structures that do not tell have
+/// no such table.
+#[test]
+fn a_page_shows_copies_of_parts() {
+    let mut run = fixture::run_of(vec![super::dirt("room", json!({ "tile_size": "2" }), &[])]);
+    assert!(!page_of("dirt-figure10", &run).contains("copies a part"));
+    let counts = [
+        ("references", 900.0),
+        ("parts", 300.0),
+        ("parts_in_1_bucket", 150.0),
+        ("parts_in_3_to_4_buckets", 75.0),
+        ("parts_in_every_bucket", 30.0),
+        ("occupied_tiles", 50.0),
+        ("one_surface_tiles", 20.0),
+        ("references_in_one_surface_tiles", 90.0),
+    ];
+    run.runs[0].structure_statistics = counts.iter().map(|(name, count)| ((*name).to_owned(), *count)).collect();
+    let page = page_of("dirt-figure10", &run);
+    assert!(page.contains("| copies a part | in 1 bucket (%) | 3 to 4 | in every bucket (%) |"), "{page}");
+    assert!(page.contains("| 3.00 | 50.0 | 25.0 | 10.0 | 40.0 | 10.0 |"), "{page}");
+}

@@ -1,5 +1,6 @@
 //! Bytes by Table 2, beside those of the ledger.
 
+use crate::papers::Scope;
 use crate::papers::quantity::{Quantity, farthest_from_one, of_scene};
 use crate::papers::rows::{SceneRows, has, integer, statistic};
 use crate::papers::vvp16::{ABUFFER, PAPER, row};
@@ -64,7 +65,7 @@ fn with<'a>(scene: &SceneRows<'a>, storage: &str, buckets: &str) -> Option<&'a T
 
 /// Bytes of the largest storage without buckets over those of the smallest with them, at B = 4.
 fn largest_without_buckets_over_least_with(scene: &SceneRows<'_>) -> Option<f64> {
-    let bytes = |storage: &str| Some(PAPER.bytes(with(scene, storage, "4")?));
+    let bytes = |storage: &str| PAPER.bytes(with(scene, storage, "4")?, Scope::Structure);
     let without = bytes("s-buffer")?.max(bytes("ll")?).max(bytes("dll")?);
     Some(without / bytes("llb")?.min(bytes("dllb")?))
 }

@@ -1,19 +1,20 @@
-//! Figure 11: beside hierarchies.
+//! Figures 10 and 11: scenes that deform, and beside hierarchies.
 
-use crate::papers::quantity::{Quantity, greatest, least, of_scene};
+use crate::papers::estimate::Estimate;
+use crate::papers::quantity::{Quantity, greatest, of_scene, timed_of_scene};
 use crate::papers::rows::{SceneRows, footprint, trace};
+use crate::papers::times::{ratio, traced};
 use crate::papers::vvp16::{ABUFFER, row};
-use crate::results::TracerRun;
-use crate::results::host_ms;
-use crate::results::time_ratio;
+use crate::results::{Timed, TracerRun};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
-    of_scene("lbvh_build_over_abuffer", "", lbvh_build_over_abuffer),
-    of_scene("bvh_build_over_abuffer", "", bvh_build_over_abuffer),
-    of_scene("abuffer_trace_over_lbvh", "", trace_over_lbvh),
-    of_scene("abuffer_trace_over_bvh", "", trace_over_bvh),
-    of_scene("least_bvh_total_over_abuffer", "", least_bvh_total_over_abuffer),
-    of_scene("break_even_samples", "samples", break_even_samples),
+    timed_of_scene("lbvh_build_over_abuffer", "", lbvh_build_over_abuffer),
+    timed_of_scene("bvh_build_over_abuffer", "", bvh_build_over_abuffer),
+    timed_of_scene("abuffer_trace_over_lbvh", "", trace_over_lbvh),
+    timed_of_scene("abuffer_trace_over_bvh", "", trace_over_bvh),
+    timed_of_scene("least_bvh_total_over_abuffer", "", least_bvh_total_over_abuffer),
+    timed_of_scene("break_even_samples", "samples", break_even_samples),
+    timed_of_scene("four_samples_over_build", "", four_samples_over_build),
     of_scene("abuffer_footprint_agreement", "", footprint_agreement),
 ];
 
@@ -26,61 +27,77 @@ fn beside<'a>(scene: &SceneRows<'a>, hierarchy: &str) -> Option<[&'a TracerRun; 
     Some([row(scene, &[])?, scene.find(hierarchy, &[])?])
 }
 
-/// Build of a hierarchy over that of the A-buffer, by the host's clock.
-fn build_over_abuffer(scene: &SceneRows<'_>, hierarchy: &str) -> Option<f64> {
+/// Build of a hierarchy over that of the A-buffer.
+fn build_over_abuffer(scene: &SceneRows<'_>, hierarchy: &str) -> Option<Estimate> {
     let [abuffer, bvh] = beside(scene, hierarchy)?;
-    Some(host_ms(&bvh.build.times)? / host_ms(&abuffer.build.times)?)
+    scene.build_ratio(bvh, abuffer)
 }
 
-fn lbvh_build_over_abuffer(scene: &SceneRows<'_>) -> Option<f64> {
+fn lbvh_build_over_abuffer(scene: &SceneRows<'_>) -> Option<Estimate> {
     build_over_abuffer(scene, TRBVH)
 }
 
-fn bvh_build_over_abuffer(scene: &SceneRows<'_>) -> Option<f64> {
+fn bvh_build_over_abuffer(scene: &SceneRows<'_>) -> Option<Estimate> {
     build_over_abuffer(scene, SBVH)
 }
 
 /// Time of diffuse rays in the A-buffer over that in a hierarchy.
-fn trace_over(scene: &SceneRows<'_>, hierarchy: &str) -> Option<f64> {
+fn trace_over(scene: &SceneRows<'_>, hierarchy: &str) -> Option<Estimate> {
     let [abuffer, bvh] = beside(scene, hierarchy)?;
-    time_ratio(&trace(abuffer, "diffuse")?.times, &trace(bvh, "diffuse")?.times)
+    scene.trace_ratio(abuffer, bvh, "diffuse")
 }
 
-fn trace_over_lbvh(scene: &SceneRows<'_>) -> Option<f64> {
+fn trace_over_lbvh(scene: &SceneRows<'_>) -> Option<Estimate> {
     trace_over(scene, TRBVH)
 }
 
-fn trace_over_bvh(scene: &SceneRows<'_>) -> Option<f64> {
+fn trace_over_bvh(scene: &SceneRows<'_>) -> Option<Estimate> {
     trace_over(scene, SBVH)
 }
 
-/// Build and a trace of diffuse rays, ms by the host's clock.
-fn times(run: &TracerRun) -> Option<[f64; 2]> {
-    Some([host_ms(&run.build.times)?, host_ms(&trace(run, "diffuse")?.times)?])
-}
-
 /// Build and trace of the better hierarchy over those of the A-buffer.
-fn least_bvh_total_over_abuffer(scene: &SceneRows<'_>) -> Option<f64> {
+fn least_bvh_total_over_abuffer(scene: &SceneRows<'_>) -> Option<Estimate> {
     let ratio = |hierarchy: &&str| {
         let [abuffer, bvh] = beside(scene, hierarchy)?;
-        Some(times(bvh)?.iter().sum::<f64>() / times(abuffer)?.iter().sum::<f64>())
+        scene.total_ratio(bvh, abuffer, &[("diffuse", 1.0)])
     };
-    least([TRBVH, SBVH].iter().filter_map(ratio))
+    Estimate::least([TRBVH, SBVH].iter().filter_map(ratio))
 }
 
 /// Traces a frame from which on the hierarchy that gets there first takes no longer for build and traces; 0 where it builds no
 /// slower or traces no faster, so that there is nothing to repay or nothing to repay it with.
-fn break_even_samples(scene: &SceneRows<'_>) -> Option<f64> {
+fn break_even_samples(scene: &SceneRows<'_>) -> Option<Estimate> {
     let samples = |hierarchy: &&str| {
         let [abuffer, bvh] = beside(scene, hierarchy)?;
-        let ([own_build, own_trace], [build, trace]) = (times(abuffer)?, times(bvh)?);
-        let repaid = build > own_build && trace < own_trace;
-        Some(if repaid { (build - own_build) / (own_trace - trace) } else { 0.0 })
+        // All in parts of a trace in the A-buffer.
+        let trace = traced(abuffer, "diffuse")?;
+        let part = |timed: &Timed<'_>| ratio(scene.run, timed, &trace);
+        let owed = part(&Timed::build(bvh))? - part(&Timed::build(abuffer))?;
+        let repaid = Estimate::from(1.0) - part(&traced(bvh, "diffuse")?)?;
+        let nothing = owed.value <= 0.0 || repaid.value <= 0.0;
+        let sure = [&owed, &repaid].iter().all(|each| each.interval[0] > 0.0);
+        let surely_nothing = owed.interval[1] <= 0.0 || repaid.interval[1] <= 0.0;
+        let found = owed / repaid;
+        Some(match nothing {
+            true if surely_nothing => Estimate { value: 0.0, interval: [0.0; 2], ..found },
+            true => Estimate { value: 0.0, interval: [0.0, f64::INFINITY], ..found },
+            false if sure => found,
+            false => Estimate { interval: [0.0, f64::INFINITY], ..found },
+        })
     };
-    least([TRBVH, SBVH].iter().filter_map(samples))
+    Estimate::least([TRBVH, SBVH].iter().filter_map(samples))
 }
 
 /// Footprint agreement of diffuse rays, the best over the rows.
 fn footprint_agreement(scene: &SceneRows<'_>) -> Option<f64> {
     greatest(scene.of_tracer(ABUFFER).filter_map(|run| footprint(trace(run, "diffuse")?)))
+}
+
+/// Samples a pixel and frame of Figure 10.
+pub(in crate::papers::vvp16) const SAMPLES: f64 = 4.0;
+
+/// Time of a frame's samples over that of its build.
+fn four_samples_over_build(scene: &SceneRows<'_>) -> Option<Estimate> {
+    let run = row(scene, &[])?;
+    ratio(scene.run, &traced(run, "diffuse")?.times(SAMPLES), &Timed::build(run))
 }

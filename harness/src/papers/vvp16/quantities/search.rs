@@ -1,23 +1,24 @@
 //! Table 1: what is traversed, what is skipped, what buckets cost.
 
-use super::{counted, phase, rays};
-use crate::papers::quantity::{Quantity, least, of_scene, of_scenes, rank_correlation};
-use crate::papers::rows::{SceneRows, statistic, trace, trace_ratio};
+use super::{counted, rays};
+use crate::papers::Scope;
+use crate::papers::estimate::Estimate;
+use crate::papers::quantity::{Quantity, of_scene, timed_of_scene, timed_of_scenes};
+use crate::papers::rows::{SceneRows, statistic, trace};
+use crate::papers::times::{rank_correlation, traced as timed};
 use crate::papers::vvp16::{self, PAPER, row};
-use crate::results::host_ms;
-use crate::results::time_ratio;
-use crate::results::{TraceRecord, TracerRun};
+use crate::results::{Timed, TraceRecord, TracerRun};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
-    of_scene("skipping_gain", "", skipping_gain),
+    timed_of_scene("skipping_gain", "", skipping_gain),
     of_scene("same_hits_without_skipping", "", same_hits_without_skipping),
-    of_scenes("rank_of_time_by_efficiency", "", rank_of_time_by_efficiency),
-    of_scenes("rank_of_build_by_fragments", "", rank_of_build_by_fragments),
+    timed_of_scenes("rank_of_time_by_efficiency", "", rank_of_time_by_efficiency),
+    timed_of_scenes("rank_of_build_by_fragments", "", rank_of_build_by_fragments),
     of_scene("layers_of_two_bounces_over_one", "", layers_of_two_bounces_over_one),
     of_scene("views_of_two_bounces_over_one", "", views_of_two_bounces_over_one),
-    of_scene("two_bounces_over_one", "", two_bounces_over_one),
-    of_scene("more_buckets_trace_where_deep", "", more_buckets_trace_where_deep),
-    of_scene("more_buckets_cost", "", more_buckets_cost),
+    timed_of_scene("two_bounces_over_one", "", two_bounces_over_one),
+    timed_of_scene("more_buckets_trace_where_deep", "", more_buckets_trace_where_deep),
+    timed_of_scene("more_buckets_cost", "", more_buckets_cost),
     of_scene("data_nodes_read", "", data_nodes_read),
 ];
 
@@ -51,9 +52,9 @@ fn skipping<'a>(scene: &SceneRows<'a>) -> Option<[&'a TracerRun; 2]> {
 }
 
 /// Time of diffuse rays without skipping over that with it.
-fn skipping_gain(scene: &SceneRows<'_>) -> Option<f64> {
+fn skipping_gain(scene: &SceneRows<'_>) -> Option<Estimate> {
     let [on, off] = skipping(scene)?;
-    trace_ratio(off, on, "diffuse")
+    scene.trace_ratio(off, on, "diffuse")
 }
 
 /// The share of ray sets that have the same hits with and without skipping.
@@ -68,21 +69,22 @@ fn same_hits_without_skipping(scene: &SceneRows<'_>) -> Option<f64> {
 }
 
 /// How the time of a diffuse ray is ranked by the efficiency of skipping over the scenes.
-fn rank_of_time_by_efficiency(scenes: &[SceneRows<'_>]) -> Option<f64> {
-    let point = |scene: &SceneRows<'_>| {
-        let traced = trace(row(scene, &vvp16::skipping("on"))?, "diffuse")?;
-        Some([efficiency(&[traced])?, host_ms(&traced.times)? / traced.count as f64])
+fn rank_of_time_by_efficiency<'a>(scenes: &[SceneRows<'a>]) -> Option<Estimate> {
+    let point = |scene: &SceneRows<'a>| {
+        let run = row(scene, &vvp16::skipping("on"))?;
+        let traced = trace(run, "diffuse")?;
+        Some((efficiency(&[traced])?, timed(run, "diffuse")?.times(1.0 / traced.count as f64)))
     };
-    rank_correlation(&scenes.iter().filter_map(point).collect::<Vec<_>>())
+    rank_correlation(scenes.first()?.run, &scenes.iter().filter_map(point).collect::<Vec<_>>())
 }
 
 /// How the build is ranked by the fragments over the scenes.
-fn rank_of_build_by_fragments(scenes: &[SceneRows<'_>]) -> Option<f64> {
-    let point = |scene: &SceneRows<'_>| {
+fn rank_of_build_by_fragments<'a>(scenes: &[SceneRows<'a>]) -> Option<Estimate> {
+    let point = |scene: &SceneRows<'a>| {
         let run = row(scene, &[])?;
-        Some([statistic(run, "fragments")?, host_ms(&run.build.times)?])
+        Some((statistic(run, "fragments")?, Timed::build(run)))
     };
-    rank_correlation(&scenes.iter().filter_map(point).collect::<Vec<_>>())
+    rank_correlation(scenes.first()?.run, &scenes.iter().filter_map(point).collect::<Vec<_>>())
 }
 
 /// What something is over the rays of two bounces, over what it is in the first.
@@ -100,9 +102,8 @@ fn views_of_two_bounces_over_one(scene: &SceneRows<'_>) -> Option<f64> {
 }
 
 /// Time of both bounces over that of the first.
-fn two_bounces_over_one(scene: &SceneRows<'_>) -> Option<f64> {
-    let run = row(scene, &[])?;
-    Some(1.0 + time_ratio(&trace(run, "bounce2")?.times, &trace(run, "diffuse")?.times)?)
+fn two_bounces_over_one(scene: &SceneRows<'_>) -> Option<Estimate> {
+    Some(scene.set_ratio(row(scene, &[])?, "bounce2", "diffuse")? + 1.0)
 }
 
 /// More buckets than the first row has.
@@ -111,21 +112,22 @@ fn more_buckets<'a>(scene: &SceneRows<'a>) -> Option<[&'a TracerRun; 2]> {
 }
 
 /// Time of diffuse rays with the better of 8 and 12 buckets over that with 4; of complex scenes alone.
-fn more_buckets_trace_where_deep(scene: &SceneRows<'_>) -> Option<f64> {
+fn more_buckets_trace_where_deep(scene: &SceneRows<'_>) -> Option<Estimate> {
     let four = row(scene, &[("buckets", "4")])?;
-    let ratios: Option<Vec<f64>> = more_buckets(scene)?.iter().map(|more| trace_ratio(more, four, "diffuse")).collect();
-    (statistic(four, "average_layers")? >= COMPLEX_LAYERS).then(|| least(ratios?))?
+    let ratios: Option<Vec<Estimate>> =
+        more_buckets(scene)?.iter().map(|more| scene.trace_ratio(more, four, "diffuse")).collect();
+    (statistic(four, "average_layers")? >= COMPLEX_LAYERS).then(|| Estimate::least(ratios?))?
 }
 
 /// The least of what 8 and 12 buckets take of bytes and of sorting, over what 4 take.
-fn more_buckets_cost(scene: &SceneRows<'_>) -> Option<f64> {
+fn more_buckets_cost(scene: &SceneRows<'_>) -> Option<Estimate> {
     let four = row(scene, &[("buckets", "4")])?;
     let mut ratios = Vec::new();
     for more in more_buckets(scene)? {
-        ratios.push(PAPER.bytes(more) / PAPER.bytes(four));
-        ratios.push(phase(more, "reorder")? / phase(four, "reorder")?);
+        ratios.push((PAPER.bytes(more, Scope::Structure)? / PAPER.bytes(four, Scope::Structure)?).into());
+        ratios.push(scene.phase_ratio(more, four, "reorder")?);
     }
-    least(ratios)
+    Estimate::least(ratios)
 }
 
 /// The share of the stored data nodes that any diffuse ray's hit reads.

@@ -1,29 +1,29 @@
 //! Figures 7 to 9 and the text: views, layers, marches, bounds, centres, halving.
 
-use super::{counted, phase, rays};
-use crate::papers::quantity::{IN_A_MILLION, PERCENT, Quantity, least, mean, of_scene};
-use crate::papers::rows::{
-    MILLION, SceneRows, beyond, beyond_of, false_misses, footprint, statistic, trace, trace_ratio,
-};
+use super::{counted, rays};
+use crate::papers::Scope;
+use crate::papers::estimate::Estimate;
+use crate::papers::quantity::{IN_A_MILLION, PERCENT, Quantity, of_scene, timed_of_scene};
+use crate::papers::rows::{MILLION, SceneRows, beyond, beyond_of, false_misses, footprint, statistic, trace};
 use crate::papers::vvp16::{ABUFFER, PAPER, row};
 use crate::results::{Judgement, TraceRecord, TracerRun};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
-    of_scene("seven_views_over_one", "", seven_views_over_one),
-    of_scene("all_layers_over_one", "", all_layers_over_one),
+    timed_of_scene("seven_views_over_one", "", seven_views_over_one),
+    timed_of_scene("all_layers_over_one", "", all_layers_over_one),
     of_scene("one_view_false_misses_beyond", IN_A_MILLION, one_view_false_misses_beyond),
     of_scene("one_layer_false_misses_beyond", IN_A_MILLION, one_layer_false_misses_beyond),
-    of_scene("steps_over_hi_z", "", steps_over_hi_z),
+    timed_of_scene("steps_over_hi_z", "", steps_over_hi_z),
     of_scene("sparse_steps_agreement_change", "", sparse_steps_agreement_change),
     of_scene("half_resolution_agreement_change", "", half_resolution_agreement_change),
-    of_scene("resolution_exponent", "", resolution_exponent),
+    timed_of_scene("resolution_exponent", "", resolution_exponent),
     of_scene("off_view_rays_of_six_faces", IN_A_MILLION, off_view_rays_of_six_faces),
     of_scene("fragments_beyond_centres_in_eye", PERCENT, fragments_beyond_centres_in_eye),
-    of_scene("bounds_of_boxes_over_geometry", "", bounds_of_boxes_over_geometry),
+    timed_of_scene("bounds_of_boxes_over_geometry", "", bounds_of_boxes_over_geometry),
     of_scene("camera_view_agreement_change", "", camera_view_agreement_change),
     of_scene("camera_view_agreement_change_fine", "", camera_view_agreement_change_fine),
     of_scene("views_asked_for_at_a_switch", "views", views_asked_for_at_a_switch),
-    of_scene("halving_above_16_over_best", "", halving_above_16_over_best),
+    timed_of_scene("halving_above_16_over_best", "", halving_above_16_over_best),
 ];
 
 /// The ray sets of Figures 7 and 9.
@@ -34,21 +34,21 @@ const BENT: [&str; 2] = ["specular", "refraction"];
 const OFF_VIEW: &str = "off_view";
 
 /// Time with seven views over that with the camera's alone, all layers, mean over the ray sets.
-fn seven_views_over_one(scene: &SceneRows<'_>) -> Option<f64> {
+fn seven_views_over_one(scene: &SceneRows<'_>) -> Option<Estimate> {
     let (seven, one) = (row(scene, &[("views", "seven")])?, row(scene, &[("views", "frame")])?);
-    mean(&TIMED.iter().map(|rays| trace_ratio(seven, one, rays)).collect::<Option<Vec<f64>>>()?)
+    Estimate::mean(TIMED.iter().map(|rays| scene.trace_ratio(seven, one, rays)).collect::<Option<Vec<Estimate>>>()?)
 }
 
 /// Time with all layers over that with the nearest, the least over seven views and one, and ray sets.
-fn all_layers_over_one(scene: &SceneRows<'_>) -> Option<f64> {
+fn all_layers_over_one(scene: &SceneRows<'_>) -> Option<Estimate> {
     let mut ratios = Vec::new();
     for views in ["seven", "frame"] {
         let [all, one] = ["all", "one"].map(|layers| row(scene, &[("views", views), ("layers", layers)]));
         for rays in TIMED {
-            ratios.push(trace_ratio(all?, one?, rays)?);
+            ratios.push(scene.trace_ratio(all?, one?, rays)?);
         }
     }
-    least(ratios)
+    Estimate::least(ratios)
 }
 
 /// Rays in a million missed with the camera's view beyond those missed with seven.
@@ -63,8 +63,8 @@ fn one_layer_false_misses_beyond(scene: &SceneRows<'_>) -> Option<f64> {
 }
 
 /// Time of diffuse rays in 100 steps over that by the pyramid.
-fn steps_over_hi_z(scene: &SceneRows<'_>) -> Option<f64> {
-    trace_ratio(row(scene, &[("march", "steps")])?, row(scene, &[("march", "hi-z")])?, "diffuse")
+fn steps_over_hi_z(scene: &SceneRows<'_>) -> Option<Estimate> {
+    scene.trace_ratio(row(scene, &[("march", "steps")])?, row(scene, &[("march", "hi-z")])?, "diffuse")
 }
 
 /// Footprint agreement of diffuse rays.
@@ -104,14 +104,17 @@ fn half_resolution_agreement_change(scene: &SceneRows<'_>) -> Option<f64> {
 
 /// Every pixel visited: the exponent of bytes over pixels, and that of the time of a diffuse ray over the edge; the one farther
 /// from 1.
-fn resolution_exponent(scene: &SceneRows<'_>) -> Option<f64> {
+fn resolution_exponent(scene: &SceneRows<'_>) -> Option<Estimate> {
     let pixels = [("march", "pixels")];
     let (low, high) = (row(&coarser(scene)?, &pixels)?, row(scene, &pixels)?);
     let growth = statistic(high, "pixels")? / statistic(low, "pixels")?;
     let rays = trace(high, "diffuse")?.count as f64 / trace(low, "diffuse")?.count as f64;
-    let bytes = (PAPER.bytes(high) / PAPER.bytes(low)).ln() / growth.ln();
-    let time = (trace_ratio(high, low, "diffuse")? / rays).ln() / growth.sqrt().ln();
-    Some(if (bytes - 1.0).abs() > (time - 1.0).abs() { bytes } else { time })
+    let grown = PAPER.bytes(high, Scope::Structure)? / PAPER.bytes(low, Scope::Structure)?;
+    let bytes = Estimate::from(grown.ln() / growth.ln());
+    let time = (scene.trace_ratio(high, low, "diffuse")? / rays).rising(f64::ln) / growth.sqrt().ln();
+    let farther = if (bytes.value - 1.0).abs() > (time.value - 1.0).abs() { bytes.value } else { time.value };
+    let interval = [bytes.value.min(time.interval[0]), bytes.value.max(time.interval[1])];
+    Some(Estimate { value: farther, interval, ..time })
 }
 
 /// Rays in a million of all closest-hit sets whose true hit lies in none of six faces.
@@ -139,9 +142,9 @@ fn fragments_beyond_centres_in_eye(scene: &SceneRows<'_>) -> Option<f64> {
 }
 
 /// Time of the depth bounds of bounding boxes over that of the geometry's.
-fn bounds_of_boxes_over_geometry(scene: &SceneRows<'_>) -> Option<f64> {
-    let bounds = |of: &str| phase(row(scene, &[("bounds", of)])?, "depth bounds");
-    Some(bounds("boxes")? / bounds("geometry")?)
+fn bounds_of_boxes_over_geometry(scene: &SceneRows<'_>) -> Option<Estimate> {
+    let [boxes, geometry] = ["boxes", "geometry"].map(|of| row(scene, &[("bounds", of)]));
+    scene.phase_ratio(boxes?, geometry?, "depth bounds")
 }
 
 /// Agreement without the camera's view less that with it.
@@ -155,11 +158,11 @@ fn camera_view_agreement_change_fine(scene: &SceneRows<'_>) -> Option<f64> {
 }
 
 /// Time of diffuse rays in the S-buffer with halving above 16 fragments, over the least of other limits.
-fn halving_above_16_over_best(scene: &SceneRows<'_>) -> Option<f64> {
+fn halving_above_16_over_best(scene: &SceneRows<'_>) -> Option<Estimate> {
     let with = |limit: &str| row(scene, &[("storage", "s-buffer"), ("binary_search_above", limit)]);
     let sixteen = with("16")?;
-    let others = ["0", "64", "1048576"].iter().map(|limit| trace_ratio(with(limit)?, sixteen, "diffuse"));
-    Some(1.0 / least(others.collect::<Option<Vec<f64>>>()?)?)
+    let others = ["0", "64", "1048576"].iter().map(|limit| scene.trace_ratio(sixteen, with(limit)?, "diffuse"));
+    Estimate::greatest(others.collect::<Option<Vec<Estimate>>>()?)
 }
 
 /// Views asked for at a switch from one of six faces to the next. A ray's first face is found by asking all six.

@@ -1,0 +1,171 @@
+//! The fixed kernels: the same arithmetic in every round, on each clock of a race, by which a change of the machine's speed shows.
+
+use std::hint::black_box;
+
+use rayon::prelude::*;
+use tracebench_api::{ClockKind, Gpu, PhaseClock, Timing, TracerError};
+use tracebench_kit::{FixedWork, FixedWorkPlan, fixed_task};
+
+use crate::results::KernelRecord;
+use crate::statistics::trend;
+
+/// A kernel has so much work that it takes at least this, milliseconds: far more than a clock's resolution, far less than a round.
+const LEAST_MS: f64 = 1.0;
+/// Work that it begins with, tasks; doubled until it is enough.
+const FEWEST_TASKS: u32 = 1 << 9;
+/// Work that is enough for any device.
+const MOST_TASKS: u32 = 1 << 28;
+/// Of so many tries the fastest tells whether work is enough.
+const TRIES: usize = 3;
+
+/// Standard deviations from which on a trend is none of chance: 99.9 %, two-sided.
+const SURE: f64 = 3.29;
+
+/// The kernels of a machine.
+pub(crate) struct Kernels {
+    host_tasks: u32,
+    device: Option<(FixedWork, FixedWorkPlan, u32)>,
+}
+
+/// The work of the host's kernel: all cores, as host tracers take them.
+pub(crate) fn on_host(clock: &mut PhaseClock<'_>, tasks: u32) {
+    clock.host_phase("work", || black_box((0..tasks).into_par_iter().map(fixed_task).reduce(|| 0, |a, b| a ^ b)));
+}
+
+impl Kernels {
+    /// Finds out how much work takes long enough.
+    ///
+    /// # Errors
+    /// What the device says.
+    pub fn new(gpu: Option<&Gpu>) -> Result<Self, TracerError> {
+        let host_tasks = enough(|tasks| {
+            let mut clock = PhaseClock::new(None);
+            on_host(&mut clock, tasks);
+            clock.finish()
+        })?;
+        let device = match gpu {
+            None => None,
+            Some(gpu) => {
+                let work = FixedWork::new(gpu)?;
+                let tasks = enough(|tasks| on_device(gpu, &work, &work.plan(gpu, tasks)?))?;
+                let plan = work.plan(gpu, tasks)?;
+                Some((work, plan, tasks))
+            }
+        };
+        Ok(Self { host_tasks, device })
+    }
+
+    /// Runs that of a clock once.
+    ///
+    /// # Errors
+    /// What the device says.
+    pub fn sample(&self, on: Side, gpu: Option<&Gpu>) -> Result<Timing, TracerError> {
+        match (on, &self.device, gpu) {
+            (Side::Device, Some((work, plan, _)), Some(gpu)) => on_device(gpu, work, plan),
+            (Side::Device, ..) => {
+                Err(TracerError::Unavailable("a fixed kernel on a device that is not there".to_owned()))
+            }
+            (Side::Host, ..) => {
+                let mut clock = PhaseClock::new(None);
+                on_host(&mut clock, self.host_tasks);
+                clock.finish()
+            }
+        }
+    }
+
+    /// How much work that of a clock is.
+    fn tasks(&self, on: Side) -> u32 {
+        match (on, &self.device) {
+            (Side::Device, Some((.., tasks))) => *tasks,
+            _ => self.host_tasks,
+        }
+    }
+
+    /// What its times tell.
+    pub fn record(&self, on: Side, timings: &[Timing]) -> KernelRecord {
+        let samples_ms: Vec<f64> = timings.iter().map(|timing| timing.total_ms).collect();
+        let (change, deviations) = drift(&samples_ms);
+        KernelRecord {
+            clock: timings.first().map_or(ClockKind::Host, |timing| timing.clock),
+            tasks: self.tasks(on),
+            drifts: drifts(change, deviations),
+            samples_ms,
+            change,
+            deviations,
+        }
+    }
+}
+
+/// A change from the first round to the last that counts as a drift, a share: less of it cancels in ratios of paired rounds.
+const DRIFT: f64 = 0.25;
+
+/// Where work is done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Side {
+    Host,
+    Device,
+}
+
+/// By which share times change over their rounds, and how sure that is.
+pub(crate) fn drift(samples_ms: &[f64]) -> (f64, f64) {
+    let logarithms: Vec<f64> = samples_ms.iter().map(|ms| ms.max(f64::MIN_POSITIVE).ln()).collect();
+    trend(&logarithms).map_or((0.0, 0.0), |found| (found.change.exp_m1(), found.deviations))
+}
+
+/// Whether that is a drift.
+pub(crate) fn drifts(change: f64, deviations: f64) -> bool {
+    deviations.abs() > SURE && (1.0 + change).max(1.0 / (1.0 + change)) > 1.0 + DRIFT
+}
+
+fn on_device(gpu: &Gpu, work: &FixedWork, plan: &FixedWorkPlan) -> Result<Timing, TracerError> {
+    let mut clock = PhaseClock::new(Some(gpu));
+    clock.device_phase("work", |encoder| work.record(encoder, plan))?;
+    clock.finish()
+}
+
+fn enough(sample: impl Fn(u32) -> Result<Timing, TracerError>) -> Result<u32, TracerError> {
+    let mut tasks = FEWEST_TASKS;
+    while tasks < MOST_TASKS {
+        let mut fastest = f64::INFINITY;
+        for _ in 0..TRIES {
+            fastest = fastest.min(sample(tasks)?.total_ms);
+        }
+        if fastest >= LEAST_MS {
+            break;
+        }
+        tasks *= 2;
+    }
+    Ok(tasks)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A machine that becomes a third slower is noticed through noise of a tenth, one that does not is not, and a stray sample
+    /// is no drift.
+    #[test]
+    fn drift_is_noticed() {
+        let noise = |round: u32| 1.0 + 0.1 * (f64::from(round * 7 % 11) / 10.0 - 0.5);
+        let said = |speed: &dyn Fn(u32) -> f64| {
+            let samples: Vec<f64> = (0..24).map(|round| noise(round) * speed(round)).collect();
+            let (change, deviations) = drift(&samples);
+            drifts(change, deviations)
+        };
+        assert!(!said(&|_| 1.0) && !said(&|round| if round == 20 { 9.0 } else { 1.0 }));
+        assert!(
+            said(&|round| 1.0 + 0.2 * f64::from(round) / 23.0) && said(&|round| if round < 12 { 1.3 } else { 1.0 })
+        );
+        // Sure, but too little to matter.
+        assert!(!said(&|round| 1.0 + 0.15 * f64::from(round) / 23.0));
+    }
+
+    /// The kernel of the host takes as long as it should.
+    #[test]
+    fn kernels_have_work_enough() {
+        let kernels = Kernels::new(None).unwrap();
+        assert!(kernels.host_tasks >= FEWEST_TASKS && kernels.sample(Side::Host, None).is_ok());
+        assert!(kernels.sample(Side::Device, None).is_err());
+        assert_eq!(kernels.record(Side::Host, &[kernels.sample(Side::Host, None).unwrap()]).tasks, kernels.host_tasks);
+    }
+}

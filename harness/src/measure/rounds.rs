@@ -1,0 +1,249 @@
+//! The rounds of a race: in which order, with which fixed kernels, and how many.
+
+use std::time::Instant;
+
+use tracebench_api::{Gpu, Timing, TracerError};
+
+use super::kernels::{Kernels, Side};
+use crate::rays::sampling::Stream;
+use crate::results::{COVERAGE, EndedBy, Further, LEAST_ROUNDS, Sampling, of_rounds};
+use crate::statistics::median;
+
+/// Rounds that no race goes beyond: intervals shrink with the root of their number.
+pub(crate) const MOST_ROUNDS: usize = 200;
+
+/// A time below which no interval is waited for, milliseconds: it is near a clock's resolution.
+const NEGLIGIBLE_MS: f64 = 0.02;
+
+/// Tells the numbers that orders are drawn by from those of rays.
+const TAG: u64 = 0x0d3;
+
+/// The order of a round: every lane once, all orders as likely (Fisher, Yates).
+pub(crate) fn order(seed: u64, round: usize, lanes: usize) -> Vec<usize> {
+    let mut stream = Stream::new(seed, TAG, round as u64);
+    let mut order: Vec<usize> = (0..lanes).collect();
+    for last in (1..lanes).rev() {
+        order.swap(last, (stream.unit() * (last + 1) as f64) as usize);
+    }
+    order
+}
+
+/// A round.
+pub(crate) struct Round {
+    /// The lanes, in turn.
+    pub order: Vec<usize>,
+    /// Whether its times count.
+    pub counts: bool,
+}
+
+/// The rounds of a race.
+pub(crate) struct Rounds<'a> {
+    /// None where nothing is timed: all is done once, in the order of lanes.
+    pub sampling: Option<Sampling>,
+    kernels: Vec<(Side, &'a Kernels, Vec<Timing>)>,
+    seed: u64,
+    lanes: usize,
+    begun: usize,
+    counted_since: Option<Instant>,
+    /// Of every counted round.
+    pub orders: Vec<Vec<usize>>,
+    /// What ended it, once it has.
+    pub ended_by: EndedBy,
+    /// The widest interval when it ended.
+    pub widest_interval: Option<f64>,
+    /// Seconds from the first counted round on.
+    pub sampled_s: f64,
+}
+
+impl<'a> Rounds<'a> {
+    /// The rounds of so many lanes.
+    pub fn new(sampling: Option<Sampling>, seed: u64, lanes: usize, kernels: &[(Side, &'a Kernels)]) -> Self {
+        Self {
+            sampling,
+            kernels: kernels.iter().map(|(side, kernels)| (*side, *kernels, Vec::new())).collect(),
+            seed,
+            lanes,
+            begun: 0,
+            counted_since: None,
+            orders: Vec::new(),
+            ended_by: EndedBy::Rounds,
+            widest_interval: None,
+            sampled_s: 0.0,
+        }
+    }
+
+    /// How many there are at least, that which warms up among them.
+    pub fn least(&self) -> usize {
+        self.sampling.map_or(1, |sampling| sampling.least_rounds as usize + 1)
+    }
+
+    /// The next round, after its kernels; `None` when it is enough. `timed` gives the counted samples of all contenders.
+    ///
+    /// # Errors
+    /// What the device says.
+    pub fn next<'t>(
+        &mut self,
+        gpu: Option<&Gpu>,
+        timed: impl FnOnce() -> Vec<&'t [Timing]>,
+    ) -> Result<Option<Round>, TracerError> {
+        self.sampled_s = self.counted_since.map_or(0.0, |since| since.elapsed().as_secs_f64());
+        if self.begun >= self.least() && self.ends(timed) {
+            return Ok(None);
+        }
+        let counts = self.sampling.is_some() && self.begun > 0;
+        for (side, kernels, timings) in &mut self.kernels {
+            let timing = kernels.sample(*side, gpu)?;
+            timings.extend(Some(timing).filter(|_| counts));
+        }
+        let order = match self.sampling {
+            Some(_) => order(self.seed, self.begun, self.lanes),
+            None => (0..self.lanes).collect(),
+        };
+        if counts {
+            self.counted_since.get_or_insert_with(Instant::now);
+            self.orders.push(order.clone());
+        }
+        self.begun += 1;
+        Ok(Some(Round { order, counts }))
+    }
+
+    /// What the kernels tell.
+    pub fn kernels(&self) -> Vec<crate::results::KernelRecord> {
+        self.kernels.iter().map(|(side, kernels, timings)| kernels.record(*side, timings)).collect()
+    }
+
+    fn ends<'t>(&mut self, timed: impl FnOnce() -> Vec<&'t [Timing]>) -> bool {
+        let Some(sampling) = self.sampling else { return true };
+        let counted = self.orders.len();
+        if !is_due(sampling.further, counted, self.sampled_s) {
+            return false;
+        }
+        let limit = sampling.further.map(|further| further.interval_share);
+        self.widest_interval = widest(&lots(&timed()), limit);
+        let ended_by = ended(sampling.further, counted, self.sampled_s, self.widest_interval);
+        self.ended_by = ended_by.unwrap_or(self.ended_by);
+        ended_by.is_some()
+    }
+}
+
+/// Whether intervals are looked at after so many rounds: at first after each, later after every so many, since each look costs time, and
+/// a chance to stop by luck.
+pub(crate) fn is_due(further: Option<Further>, rounds: usize, sampled_s: f64) -> bool {
+    let up = further.is_none_or(|further| sampled_s >= further.time_limit_s) || rounds >= MOST_ROUNDS;
+    up || rounds.is_multiple_of((rounds / 16).max(1))
+}
+
+/// Whether sampling ends after at least as many rounds as there must be, and why.
+pub(crate) fn ended(further: Option<Further>, rounds: usize, sampled_s: f64, widest: Option<f64>) -> Option<EndedBy> {
+    let Some(Further { interval_share, time_limit_s }) = further else { return Some(EndedBy::Rounds) };
+    match () {
+        () if widest.is_none_or(|width| width < interval_share) => Some(EndedBy::Interval),
+        () if sampled_s >= time_limit_s => Some(EndedBy::TimeLimit),
+        () if rounds >= MOST_ROUNDS => Some(EndedBy::MostRounds),
+        () => None,
+    }
+}
+
+/// The widest interval that the ratio of any two lots has, in shares: its upper end over its lower one, less 1. The first that is not
+/// narrower than a limit stands for all. None where there are no two, or too few rounds.
+pub(crate) fn widest(lots: &[Lot], limit: Option<f64>) -> Option<f64> {
+    let mut widest: Option<f64> = None;
+    for (index, one) in lots.iter().enumerate() {
+        for other in &lots[..index] {
+            let both = if one.clock == other.clock { [&one.own, &other.own] } else { [&one.by_host, &other.by_host] };
+            let [low, high] =
+                of_rounds(both[0], both[1], COVERAGE).filter(|found| found.coverage >= COVERAGE)?.interval;
+            widest = Some(widest.unwrap_or(0.0).max(high / low - 1.0));
+            if widest >= limit && limit.is_some() {
+                return widest;
+            }
+        }
+    }
+    widest
+}
+
+/// What one contender's samples are told by.
+pub(crate) struct Lot {
+    clock: tracebench_api::ClockKind,
+    own: Vec<f64>,
+    by_host: Vec<f64>,
+}
+
+#[cfg(test)]
+impl Lot {
+    /// Times by the host's clock.
+    pub fn of_host(times_ms: Vec<f64>) -> Self {
+        Self { clock: tracebench_api::ClockKind::Host, by_host: times_ms.clone(), own: times_ms }
+    }
+}
+
+/// The lots that an interval is waited for.
+fn lots(timed: &[&[Timing]]) -> Vec<Lot> {
+    let lot = |timings: &&[Timing]| {
+        let clock = timings.first()?.clock;
+        let by_host = timings.iter().map(|timing| timing.submit_to_done_ms.unwrap_or(timing.total_ms)).collect();
+        let own: Vec<f64> = timings.iter().map(|timing| timing.total_ms).collect();
+        let waited = timings.len() >= LEAST_ROUNDS as usize && median(&own) >= NEGLIGIBLE_MS;
+        let own = if Timing::believable(timings) { own } else { Vec::clone(&by_host) };
+        waited.then_some(Lot { clock, own, by_host })
+    };
+    timed.iter().filter_map(lot).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every order has every lane once, is drawn again by the same seed, and puts every lane first about as often.
+    #[test]
+    fn orders_are_drawn_by_lot() {
+        let mut first = [0; 5];
+        for round in 0..2000 {
+            let drawn = order(7, round, 5);
+            let mut sorted = drawn.clone();
+            sorted.sort_unstable();
+            assert_eq!(sorted, [0, 1, 2, 3, 4]);
+            assert_eq!(drawn, order(7, round, 5));
+            first[drawn[0]] += 1;
+        }
+        assert!(first.iter().all(|count| (330..470).contains(count)), "{first:?}");
+        assert!((0..20).any(|round| order(7, round, 5) != order(8, round, 5)));
+        assert_eq!((order(7, 1, 0), order(7, 1, 1)), (vec![], vec![0]));
+    }
+
+    /// Sampling ends after fixed rounds, once all intervals are narrow, when the time is up, or at the most rounds; not before.
+    #[test]
+    fn sampling_ends() {
+        let further = Some(Further { interval_share: 0.1, time_limit_s: 5.0 });
+        assert_eq!(ended(None, 3, 100.0, None), Some(EndedBy::Rounds));
+        assert_eq!(ended(further, 12, 1.0, Some(0.09)), Some(EndedBy::Interval));
+        assert_eq!(ended(further, 12, 1.0, None), Some(EndedBy::Interval));
+        assert_eq!(ended(further, 12, 1.0, Some(0.11)), None);
+        assert_eq!(ended(further, 12, 5.0, Some(0.11)), Some(EndedBy::TimeLimit));
+        assert_eq!(ended(further, MOST_ROUNDS, 1.0, Some(0.11)), Some(EndedBy::MostRounds));
+        let looks = (12..100).filter(|rounds| is_due(further, *rounds, 1.0)).count();
+        assert!((30..60).contains(&looks) && (12..32).all(|rounds| is_due(further, rounds, 1.0)), "{looks}");
+        assert!(!is_due(further, 99, 1.0) && is_due(further, 99, 5.0) && is_due(further, MOST_ROUNDS, 1.0));
+    }
+
+    /// The widest interval is that of the worst pair: one that scatters keeps all waiting, one that is too short to tell does not.
+    #[test]
+    fn the_worst_pair_counts() {
+        let timings = |ms: f64, scatter: f64| -> Vec<Timing> {
+            let sample = |round: usize| Timing {
+                clock: tracebench_api::ClockKind::Host,
+                total_ms: ms * (1.0 + scatter * (round * 5 % 12) as f64),
+                phases: Vec::new(),
+                submit_to_done_ms: None,
+                grown: false,
+            };
+            (0..12).map(sample).collect()
+        };
+        let of = |all: &[Vec<Timing>]| widest(&lots(&all.iter().map(|each| &each[..]).collect::<Vec<_>>()), None);
+        let (steady, slower, wild) = (timings(1.0, 0.0), timings(2.0, 0.001), timings(1.0, 0.05));
+        assert!(of(&[steady.clone(), slower.clone()]).unwrap() < 0.02);
+        assert!(of(&[steady.clone(), slower, wild]).unwrap() > 0.3);
+        assert_eq!(of(std::slice::from_ref(&steady)), None);
+        assert_eq!(of(&[steady, timings(0.001, 0.05)]), None);
+    }
+}

@@ -1,0 +1,140 @@
+//! The control of the clock: one contender a clock that does its work twice in one sample, and must take twice as long.
+
+use tracebench_api::{ClockKind, HitBuffer, Residency, Timing, TracerError};
+
+use super::race::Race;
+use super::records;
+use super::session::PreparedRays;
+use crate::results::{LEAST_ROUNDS, TwiceRecord};
+use crate::statistics::median;
+
+/// How many times as long double work must take, at least and at most.
+pub(crate) const TAKES: [f64; 2] = [1.8, 2.2];
+
+/// Milliseconds below which it is not judged: what every sample costs once, whatever its work, is too large a part.
+pub(crate) const LEAST_JUDGED_MS: f64 = 5.0;
+
+/// One that does its work twice.
+pub(crate) struct Double {
+    /// The lane whose work it does.
+    pub lane: usize,
+    pub timings: Vec<Timing>,
+    hits: Option<HitBuffer>,
+    /// Why it is not judged, as far as that is known.
+    pub not_judged: Option<String>,
+}
+
+impl Race<'_> {
+    /// The first contender by the plan's order on each clock, ready to do its work twice.
+    pub(super) fn doubles(&mut self, rays: &PreparedRays) -> Vec<Double> {
+        let first = |race: &mut Self, residency: Residency| {
+            let wanted = |race: &mut Self, lane: usize| {
+                race.lanes[lane].control.is_none()
+                    && race.lanes[lane].out.is_none()
+                    && race.contender(lane).description.residency == residency
+            };
+            (0..race.lanes.len()).find(|lane| wanted(race, *lane))
+        };
+        let mut doubles = Vec::new();
+        for residency in [Residency::Host, Residency::Device] {
+            let Some(lane) = first(self, residency) else { continue };
+            let session = self.session;
+            let hits = session.hit_buffer(self.contender(lane), rays);
+            let not_judged = hits.as_ref().err().map(TracerError::to_string);
+            doubles.push(Double { lane, timings: Vec::new(), hits: hits.ok(), not_judged });
+        }
+        doubles
+    }
+
+    /// Lets one do its work twice. What goes wrong takes nobody out: the same work done once tells of it.
+    pub(super) fn double(&mut self, rays: &PreparedRays, double: &mut Double, counts: bool) {
+        let (session, lane) = (self.session, double.lane);
+        if self.lanes[lane].out.is_some() {
+            double.not_judged = Some("the contender was taken out".to_owned());
+        }
+        let Some(hits) = double.hits.as_mut().filter(|_| double.not_judged.is_none()) else { return };
+        let repeats = 2 * self.lanes[lane].repeats;
+        match session.sample_trace(self.contender(lane), rays, hits, repeats) {
+            Ok(timing) => double.timings.extend(Some(timing).filter(|_| counts)),
+            Err(error) => double.not_judged = Some(error.to_string()),
+        }
+    }
+}
+
+impl Double {
+    /// What is said of it beside the same work done once.
+    pub fn record(&self, tracer: String, once: &[Timing]) -> TwiceRecord {
+        let (single, double) = (records::times(once), records::times(&self.timings));
+        let by_host = single.clock != double.clock;
+        let of = |times: &crate::results::Times| match by_host {
+            true => times.submit_to_done_samples_ms.clone(),
+            false => times.samples_ms.clone(),
+        };
+        let (once, twice) = (of(&single), of(&double));
+        let clock = if by_host { ClockKind::SubmitToDone } else { single.clock };
+        judged(tracer, clock, &once, twice, self.not_judged.clone())
+    }
+}
+
+/// What is said of double work beside single work, round by round.
+pub(crate) fn judged(
+    tracer: String,
+    clock: ClockKind,
+    once_ms: &[f64],
+    twice_ms: Vec<f64>,
+    not_judged: Option<String>,
+) -> TwiceRecord {
+    let ratios: Vec<f64> = twice_ms.iter().zip(once_ms).map(|(twice, once)| twice / once).collect();
+    let ratio = (!ratios.is_empty()).then(|| median(&ratios)).filter(|ratio| ratio.is_finite());
+    let (rounds, once) = (ratios.len(), median(once_ms));
+    let too_little = || match () {
+        () if rounds < LEAST_ROUNDS as usize => Some(format!("{rounds} rounds, fewer than {LEAST_ROUNDS}")),
+        () if once < LEAST_JUDGED_MS => Some(format!("it takes less than {LEAST_JUDGED_MS} ms")),
+        () => None,
+    };
+    let not_judged = not_judged.or_else(too_little);
+    let passed = not_judged.is_some() || ratio.is_some_and(|ratio| (TAKES[0]..=TAKES[1]).contains(&ratio));
+    TwiceRecord { tracer, clock, samples_ms: twice_ms, ratio, not_judged, passed }
+}
+
+/// Why times are void, if one fails.
+pub(crate) fn void_reason(twice: &[TwiceRecord]) -> Option<String> {
+    let failed = twice.iter().find(|each| !each.passed)?;
+    let ratio = failed.ratio.map_or_else(|| "no time".to_owned(), |ratio| format!("{ratio:.2} times as long"));
+    Some(format!("{} done twice takes {ratio}, not {} to {}", failed.tracer, TAKES[0], TAKES[1]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn said(once_ms: f64, factor: f64, rounds: usize) -> TwiceRecord {
+        let once: Vec<f64> = (0..rounds).map(|round| once_ms * (1.0 + 0.02 * (round % 5) as f64)).collect();
+        let twice = once.iter().map(|ms| ms * factor).collect();
+        judged("one".to_owned(), ClockKind::Host, &once, twice, None)
+    }
+
+    /// Double work must take twice as long: a clock that misses the second half, or counts something thrice, voids times.
+    #[test]
+    fn double_work_takes_twice_as_long() {
+        for factor in [1.81, 2.0, 2.19] {
+            let found = said(6.0, factor, 12);
+            assert!(found.passed && found.not_judged.is_none() && void_reason(&[found]).is_none());
+        }
+        for factor in [1.0, 1.79, 2.21, 3.0] {
+            let found = said(6.0, factor, 12);
+            assert!(!found.passed, "{factor}");
+            assert!(void_reason(&[found]).unwrap().contains("times as long"));
+        }
+    }
+
+    /// What is too short, or sampled too seldom, is not judged, whatever it takes; nor is what could not be done.
+    #[test]
+    fn little_is_not_judged() {
+        for found in [said(4.7, 1.0, 12), said(6.0, 1.0, 11)] {
+            assert!(found.passed && found.not_judged.is_some());
+        }
+        let refused = judged("one".to_owned(), ClockKind::Host, &[6.0; 12], Vec::new(), Some("no room".to_owned()));
+        assert!(refused.passed && refused.ratio.is_none());
+    }
+}

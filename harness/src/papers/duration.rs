@@ -1,0 +1,154 @@
+//! How long a paper's table would take, told by rows that were measured.
+
+use serde_json::{Value, json};
+
+use crate::plan::{Plan, SceneSource, TracerRequest};
+use crate::results::{Run, TracerRun, host_ms};
+
+/// Seconds of an hour.
+const HOUR: f64 = 3600.0;
+const MINUTE: f64 = 60.0;
+
+/// The time that builds and traces of plans take.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Duration {
+    /// Rows of the plans.
+    pub rows: usize,
+    /// Rows of which a like one was measured; the others are taken to take as long as these on the mean.
+    pub known: usize,
+    /// Rounds, with the one to warm up.
+    pub rounds: usize,
+    /// Seconds of all builds of the known rows.
+    pub builds_s: f64,
+    /// Seconds of all traces of the known rows.
+    pub traces_s: f64,
+}
+
+impl Duration {
+    /// By the rows of a run of the same scene, tracer and parameters, at the resolution nearest to the wanted one. Builds are taken to
+    /// grow with the pixels of a face, traces with the rays; several rays a pixel count as such.
+    pub fn of(plans: &[Plan], run: &Run) -> Self {
+        let mut sum = Self {
+            rounds: plans.first().map_or(0, |plan| plan.preset.sampling.least_rounds as usize + 1),
+            ..Self::default()
+        };
+        for plan in plans {
+            for (source, request) in
+                plan.scenes.iter().flat_map(|scene| plan.tracers.iter().map(move |request| (scene, request)))
+            {
+                sum.rows += 1;
+                if let Some([build_s, trace_s]) = of_row(plan, source, request, run) {
+                    sum.known += 1;
+                    sum.builds_s += build_s * sum.rounds as f64;
+                    sum.traces_s += trace_s * sum.rounds as f64;
+                }
+            }
+        }
+        sum
+    }
+
+    /// In words.
+    pub fn words(&self, table: &str) -> String {
+        if self.known == 0 {
+            return format!("{table}: the run has none of the {} rows; measure some of them first", self.rows);
+        }
+        let factor = self.rows as f64 / self.known as f64;
+        let time = |seconds: f64| {
+            if seconds < HOUR {
+                format!("{:.0} min", (seconds / MINUTE).ceil())
+            } else {
+                format!("{:.1} h", seconds / HOUR)
+            }
+        };
+        format!(
+            "{table}: about {} for {} rounds of {} rows (builds {}, traces {}), by {} rows that were measured; controls, ground truth \
+             and judging come on top",
+            time(factor * (self.builds_s + self.traces_s)),
+            self.rounds,
+            self.rows,
+            time(factor * self.builds_s),
+            time(factor * self.traces_s),
+            self.known,
+        )
+    }
+}
+
+fn pixels(size: [u32; 2]) -> f64 {
+    size.map(f64::from).iter().product()
+}
+
+/// Seconds of a build and of a trace of every set.
+fn of_row(plan: &Plan, source: &SceneSource, request: &TracerRequest, run: &Run) -> Option<[f64; 2]> {
+    let SceneSource::Catalogue(scene) = source else { return None };
+    let wanted = json!(request.parameters);
+    let alike = |row: &&TracerRun| {
+        row.scene.name == *scene && row.tracer.name == request.name() && json!(row.tracer.parameters) == wanted
+    };
+    let (rays, face) = (pixels(plan.preset.ray_image), pixels([plan.preset.face; 2]));
+    let far = |row: &&TracerRun| (pixels(row.viewpoint.ray_image) / rays).ln().abs();
+    let row = run.runs.iter().filter(alike).min_by(|a, b| far(a).total_cmp(&far(b)))?;
+    let build = host_ms(&row.build.times)? * face / pixels([row.viewpoint.face; 2]);
+    let (own, theirs) = (json!(plan.ray_parameters), json!(run.ray_parameters));
+    let mut traces = 0.0;
+    for set in &plan.ray_sets {
+        let trace = row.traces.iter().find(|trace| trace.rays == set.name)?;
+        // Rays a pixel of sets that have several.
+        let several = |values: &Value| {
+            let counts = set.parameters.iter().filter(|name| name.ends_with("_count"));
+            counts.map(|name| values[name].as_f64().unwrap_or(1.0)).product::<f64>()
+        };
+        let more = rays / pixels(row.viewpoint.ray_image) * several(&own) / several(&theirs);
+        traces += host_ms(&trace.times)? * more;
+    }
+    Some([build / 1e3, traces / 1e3])
+}
+
+#[cfg(test)]
+mod tests {
+    use tracebench_api::{EndPoint, Query};
+
+    use super::*;
+    use crate::papers::fixture::{contender, run_of, set_build, set_time};
+    use crate::plan::{RUN_PRESETS, RunPreset, ViewRequest};
+    use crate::rays::{RAY_SETS, default_parameters};
+    use crate::registry;
+
+    /// A measured row is taken to the wanted rays, faces and rounds; rows that were not measured count as the others do, and a run
+    /// without any tells nothing.
+    #[test]
+    fn measured_rows_tell_the_time() {
+        let request = TracerRequest::of(registry::find("dirt").unwrap(), tracebench_api::Preset::Published);
+        let parameters = json!(request.parameters);
+        let mut row = contender("dirt", "room", parameters, &[], &[("pixel-random", Query::Closest)]);
+        (row.viewpoint.ray_image, row.viewpoint.face) = ([100, 50], 64);
+        set_build(&mut row, 100.0);
+        set_time(&mut row, "pixel-random", 1000.0);
+        let mut run = run_of(vec![row]);
+        run.ray_parameters.insert("pixel_random_count".to_owned(), json!(5));
+        let mut ray_parameters = default_parameters();
+        ray_parameters.set(&crate::rays::ray_parameters(), "pixel_random_count", "20").unwrap();
+        let plan = Plan {
+            scenes: ["room", "candy"].map(|name| SceneSource::Catalogue(name.to_owned())).to_vec(),
+            tracers: vec![request],
+            ray_sets: RAY_SETS.iter().filter(|set| set.name == "pixel-random").copied().collect(),
+            ray_parameters,
+            preset: RunPreset {
+                ray_image: [200, 50],
+                face: 128,
+                sampling: crate::results::Sampling::rounds(12),
+                ..RUN_PRESETS[1]
+            },
+            view: ViewRequest::Default,
+            time_s: 0.0,
+            seed: 1,
+            end: EndPoint::Hit,
+            table: None,
+        };
+        let found = Duration::of(std::slice::from_ref(&plan), &run);
+        assert_eq!((found.rows, found.known, found.rounds), (2, 1, 13));
+        assert!((found.builds_s - 13.0 * 0.4).abs() < 1e-9 && (found.traces_s - 13.0 * 8.0).abs() < 1e-9, "{found:?}");
+        assert!(found.words("t").contains("about 4 min for 13 rounds of 2 rows"), "{}", found.words("t"));
+        run.runs[0].scene.name = "barn".to_owned();
+        assert!(Duration::of(&[plan], &run).words("t").contains("none of the 2 rows"));
+    }
+}

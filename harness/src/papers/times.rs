@@ -1,0 +1,223 @@
+//! Times of rows as estimates: how many times as long one takes as another, by the record's own rule of how sure that is
+//! ([`Run::paired`]).
+
+use serde_json::Value;
+
+use super::estimate::Estimate;
+use super::experiment::MEANS;
+use super::rows::{SceneRows, trace};
+use crate::results::{Run, Timed, TraceRecord, TracerRun};
+
+/// What there is to doubt where rows did the same by every counter and yet took different times: something else than the method is
+/// told.
+const SAME_WORK: &str = "equal counters, different times";
+
+/// How many times as long one takes as the other; none without times by one clock.
+pub(super) fn ratio(run: &Run, one: &Timed<'_>, other: &Timed<'_>) -> Option<Estimate> {
+    let found = run.paired(one, other);
+    found.ratio.map(|ratio| Estimate::timed(ratio.value, ratio.interval, found.doubt.map(|doubt| doubt.to_string())))
+}
+
+/// A trace of a row.
+pub(super) fn traced<'a>(row: &'a TracerRun, rays: &str) -> Option<Timed<'a>> {
+    Some(Timed::trace(row, trace(row, rays)?))
+}
+
+/// Build and traces of a row, every set traced as often as said.
+fn total<'a>(row: &'a TracerRun, mix: &[(&str, f64)]) -> Option<Timed<'a>> {
+    mix.iter().try_fold(Timed::build(row), |sum, (rays, often)| Some(sum.and(traced(row, rays)?.times(*often))))
+}
+
+/// Kendall's rank correlation, as [`super::quantity::rank_correlation`], of numbers and what was timed: a pair whose order the times
+/// leave open counts for either.
+pub(super) fn rank_correlation(run: &Run, points: &[(f64, Timed<'_>)]) -> Option<Estimate> {
+    let mut sum = Estimate::from(0.0);
+    let mut compared = 0_u32;
+    let sign = |value: f64| if value == 0.0 { 0.0 } else { value.signum() };
+    for (index, (one, time)) in points.iter().enumerate() {
+        for (other, other_time) in &points[..index] {
+            let order = (ratio(run, time, other_time)? - 1.0).rising(sign);
+            sum = sum + order * sign(one - other);
+            compared += 1;
+        }
+    }
+    (points.len() > 2).then(|| sum / f64::from(compared))
+}
+
+/// What there is to doubt where a method was measured at one of its means alone.
+const ONE_MEANS: &str = "not measured at other means";
+
+/// How a row's search reads and is launched, of tracers that have the choice.
+fn means(row: &TracerRun) -> Vec<(&str, &Value)> {
+    let of = |name: &&'static str| row.tracer.parameters.get(*name).map(|value| (*name, value));
+    MEANS.iter().map(|(name, _)| name).filter_map(of).collect()
+}
+
+/// Whether two rows have the same means as far as both have the choice.
+fn alike(one: &TracerRun, other: &TracerRun) -> bool {
+    let others = means(other);
+    let same = |(name, value): &(&str, &Value)| others.iter().all(|(other, found)| other != name || found == value);
+    means(one).iter().all(same)
+}
+
+/// Whether rows are the same tracer's in the same place and differ in means alone, or in nothing.
+fn differ_in_means(one: &TracerRun, other: &TracerRun) -> bool {
+    let rest = |row: &TracerRun| {
+        let of_means = |name: &String| MEANS.iter().any(|(means, _)| means == name);
+        let rest = row.tracer.parameters.iter().filter(|(name, _)| !of_means(name));
+        rest.map(|(name, value)| (name.clone(), value.clone())).collect::<Vec<_>>()
+    };
+    one.tracer.name == other.tracer.name && one.viewpoint == other.viewpoint && rest(one) == rest(other)
+}
+
+/// Whether two traces did the same, by everything that is counted.
+fn same_work(one: &TraceRecord, other: &TraceRecord) -> bool {
+    let totals = |trace: &TraceRecord| -> Vec<(String, u64)> {
+        trace.counters.iter().map(|(name, count)| (name.clone(), count.total)).collect()
+    };
+    !one.counters.is_empty() && totals(one) == totals(other)
+}
+
+impl SceneRows<'_> {
+    /// How many times as long a build takes in one row as in another.
+    pub(in crate::papers) fn build_ratio(&self, one: &TracerRun, other: &TracerRun) -> Option<Estimate> {
+        ratio(self.run, &Timed::build(one), &Timed::build(other))
+    }
+
+    /// How many times as long a phase of the build takes in one row as in another.
+    pub(in crate::papers) fn phase_ratio(&self, one: &TracerRun, other: &TracerRun, phase: &str) -> Option<Estimate> {
+        ratio(self.run, &Timed::build(one).phase(phase), &Timed::build(other).phase(phase))
+    }
+
+    /// How many times as long a trace takes in one row as in another; of two methods at the rows' means, at every means that both
+    /// were measured at, and at each one's best.
+    pub(in crate::papers) fn trace_ratio(&self, one: &TracerRun, other: &TracerRun, rays: &str) -> Option<Estimate> {
+        let found = self.layout_ratio(one, other, rays)?;
+        if one.tracer.name != other.tracer.name {
+            return self.at_means(found, one, other, rays);
+        }
+        let [low, high] = found.interval;
+        let unexplained = (low > 1.0 || high < 1.0) && same_work(trace(one, rays)?, trace(other, rays)?);
+        Some(if unexplained { found.doubted(SAME_WORK.to_owned()) } else { found })
+    }
+
+    /// A ratio of two methods with those at other means.
+    fn at_means(&self, found: Estimate, one: &TracerRun, other: &TracerRun, rays: &str) -> Option<Estimate> {
+        let [ones, others] =
+            [one, other].map(|row| self.runs.iter().copied().filter(|each| differ_in_means(row, each)));
+        let (ones, others): (Vec<&TracerRun>, Vec<&TracerRun>) = (ones.collect(), others.collect());
+        if [(one, &ones), (other, &others)].iter().any(|(row, all)| !means(row).is_empty() && all.len() < 2) {
+            return Some(found.doubted(ONE_MEANS.to_owned()));
+        }
+        let equal = ones.iter().flat_map(|one| others.iter().map(move |other| [*one, *other]));
+        let mut pairs: Vec<[&TracerRun; 2]> = equal.filter(|[one, other]| alike(one, other)).collect();
+        let best = |all: &[&'_ TracerRun]| -> Option<usize> {
+            let time = |row: &TracerRun| trace(row, rays).map_or(f64::INFINITY, |trace| trace.times.median_ms);
+            (0..all.len()).min_by(|a, b| time(all[*a]).total_cmp(&time(all[*b])))
+        };
+        pairs.push([ones[best(&ones)?], others[best(&others)?]]);
+        let all = pairs.into_iter().map(|[one, other]| self.layout_ratio(one, other, rays));
+        let all = all.collect::<Option<Vec<Estimate>>>()?;
+        Some(if means(one).is_empty() && means(other).is_empty() { found } else { found.spread_over(all) })
+    }
+
+    /// The same of rows that are meant to do the same and differ in how data lies.
+    pub(in crate::papers) fn layout_ratio(&self, one: &TracerRun, other: &TracerRun, rays: &str) -> Option<Estimate> {
+        ratio(self.run, &traced(one, rays)?, &traced(other, rays)?)
+    }
+
+    /// How many times as long one ray set takes as another, in one row.
+    pub(in crate::papers) fn set_ratio(&self, row: &TracerRun, one: &str, other: &str) -> Option<Estimate> {
+        ratio(self.run, &traced(row, one)?, &traced(row, other)?)
+    }
+
+    /// How many times as long build and traces take in one row as in another, every set traced as often as said.
+    pub(in crate::papers) fn total_ratio(
+        &self,
+        one: &TracerRun,
+        other: &TracerRun,
+        mix: &[(&str, f64)],
+    ) -> Option<Estimate> {
+        ratio(self.run, &total(one, mix)?, &total(other, mix)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+    use tracebench_api::Query;
+
+    use super::*;
+    use crate::papers::Rows;
+    use crate::papers::fixture::{contender, count, in_races, run_of, set_time};
+
+    /// Rows "a" and "b" of a scene, `b` taking longer by a factor and some noise that both share.
+    fn pair(rounds: usize, factor: f64) -> Run {
+        let rows = ["a", "b"].map(|name| {
+            let mut row = contender("dirt", "room", json!({ "name": name }), &[], &[("diffuse", Query::Closest)]);
+            set_time(&mut row, "diffuse", 10.0);
+            count(&mut row, "diffuse", "triangle_tests", name.len() as u64 + u64::from(name == "b"));
+            let times = &mut row.traces[0].times;
+            let slower = if name == "b" { factor } else { 1.0 };
+            let noise = |round: usize| 10.0 * (1.0 + 0.3 * (round as f64 * 2.4).sin());
+            times.samples_ms = (0..rounds).map(|round| slower * noise(round) * (1.0 + 1e-3 * round as f64)).collect();
+            row
+        });
+        in_races(run_of(rows.to_vec()))
+    }
+
+    fn found(run: &Run) -> Estimate {
+        let rows = Rows::of(run);
+        rows.scenes[0].trace_ratio(&run.runs[1], &run.runs[0], "diffuse").unwrap()
+    }
+
+    /// A ratio is sure where it is of as many paired rounds as a verdict takes; what slows a round for both widens nothing, and fewer
+    /// rounds are a doubt.
+    #[test]
+    fn ratios_are_of_paired_rounds() {
+        let sure = found(&pair(12, 1.2));
+        assert!(sure.timed && sure.doubts.is_empty() && (sure.value - 1.2).abs() < 1e-9, "{sure:?}");
+        assert!(sure.interval.iter().all(|end| (end - 1.2).abs() < 1e-9), "{sure:?}");
+        let few = found(&pair(11, 1.2));
+        assert!(few.doubts.iter().any(|doubt| doubt.contains("11 rounds")), "{few:?}");
+    }
+
+    /// Two methods compare at equal means and at each one's best: what differs there widens where the ratio lies; one that was measured
+    /// at a single choice of its means is doubted, and one that has no choice stands beside every other.
+    #[test]
+    fn methods_are_compared_at_equal_and_best_means() {
+        let row = |tracer: &str, reads: &str, ms: f64| {
+            let parameters = if reads.is_empty() { json!({}) } else { json!({ "reads": reads, "buckets": 4 }) };
+            let mut row = contender(tracer, "room", parameters, &[], &[("diffuse", Query::Closest)]);
+            set_time(&mut row, "diffuse", ms);
+            row
+        };
+        let ratio = |rows: &[TracerRun], other: usize| {
+            let run = in_races(run_of(rows.to_vec()));
+            let rows = Rows::of(&run);
+            rows.scenes[0].trace_ratio(&run.runs[0], &run.runs[other], "diffuse").unwrap()
+        };
+        // 2 by buffers, 4.8 by textures, 4 at each one's best.
+        let rows =
+            [row("a", "buffer", 20.0), row("a", "texture", 24.0), row("b", "buffer", 10.0), row("b", "texture", 5.0)];
+        let found = ratio(&rows, 2);
+        assert_eq!((found.value, found.interval, found.doubts.len()), (2.0, [2.0, 4.8], 0));
+        assert!(found.at_means);
+        assert!(ratio(&rows[..3], 2).doubts.contains(ONE_MEANS));
+        let beside = [rows[0].clone(), rows[1].clone(), row("c", "", 10.0)];
+        assert_eq!(ratio(&beside, 2).interval, [2.0, 2.4]);
+        let plain = ratio(&[row("c", "", 30.0), row("d", "", 10.0)], 1);
+        assert_eq!((plain.interval, plain.at_means), ([3.0; 2], false));
+    }
+
+    /// Rows that did the same by their counters and took different times are doubted; a counter more or equal times and they are not.
+    #[test]
+    fn equal_work_in_different_times_is_doubted() {
+        let with = |factor: f64, tests: [u64; 2]| {
+            let mut run = pair(12, factor);
+            run.runs.iter_mut().zip(tests).for_each(|(row, tests)| count(row, "diffuse", "triangle_tests", tests));
+            found(&run).doubts.contains(SAME_WORK)
+        };
+        assert!(with(1.2, [70, 70]) && !with(1.0, [70, 70]) && !with(1.2, [70, 71]));
+    }
+}

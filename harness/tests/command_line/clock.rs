@@ -1,0 +1,85 @@
+//! How times are taken, and `clock`.
+
+use super::*;
+
+/// Proves that a run tells of its races: an order a round in which every lane stands once, no two rounds alike by rule, as many samples
+/// of every row as counted rounds, a fixed kernel on every clock, double work on every clock, and what sampling went by.
+#[test]
+fn races_are_recorded() {
+    let bench = Bench::new();
+    let run = bench.run(&["--tracer", "bvh-cpu,screen-dda", "--rays", "primary,diffuse", "--samples", "13"], "out");
+    let races = run["races"].as_array().unwrap();
+    let works: Vec<&str> = races.iter().map(|race| race["work"].as_str().unwrap()).collect();
+    assert_eq!(works, ["builds", "primary", "diffuse"]);
+    for race in races {
+        let lanes = race["lanes"].as_array().unwrap().len() as u64;
+        let orders: Vec<Vec<u64>> = serde_json::from_value(race["orders"].clone()).unwrap();
+        assert_eq!(orders.len(), 13);
+        for order in &orders {
+            let mut sorted = order.clone();
+            sorted.sort_unstable();
+            assert_eq!(sorted, (0..lanes).collect::<Vec<_>>());
+        }
+        assert!(orders.windows(2).any(|pair| pair[0] != pair[1]));
+        let kernels = race["kernels"].as_array().unwrap();
+        assert_eq!(kernels.len(), 2);
+        assert!(kernels.iter().all(|kernel| kernel["samples_ms"].as_array().unwrap().len() == 13));
+        let twice = race["twice"].as_array().unwrap().len();
+        assert_eq!(twice, if race["work"] == "builds" { 0 } else { 2 });
+        assert_eq!((&race["ended_by"], &race["sampling"]["least_rounds"]), (&json!("rounds"), &json!(13)));
+        assert!(race["widest_interval"].as_f64().is_some() && race["order_seed"].as_u64().is_some());
+    }
+    for row in run["runs"].as_array().unwrap() {
+        assert_eq!((&row["build"]["race"], &row["traces"][1]["race"]), (&json!(0), &json!(2)));
+        assert_eq!(row["traces"][0]["samples_ms"].as_array().unwrap().len(), 13);
+        let by_host = row["traces"][0]["submit_to_done_samples_ms"].as_array();
+        assert_eq!(by_host.map_or(0, Vec::len), if row["tracer"]["name"] == "bvh-cpu" { 0 } else { 13 });
+    }
+    // Other seeds draw other orders.
+    let other = bench.run(&["--tracer", "bvh-cpu", "--rays", "primary", "--seed", "2"], "other");
+    let same = bench.run(&["--tracer", "bvh-cpu", "--rays", "primary", "--seed", "2"], "same");
+    assert_eq!(other["races"][1]["orders"], same["races"][1]["orders"]);
+    assert_ne!(other["races"][0]["order_seed"], races[0]["order_seed"]);
+    assert!(std::fs::read_to_string(bench.path("same/summary.md")).unwrap().contains("fewer than 12 decide nothing"));
+}
+
+/// Proves that sampling goes on until its time is up, and tells so.
+#[test]
+fn sampling_goes_on_until_the_time_is_up() {
+    let bench = Bench::new();
+    let limits = ["--interval", "0.1", "--time-limit", "0.2"];
+    let run = bench.run(&[&["--tracer", "bvh-cpu,screen-dda", "--rays", "primary"][..], &limits].concat(), "out");
+    for race in run["races"].as_array().unwrap() {
+        let ended = race["ended_by"].as_str().unwrap();
+        assert!(["time_limit", "most_rounds"].contains(&ended), "{ended}");
+        assert!(race["orders"].as_array().unwrap().len() >= 12 && race["widest_interval"].as_f64().unwrap() > 0.001);
+        assert_eq!(race["sampling"]["further"], json!({ "interval_share": 0.001, "time_limit_s": 0.2 }));
+    }
+    bench.fails(&["run", "--samples", "3", "--interval", "5"], 2, &["--interval"]);
+    bench.fails(&["run", "--time-limit", "x"], 2, &["--time-limit", "seconds"]);
+}
+
+/// Proves that the clock is tried by races of one tracer, that noise is recorded as it is replayed, that what repeating rays is worth is
+/// told, and that what cannot be is refused.
+#[test]
+fn the_clock_is_tried() {
+    let bench = Bench::new();
+    let smoke = ["clock", "--tracer", "bvh-cpu", "--preset", "smoke"];
+    let call = |further: &[&str]| bench.call(&[&smoke[..], further].concat());
+    let outcome = call(&["--races", "2", "--samples", "12", "--load", "1"]);
+    assert_eq!(outcome.status, 0, "{outcome:?}");
+    for part in ["2 races of 12 to 12 rounds, 1 threads", "equal: ", "slowed by 15.0 %: "] {
+        assert!(outcome.stdout.contains(part), "{outcome:?}");
+    }
+    let outcome = call(&["--record", "noise.csv", "--kind", "made", "--samples", "5"]);
+    assert_eq!(outcome.status, 0, "{outcome:?}");
+    let noise = std::fs::read_to_string(bench.path("noise.csv")).unwrap();
+    assert_eq!(noise.lines().filter(|line| line.starts_with("made,") && line.split(',').count() == 6).count(), 5);
+    let outcome = call(&["--rays", "diffuse", "--fresh-rays", "3", "--samples", "12"]);
+    assert!(outcome.status == 0 && outcome.stdout.contains("rays of 3 seeds in turn"), "{outcome:?}");
+    bench.fails(&[&smoke[..], &["--fresh-rays", "3"]].concat(), 1, &["nothing random"]);
+    bench.fails(&["clock", "--tracer", "all"], 2, &["one tracer"]);
+    bench.fails(&[&smoke[..], &["--rays", "all"]].concat(), 2, &["one ray set"]);
+    bench.fails(&[&smoke[..], &["--slowdown", "7"]].concat(), 2, &["multiple of 5"]);
+    bench.fails(&[&smoke[..], &["--record", "noise.csv"]].concat(), 2, &["--kind"]);
+}
