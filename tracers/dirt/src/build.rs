@@ -135,7 +135,7 @@ impl Buffers {
         let ([bounds_bytes, _], [heads_bytes, _]) = (layout.bounds_bytes(), layout.heads_bytes());
         let by_view = bounds_bytes.max(heads_bytes) > gpu.limits.max_storage_buffer_binding_size;
         let bound = |whole, of_view| if by_view && Pipelines::can_split(gpu) { of_view } else { whole };
-        let views = layout.views.len();
+        let (views, sums) = (layout.views.len(), pipelines.prefix_sum()?);
         Ok(Self {
             bounds: storage(
                 gpu,
@@ -149,7 +149,7 @@ impl Buffers {
             by_view,
             nodes: node_buffers(gpu, node_capacity)?,
             taken: storage(gpu, NODE_COUNT, 4, 4, "nothing")?,
-            setup: TriangleSetup::new(gpu, &*pipelines.prefix_sum()?, views, triangle_count, there)?,
+            setup: TriangleSetup::new(gpu, &sums, views, triangle_count, there)?,
             attachment: EmptyTarget::new(gpu, ATTACHMENT, layout.tiles)?,
             node_capacity,
             nodes_per_part: nodes_per_binding(gpu) as u32,
@@ -286,7 +286,8 @@ impl Pipelines {
     ) -> Result<(), TracerError> {
         let pipelines = self.setup()?;
         let bound = buffers.setup.bind(&self.gpu, &pipelines, layout, &scene.surfaces.device)?;
-        buffers.setup.record(&pipelines, &*self.prefix_sum()?, &bound, clock)
+        let sums = self.prefix_sum()?;
+        buffers.setup.record(&pipelines, &sums, &bound, clock)
     }
 
     /// Records the whole build.
@@ -318,7 +319,8 @@ impl Pipelines {
                 buffers.attachment.draw(encoder, pipeline, bindings, *vertices);
             }
         };
-        buffers.setup.record(&self.setup()?, &*self.prefix_sum()?, &prepared.setup, clock)?;
+        let (setup, sums) = (self.setup()?, self.prefix_sum()?);
+        buffers.setup.record(&setup, &sums, &prepared.setup, clock)?;
         clock.device_phase("fill depth", |encoder| {
             encoder.clear_buffer(&buffers.bounds, 0, None);
             draw(encoder, &depth, &prepared.depth);

@@ -193,36 +193,36 @@ fn eight_storage_buffers_a_stage_suffice_where_nothing_is_split() {
     assert!(reason.contains("8 storage buffers") && reason.contains("allows 7"), "{reason}");
 }
 
-/// From tile to tile rays find what they find up and down the pyramid, over hostile triangles and rays, in more steps.
+/// From tile to tile rays find what they find up and down the pyramid, over hostile triangles and rays: in fewer steps where
+/// every tile has triangles, in more where hardly any has.
 #[test]
 fn the_pyramid_changes_steps_alone() {
     let gpu = gpu();
-    let structure = built(&gpu, &soup(&hostile(), Some(&gpu)), &[]);
     let mut numbers = Numbers::new(7);
     let rays: Vec<Ray> = (0..2000).map(|_| ray(numbers.point() * 5.0, numbers.direction())).collect();
-    let by_tiles = [("march", "tiles")];
-    let [pyramid, tiles] = [&[][..], &by_tiles].map(|settings| {
-        let hits = answer_by(&gpu, &structure, &rays, settings);
+    let answered = |triangles: &[[[f32; 3]; 3]], settings: &[(&str, &str)]| {
+        let structure = built(&gpu, &soup(triangles, Some(&gpu)), &[]);
         let shared = RayBuffer::new(Arc::new(rays.clone()), Query::Closest, Some(&gpu));
         let mut counted = HitBuffer::new(rays.len(), Residency::Device, Some(&gpu)).unwrap();
         counted.poison(Some(&gpu)).unwrap();
         let parameters = parameters(settings);
         let job = TraceJob { rays: &shared, end: EndPoint::Hit, parameters: &parameters };
         let counters = structure.trace_counted(job, &mut counted).unwrap();
-        assert_eq!(counted.read(Some(&gpu)).unwrap(), hits, "{settings:?}");
-        let of = |wanted: &str| counters.iter().find(|counter| counter.name == wanted).unwrap().total;
-        (hits, of("pyramid_steps"), of("triangle_tests"))
-    });
-    assert!(pyramid.0.iter().filter(|hit| hit.is_hit()).count() > 500);
+        let hits = counted.read(Some(&gpu)).unwrap();
+        assert_eq!(answer_by(&gpu, &structure, &rays, settings), hits, "{settings:?}");
+        (hits, counters.iter().find(|counter| counter.name == "pyramid_steps").unwrap().total)
+    };
+    let by_tiles = [("march", "tiles")];
+    let ((pyramid, pyramid_steps), (tiles, tile_steps)) = (answered(&hostile(), &[]), answered(&hostile(), &by_tiles));
+    assert!(pyramid.iter().filter(|hit| hit.is_hit()).count() > 500);
     // Where a ray passes a corner of tiles, rounding may lead the two by different sides of it.
-    let differ = pyramid.0.iter().zip(&tiles.0).filter(|(one, other)| one != other).count();
+    let differ = pyramid.iter().zip(&tiles).filter(|(one, other)| one != other).count();
     assert!(differ <= 2, "{differ}");
-    assert!(
-        tiles.1 > pyramid.1 && tiles.2 >= pyramid.2 / 2,
-        "{pyramid:?} {tiles:?}",
-        pyramid = pyramid.1,
-        tiles = tiles.1
-    );
+    assert!(tile_steps < pyramid_steps, "{tile_steps} {pyramid_steps}");
+    let one = &hostile()[..1];
+    let ((pyramid, pyramid_steps), (tiles, tile_steps)) = (answered(one, &[]), answered(one, &by_tiles));
+    assert_eq!(pyramid, tiles);
+    assert!(tile_steps > 2 * pyramid_steps, "{tile_steps} {pyramid_steps}");
 }
 
 /// Where any hit will do a search ends at the first that is accepted: the same rays are occluded as by closest hits, with fewer
@@ -245,8 +245,8 @@ fn any_hit_ends_at_the_first_one() {
     });
     let occluded = |hits: &[Hit]| hits.iter().map(Hit::is_hit).collect::<Vec<_>>();
     assert_eq!(occluded(&closest.0), occluded(&any.0));
-    assert!(any.1.total * 10 < closest.1.total * 9, "{:?} {:?}", any.1.total, closest.1.total);
     // Of rays that hit nothing every triangle is tested all the same.
+    assert!(any.1.total < closest.1.total, "{:?} {:?}", any.1.total, closest.1.total);
     let farther = closest.0.iter().zip(&any.0).filter(|(closest, any)| any.is_hit() && any.t > closest.t).count();
     assert!(farther > 0, "no search ended before the nearest hit");
 }
