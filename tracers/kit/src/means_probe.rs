@@ -28,7 +28,7 @@ pub struct ProbeSettings {
 pub const MANY_RAYS: u32 = 32;
 
 /// Counted rounds: each has every kernel once, in turn.
-const ROUNDS: usize = 9;
+const ROUNDS: usize = 15;
 
 /// Records that are gathered from: a mebibyte, more than what is nearest to a core.
 const RECORDS: u32 = 1 << 16;
