@@ -416,8 +416,7 @@ mod tests {
 
     /// What the shader finds at every record of three arrays, written by the host or left by a build.
     fn found(gpu: &Gpu, reads: Reads, count: usize, built: bool) -> Vec<[u32; 8]> {
-        let pipeline =
-            compute_pipeline(gpu, ReadsFunctions { textures: reads == Reads::Texture }, "read_records").unwrap();
+        let pipeline = compute_pipeline(gpu, ReadsFunctions { textures: reads == Reads::Texture }, "look_up").unwrap();
         let array = |slot: ReadSlot| {
             let words: Vec<u32> =
                 (0..count as u32 * slot.record_bytes() / 4).map(|word| word * 3 + slot as u32).collect();
