@@ -70,6 +70,30 @@ impl ReadSlot {
     fn width(self) -> u32 {
         ROW_BYTES / self.record_bytes()
     }
+
+    /// The first record of each of several buffers of so many bytes in a texture that [`Readable::joined`] makes of them.
+    pub fn first_records(self, bytes: impl IntoIterator<Item = u64>) -> Vec<u32> {
+        let mut next_row = 0;
+        let first = |bytes| {
+            let row = next_row;
+            next_row += rows(bytes);
+            row * self.width()
+        };
+        bytes.into_iter().map(first).collect()
+    }
+
+    /// Whole rows of so many bytes, and what is left of one.
+    fn parts(self, bytes: u64) -> impl Iterator<Item = Part> {
+        let whole_rows = (bytes / u64::from(ROW_BYTES)) as u32;
+        let rest_records = (bytes % u64::from(ROW_BYTES)) as u32 / self.record_bytes();
+        let part = |first_row: u32, width: u32, height: u32| Part {
+            first_byte: u64::from(first_row) * u64::from(ROW_BYTES),
+            first_row,
+            size: Extent3d { width, height, depth_or_array_layers: 1 },
+        };
+        let parts = [part(0, self.width(), whole_rows), part(whole_rows, rest_records, 1)];
+        parts.into_iter().filter(|part| part.size.width > 0 && part.size.height > 0)
+    }
 }
 
 const ROW_BYTES: u32 = 1 << ROW_BITS;
@@ -121,7 +145,7 @@ impl Texels {
         turn_down: &str,
     ) -> Result<Self, TracerError> {
         let texels = Self::room(gpu, name, slot, contents.len() as u64, there, turn_down)?;
-        for Part { first_byte, first_row, size } in texels.parts() {
+        for Part { first_byte, first_row, size } in slot.parts(contents.len() as u64) {
             let origin = wgpu::Origin3d { x: 0, y: first_row, z: 0 };
             let target = wgpu::TexelCopyTextureInfo { origin, ..texels.view.texture().as_image_copy() };
             gpu.queue.write_texture(target, &contents[first_byte as usize..], layout(0), size);
@@ -129,13 +153,17 @@ impl Texels {
         Ok(texels)
     }
 
-    /// Records a copy of what is in use from a buffer of usage `COPY_SRC`.
-    fn record_copy(&self, encoder: &mut wgpu::CommandEncoder, from: &Buffer) {
-        for Part { first_byte, first_row, size } in self.parts() {
-            let origin = wgpu::Origin3d { x: 0, y: first_row, z: 0 };
-            let source = TexelCopyBufferInfo { buffer: from, layout: layout(first_byte) };
-            let target = wgpu::TexelCopyTextureInfo { origin, ..self.view.texture().as_image_copy() };
-            encoder.copy_buffer_to_texture(source, target, size);
+    /// Records a copy of so many bytes of each of some buffers of usage `COPY_SRC`, each from a row of its own on.
+    fn record_copies(&self, encoder: &mut wgpu::CommandEncoder, sources: &[(Buffer, u64)]) {
+        let mut begin = 0;
+        for (from, bytes) in sources {
+            for Part { first_byte, first_row, size } in self.slot.parts(*bytes) {
+                let origin = wgpu::Origin3d { x: 0, y: begin + first_row, z: 0 };
+                let source = TexelCopyBufferInfo { buffer: from, layout: layout(first_byte) };
+                let target = wgpu::TexelCopyTextureInfo { origin, ..self.view.texture().as_image_copy() };
+                encoder.copy_buffer_to_texture(source, target, size);
+            }
+            begin += rows(*bytes);
         }
     }
 
@@ -188,19 +216,6 @@ impl Texels {
     fn capacity(&self) -> u64 {
         u64::from(self.view.texture().height()) * u64::from(ROW_BYTES)
     }
-
-    /// Whole rows and what is left of one.
-    fn parts(&self) -> impl Iterator<Item = Part> {
-        let whole_rows = (self.used / u64::from(ROW_BYTES)) as u32;
-        let rest_records = (self.used % u64::from(ROW_BYTES)) as u32 / self.slot.record_bytes();
-        let part = |first_row: u32, width: u32, height: u32| Part {
-            first_byte: u64::from(first_row) * u64::from(ROW_BYTES),
-            first_row,
-            size: Extent3d { width, height, depth_or_array_layers: 1 },
-        };
-        let parts = [part(0, self.slot.width(), whole_rows), part(whole_rows, rest_records, 1)];
-        parts.into_iter().filter(|part| part.size.width > 0 && part.size.height > 0)
-    }
 }
 
 /// A rectangle of a texture that a run of bytes fills.
@@ -251,8 +266,8 @@ enum Held {
     Built { buffer: Buffer, used: u64 },
     /// A buffer that the host has written.
     Written { name: &'static str, buffer: Buffer, used: u64 },
-    /// A texture, with the buffer that it is copied from if a build fills one.
-    Texture { texels: Texels, from: Option<Buffer> },
+    /// A texture, with the buffers that it is copied from if builds fill some, and the bytes of each.
+    Texture { texels: Texels, from: Vec<(Buffer, u64)> },
 }
 
 impl Readable {
@@ -272,17 +287,40 @@ impl Readable {
         there: Option<&Self>,
         turn_down: &str,
     ) -> Result<Self, TracerError> {
-        let held = match reads {
+        match reads {
             Reads::Buffer => {
                 Self::check(gpu, reads, copy_name, buffer.size(), turn_down)?;
-                Held::Built { buffer: buffer.clone(), used: bytes }
+                Ok(Self { slot, held: Held::Built { buffer: buffer.clone(), used: bytes } })
             }
-            Reads::Texture => {
-                let texels = Texels::room(gpu, copy_name, slot, bytes, there.and_then(Self::texels), turn_down)?;
-                Held::Texture { texels, from: Some(buffer.clone()) }
-            }
-        };
-        Ok(Self { slot, held })
+            Reads::Texture => Self::joined(gpu, slot, &[(buffer, bytes)], copy_name, there, turn_down),
+        }
+    }
+
+    /// As [`Readable::built`], several buffers in one texture, which holds more than a binding of a buffer does:
+    /// [`ReadSlot::first_records`] tells where in it each begins.
+    ///
+    /// # Errors
+    /// As [`Readable::built`].
+    pub fn joined(
+        gpu: &Gpu,
+        slot: ReadSlot,
+        buffers: &[(&Buffer, u64)],
+        copy_name: &'static str,
+        there: Option<&Self>,
+        turn_down: &str,
+    ) -> Result<Self, TracerError> {
+        let last = buffers.last().map_or(0, |(_, bytes)| *bytes);
+        let rows_before: u64 = buffers.iter().rev().skip(1).map(|(_, bytes)| u64::from(rows(*bytes))).sum();
+        let bytes = rows_before * u64::from(ROW_BYTES) + last;
+        let texels = Texels::room(gpu, copy_name, slot, bytes, there.and_then(Self::texels), turn_down)?;
+        let from = buffers.iter().map(|(buffer, bytes)| ((*buffer).clone(), *bytes)).collect();
+        Ok(Self { slot, held: Held::Texture { texels, from } })
+    }
+
+    /// The same array in another slot, of records of the same size: for a shader that asks for more arrays than there are.
+    pub fn at(&self, slot: ReadSlot) -> Self {
+        assert_eq!(slot.record_bytes(), self.slot.record_bytes(), "records of slots differ");
+        Self { slot, held: self.held.clone() }
     }
 
     /// Whole records of the slot, written by the host to a buffer or texture of this name: into that of `there` where it is large
@@ -313,7 +351,7 @@ impl Readable {
             }
             Reads::Texture => {
                 let texels = Texels::write(gpu, name, slot, contents, there.and_then(Self::texels), turn_down)?;
-                Held::Texture { texels, from: None }
+                Held::Texture { texels, from: Vec::new() }
             }
         };
         Ok(Self { slot, held })
@@ -387,7 +425,7 @@ pub fn record_copies(arrays: &[Readable], clock: &mut PhaseClock<'_>) -> Result<
     let copies: Vec<_> = arrays
         .iter()
         .filter_map(|array| match &array.held {
-            Held::Texture { texels, from: Some(from) } => Some((texels, from)),
+            Held::Texture { texels, from } if !from.is_empty() => Some((texels, from)),
             _ => None,
         })
         .collect();
@@ -395,7 +433,7 @@ pub fn record_copies(arrays: &[Readable], clock: &mut PhaseClock<'_>) -> Result<
         return Ok(());
     }
     clock.device_phase("copy to textures", |encoder| {
-        copies.into_iter().for_each(|(texels, from)| texels.record_copy(encoder, from));
+        copies.into_iter().for_each(|(texels, from)| texels.record_copies(encoder, from));
     })
 }
 
@@ -460,6 +498,34 @@ mod tests {
                 for built in [false, true] {
                     assert!(found(&gpu, reads, count, built) == expected, "{reads:?} {count} {built}");
                 }
+            }
+        }
+    }
+
+    /// Proves that each of several buffers in one texture is where its first record is said to be, whether it ends within a row or with
+    /// it; the array is the same in another slot.
+    #[test]
+    fn buffers_are_joined_by_rows() {
+        let gpu = Gpu::open(&AdapterChoice::default()).unwrap();
+        let contents = [5_usize, 8192, 8193, 3]
+            .map(|count| -> Vec<u32> { (0..count as u32).map(|word| word * 7 + count as u32).collect() });
+        let buffers = contents.each_ref().map(|words| {
+            let buffer = storage_buffer(&gpu, "built", words.len() as u64 * 4, "nothing").unwrap();
+            gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
+            buffer
+        });
+        let sources = buffers.each_ref().map(|buffer| (buffer, buffer.size()));
+        let joined = Readable::joined(&gpu, ReadSlot::Words0, &sources, "joined", None, "nothing").unwrap();
+        let mut clock = PhaseClock::new(Some(&gpu));
+        record_copies(std::slice::from_ref(&joined), &mut clock).unwrap();
+        clock.finish().unwrap();
+        let first = ReadSlot::Words0.first_records(sources.map(|(_, bytes)| bytes));
+        assert_eq!(first, [0, 8192, 2 * 8192, 4 * 8192]);
+        for array in [&joined, &joined.at(ReadSlot::Words3)] {
+            let read: Vec<u32> = bytemuck::pod_collect_to_vec(&array.read(&gpu).unwrap());
+            assert_eq!(read.len(), 4 * 8192 + 3);
+            for (first, words) in first.iter().zip(&contents) {
+                assert_eq!(&read[*first as usize..][..words.len()], words);
             }
         }
     }
