@@ -150,6 +150,8 @@ fn entry_points_exist() {
             ("shared/prefix_sum.wgsl", _) => compute(&["reduce", "scan"], 256),
             ("shared/radix_sort.wgsl", _) => compute(&["count", "scatter"], 32),
             ("shared/gather.wgsl", _) => compute(&["gather"], 64),
+            ("dirt/setup.wgsl", _) => compute(&["see", "list"], 64),
+            ("dirt/trace.wgsl", _) => compute(&["trace", "trace_in_turns", "trace_unanswered"], 64),
             ("dirt/store.wgsl", _) => compute(&["store"], 64),
             ("dirt/visibility.wgsl", _) => compute(&["resolve"], 64),
             ("dirt/mipmap.wgsl" | "fragment-abuffer/mipmap.wgsl", _) => compute(&["mipmap"], 64),

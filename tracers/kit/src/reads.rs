@@ -121,7 +121,7 @@ impl Texels {
         turn_down: &str,
     ) -> Result<Self, TracerError> {
         let texels = Self::room(gpu, name, slot, contents.len() as u64, there, turn_down)?;
-        for Part { first_byte, first_row, size } in texels.parts() {
+        for Part { first_byte, first_row, size } in parts(slot, 0, texels.used) {
             let origin = wgpu::Origin3d { x: 0, y: first_row, z: 0 };
             let target = wgpu::TexelCopyTextureInfo { origin, ..texels.view.texture().as_image_copy() };
             gpu.queue.write_texture(target, &contents[first_byte as usize..], layout(0), size);
@@ -129,13 +129,18 @@ impl Texels {
         Ok(texels)
     }
 
-    /// Records a copy of what is in use from a buffer of usage `COPY_SRC`.
-    fn record_copy(&self, encoder: &mut wgpu::CommandEncoder, from: &Buffer) {
-        for Part { first_byte, first_row, size } in self.parts() {
-            let origin = wgpu::Origin3d { x: 0, y: first_row, z: 0 };
-            let source = TexelCopyBufferInfo { buffer: from, layout: layout(first_byte) };
-            let target = wgpu::TexelCopyTextureInfo { origin, ..self.view.texture().as_image_copy() };
-            encoder.copy_buffer_to_texture(source, target, size);
+    /// Records a copy of what is in use from buffers of usage `COPY_SRC`, one after the other.
+    fn record_copy(&self, encoder: &mut wgpu::CommandEncoder, from: &[Buffer]) {
+        let mut copied = 0;
+        for buffer in from {
+            let bytes = (self.used - copied).min(buffer.size());
+            for Part { first_byte, first_row, size } in parts(self.slot, copied, bytes) {
+                let origin = wgpu::Origin3d { x: 0, y: first_row, z: 0 };
+                let source = TexelCopyBufferInfo { buffer, layout: layout(first_byte) };
+                let target = wgpu::TexelCopyTextureInfo { origin, ..self.view.texture().as_image_copy() };
+                encoder.copy_buffer_to_texture(source, target, size);
+            }
+            copied += bytes;
         }
     }
 
@@ -188,19 +193,20 @@ impl Texels {
     fn capacity(&self) -> u64 {
         u64::from(self.view.texture().height()) * u64::from(ROW_BYTES)
     }
+}
 
-    /// Whole rows and what is left of one.
-    fn parts(&self) -> impl Iterator<Item = Part> {
-        let whole_rows = (self.used / u64::from(ROW_BYTES)) as u32;
-        let rest_records = (self.used % u64::from(ROW_BYTES)) as u32 / self.slot.record_bytes();
-        let part = |first_row: u32, width: u32, height: u32| Part {
-            first_byte: u64::from(first_row) * u64::from(ROW_BYTES),
-            first_row,
-            size: Extent3d { width, height, depth_or_array_layers: 1 },
-        };
-        let parts = [part(0, self.slot.width(), whole_rows), part(whole_rows, rest_records, 1)];
-        parts.into_iter().filter(|part| part.size.width > 0 && part.size.height > 0)
-    }
+/// The whole rows that so many bytes fill behind the first `before`, themselves whole rows, and what is left of one.
+fn parts(slot: ReadSlot, before: u64, bytes: u64) -> impl Iterator<Item = Part> {
+    let whole_rows = (bytes / u64::from(ROW_BYTES)) as u32;
+    let rest_records = (bytes % u64::from(ROW_BYTES)) as u32 / slot.record_bytes();
+    let rows_before = (before / u64::from(ROW_BYTES)) as u32;
+    let part = |row: u32, width: u32, height: u32| Part {
+        first_byte: u64::from(row) * u64::from(ROW_BYTES),
+        first_row: rows_before + row,
+        size: Extent3d { width, height, depth_or_array_layers: 1 },
+    };
+    let parts = [part(0, slot.width(), whole_rows), part(whole_rows, rest_records, 1)];
+    parts.into_iter().filter(|part| part.size.width > 0 && part.size.height > 0)
 }
 
 /// A rectangle of a texture that a run of bytes fills.
@@ -251,8 +257,8 @@ enum Held {
     Built { buffer: Buffer, used: u64 },
     /// A buffer that the host has written.
     Written { name: &'static str, buffer: Buffer, used: u64 },
-    /// A texture, with the buffer that it is copied from if a build fills one.
-    Texture { texels: Texels, from: Option<Buffer> },
+    /// A texture, with the buffers that it is copied from if a build fills them.
+    Texture { texels: Texels, from: Vec<Buffer> },
 }
 
 impl Readable {
@@ -272,17 +278,31 @@ impl Readable {
         there: Option<&Self>,
         turn_down: &str,
     ) -> Result<Self, TracerError> {
-        let held = match reads {
+        match reads {
             Reads::Buffer => {
                 Self::check(gpu, reads, copy_name, buffer.size(), turn_down)?;
-                Held::Built { buffer: buffer.clone(), used: bytes }
+                Ok(Self { slot, held: Held::Built { buffer: buffer.clone(), used: bytes } })
             }
-            Reads::Texture => {
-                let texels = Texels::room(gpu, copy_name, slot, bytes, there.and_then(Self::texels), turn_down)?;
-                Held::Texture { texels, from: Some(buffer.clone()) }
-            }
-        };
-        Ok(Self { slot, held })
+            Reads::Texture => Self::copied(gpu, slot, std::slice::from_ref(buffer), bytes, copy_name, there, turn_down),
+        }
+    }
+
+    /// The texture of [`Readable::built`], of an array that lies in several buffers one after the other where one binding does not
+    /// hold it: each but the last has whole rows of [`ROW_BITS`].
+    ///
+    /// # Errors
+    /// As [`Readable::built`].
+    pub fn copied(
+        gpu: &Gpu,
+        slot: ReadSlot,
+        buffers: &[Buffer],
+        bytes: u64,
+        copy_name: &'static str,
+        there: Option<&Self>,
+        turn_down: &str,
+    ) -> Result<Self, TracerError> {
+        let texels = Texels::room(gpu, copy_name, slot, bytes, there.and_then(Self::texels), turn_down)?;
+        Ok(Self { slot, held: Held::Texture { texels, from: buffers.to_vec() } })
     }
 
     /// Whole records of the slot, written by the host to a buffer or texture of this name: into that of `there` where it is large
@@ -313,7 +333,7 @@ impl Readable {
             }
             Reads::Texture => {
                 let texels = Texels::write(gpu, name, slot, contents, there.and_then(Self::texels), turn_down)?;
-                Held::Texture { texels, from: None }
+                Held::Texture { texels, from: Vec::new() }
             }
         };
         Ok(Self { slot, held })
@@ -343,6 +363,11 @@ impl Readable {
             Held::Built { buffer, .. } | Held::Written { buffer, .. } => buffer.as_entire_binding(),
             Held::Texture { texels, .. } => BindingResource::TextureView(&texels.view),
         }
+    }
+
+    /// Where it is read.
+    pub fn slot(&self) -> ReadSlot {
+        self.slot
     }
 
     /// How it is read.
@@ -387,7 +412,7 @@ pub fn record_copies(arrays: &[Readable], clock: &mut PhaseClock<'_>) -> Result<
     let copies: Vec<_> = arrays
         .iter()
         .filter_map(|array| match &array.held {
-            Held::Texture { texels, from: Some(from) } => Some((texels, from)),
+            Held::Texture { texels, from } if !from.is_empty() => Some((texels, from)),
             _ => None,
         })
         .collect();
@@ -414,25 +439,46 @@ mod tests {
 
     const SLOTS: [ReadSlot; 3] = [ReadSlot::Quads1, ReadSlot::Pairs1, ReadSlot::Words3];
 
-    /// What the shader finds at every record of three arrays, written by the host or left by a build.
-    fn found(gpu: &Gpu, reads: Reads, count: usize, built: bool) -> Vec<[u32; 8]> {
+    /// How an array comes to be.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    enum Made {
+        /// Written by the host.
+        Written,
+        /// Left by a build in a buffer.
+        Built,
+        /// Left in several buffers of a row or two.
+        InParts,
+    }
+
+    /// What the shader finds at every record of three arrays.
+    fn found(gpu: &Gpu, reads: Reads, count: usize, made: Made) -> Vec<[u32; 8]> {
         let pipeline = compute_pipeline(gpu, ReadsFunctions { textures: reads == Reads::Texture }, "read").unwrap();
         let array = |slot: ReadSlot| {
             let words: Vec<u32> =
                 (0..count as u32 * slot.record_bytes() / 4).map(|word| word * 3 + slot as u32).collect();
             let contents: &[u8] = bytemuck::cast_slice(&words);
-            if !built {
-                return Readable::written(gpu, reads, slot, contents, "written", None, "nothing").unwrap();
-            }
-            let buffer = storage_buffer(gpu, "built", contents.len() as u64, "nothing").unwrap();
-            gpu.queue.write_buffer(&buffer, 0, contents);
-            Readable::built(gpu, reads, slot, &buffer, contents.len() as u64, "copied", None, "nothing").unwrap()
+            let built = |contents: &[u8]| {
+                let buffer = storage_buffer(gpu, "built", contents.len() as u64, "nothing").unwrap();
+                gpu.queue.write_buffer(&buffer, 0, contents);
+                buffer
+            };
+            let bytes = contents.len() as u64;
+            let array = match made {
+                Made::Written => Readable::written(gpu, reads, slot, contents, "written", None, "nothing"),
+                Made::Built => Readable::built(gpu, reads, slot, &built(contents), bytes, "copied", None, "nothing"),
+                Made::InParts => {
+                    let (first, rest) = contents.split_at(contents.len().min(ROW_BYTES as usize));
+                    let parts = std::iter::once(first).chain(rest.chunks(2 * ROW_BYTES as usize)).map(built);
+                    Readable::copied(gpu, slot, &parts.collect::<Vec<_>>(), bytes, "copied", None, "nothing")
+                }
+            };
+            array.unwrap()
         };
         let arrays = SLOTS.map(array);
         let mut clock = PhaseClock::new(Some(gpu));
         record_copies(&arrays, &mut clock).unwrap();
         // A clock without phases has nothing to finish.
-        assert_eq!(clock.finish().is_ok(), built && reads == Reads::Texture);
+        assert_eq!(clock.finish().is_ok(), made != Made::Written && reads == Reads::Texture);
         let results = storage_buffer(gpu, "found", count as u64 * 32, "nothing").unwrap();
         let own = crate::bind_group(gpu, &pipeline.get_bind_group_layout(0), &[results.as_entire_binding()]);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
@@ -442,8 +488,8 @@ mod tests {
         bytemuck::pod_collect_to_vec(&gpu.read(&results, results.size()).unwrap())
     }
 
-    /// Proves that records of every size are read where they are, from buffers and textures, written and copied, of less than a row,
-    /// of whole rows and of some more: rows of quads, pairs and words end at 2048, 4096 and 8192.
+    /// Proves that records of every size are read where they are, from buffers and textures, written and copied from one or several
+    /// buffers, of less than a row, of whole rows and of some more: rows of quads, pairs and words end at 2048, 4096 and 8192.
     #[test]
     fn records_are_read_where_they_are() {
         let gpu = Gpu::open(&AdapterChoice::default()).unwrap();
@@ -456,10 +502,14 @@ mod tests {
                 [quad[0], quad[1], quad[2], quad[3], pair[0], pair[1], of(record, 1, words, 0), 0]
             };
             let expected: Vec<[u32; 8]> = (0..count as u32).map(expected).collect();
-            for reads in [Reads::Buffer, Reads::Texture] {
-                for built in [false, true] {
-                    assert!(found(&gpu, reads, count, built) == expected, "{reads:?} {count} {built}");
-                }
+            for (reads, made) in [
+                (Reads::Buffer, Made::Written),
+                (Reads::Buffer, Made::Built),
+                (Reads::Texture, Made::Written),
+                (Reads::Texture, Made::Built),
+                (Reads::Texture, Made::InParts),
+            ] {
+                assert!(found(&gpu, reads, count, made) == expected, "{reads:?} {count} {made:?}");
             }
         }
     }
