@@ -3,6 +3,7 @@
 
 #import tracebench::types::{Ray, Hit, miss, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, NO_PRIMITIVE}
 #import tracebench::dispatch::linear_invocation
+#import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
 #import tracebench::view::{View, pixel_position}
 #import tracebench::triangle::{RayFrame, ray_frame, cross_triangle}
 #import tracebench::depth_bounds::bucket_of
@@ -10,8 +11,7 @@
 #import tracebench::cell_walk::{pixel_at, leaves_cell, next_pixel, is_in_image}
 #import tracebench::view_walk::{SEAM_SLACK, crossed_first, nothing_crossed}
 #import tracebench::pyramid::{CodedCell, level_size, place_of, first_below, next_after}
-#import tracebench::dirt_lists::{grid, load_node, load_depths, load_head}
-#import tracebench::dirt_vertices::corner_of
+#import tracebench::dirt_lists::{grid, load_node, load_depths, load_head, load_corners}
 
 struct TraceSettings {
     ray_count: u32,
@@ -25,7 +25,7 @@ struct TraceSettings {
     max_steps: u32,
     // The highest level of the pyramid that is walked; 0 where rays go from tile to tile.
     top_level: u32,
-    padding: u32,
+    rays_per_lane: u32,
 }
 
 @group(0) @binding(1) var<uniform> search: TraceSettings;
@@ -38,8 +38,6 @@ struct TraceSettings {
 // A bit a node: tested by any ray.
 @group(0) @binding(10) var<storage, read_write> touched: array<atomic<u32>>;
 #endif
-
-const WORKGROUP_SIZE: u32 = 64u;
 
 struct Best {
     t: f32,
@@ -70,7 +68,8 @@ fn test_node(link: u32, view: View, eye_ray: EyeRay, tile: vec2<i32>, improved: 
     atomicOr(&touched[(link - 1u) >> 5u], 1u << ((link - 1u) & 31u));
 #endif
     let triangle = node.primitive;
-    let crossed = cross_triangle(frame, corner_of(triangle, 0u), corner_of(triangle, 1u), corner_of(triangle, 2u));
+    let corners = load_corners(triangle);
+    let crossed = cross_triangle(frame, corners.a, corners.b, corners.c);
     let nearer = crossed.t < best.t || (crossed.t == best.t && triangle < best.primitive);
     if (crossed.t >= ray.t_min && nearer) {
         let point = eye_ray.origin + eye_ray.direction * crossed.t;
@@ -232,28 +231,34 @@ fn search_to_depth(number: u32, view: View, eye_ray: EyeRay, depth: f32) {
 }
 #endif
 
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
-    if (index >= search.ray_count) {
-        return;
-    }
-    ray = rays[index];
+// Searches for a ray, and gives the views that it was in, a bit each. `open` tells whether it was cut off.
+fn search_ray(asked: Ray) -> u32 {
+    ray = asked;
     frame = ray_frame(ray.origin, ray.direction);
     best = Best(ray.t_max, NO_PRIMITIVE, 0.0, 0.0);
+    found = false;
+    capped = false;
+    steps = 0u;
+    open = 0u;
+#ifdef COUNTERS
+    work = vec4<u32>(0u);
+#endif
     var visited = 0u;
 #ifdef CENTRES
-    for (var each = 0u; each < search.view_count; each++) {
+    var each = 0u;
+    open += 1u;
+    loop {
+        if (each >= search.view_count) {
+            open -= 1u;
+            break;
+        }
         let view = views[each];
         let eye_ray = eye_ray_of(view, ray);
         let near = near_centre(view, eye_ray);
         if (near.end >= ray.t_min && near.begin <= ray.t_max) {
             search_to_depth(each, view, eye_ray, centre_radius(view));
         }
+        each += 1u;
     }
 #endif
     // By distance, a ray along the seam between two views must not be lost by both to rounding.
@@ -263,12 +268,19 @@ fn trace(
     loop {
         // The view that the ray meets next.
         var crossed = nothing_crossed(search.view_count);
-        for (var candidate = 0u; candidate < search.view_count; candidate++) {
+        var candidate = 0u;
+        open += 1u;
+        loop {
+            if (candidate >= search.view_count) {
+                open -= 1u;
+                break;
+            }
             if ((visited & (1u << candidate)) == 0u) {
                 let view = views[candidate];
                 let part = span_in_view(view, eye_ray_of(view, ray), Span(ray.t_min, best.t), slack);
                 crossed = crossed_first(crossed, candidate, part);
             }
+            candidate += 1u;
         }
         let chosen = crossed.view;
         let span = crossed.span;
@@ -284,13 +296,20 @@ fn trace(
         let eye_ray = eye_ray_of(view, ray);
 #ifdef CENTRES
         let near = near_centre(view, eye_ray);
-        for (var part = 0u; part < 2u; part++) {
+        var part = 0u;
+        open += 1u;
+        loop {
+            if (part >= 2u) {
+                open -= 1u;
+                break;
+            }
             let before = Span(span.begin, min(span.end, near.begin));
             let after = Span(max(span.begin, near.end), span.end);
             let side = Span(select(after.begin, before.begin, (part == 0u)), select(after.end, before.end, (part == 0u)));
             if (side.begin <= side.end && !capped) {
                 walk(chosen, view, eye_ray, side);
             }
+            part += 1u;
         }
 #else
         walk(chosen, view, eye_ray, span);
@@ -300,14 +319,82 @@ fn trace(
             break;
         }
     }
+    return visited;
+}
+
+// The answer of a search that was in these views.
+fn answer(visited: u32) -> Hit {
     if (capped || open > 0u) {
-        hits[index] = miss(STATUS_STEP_CAP);
-    } else if (found) {
-        hits[index] = Hit(best.t, best.primitive, best.u, best.v, STATUS_HIT);
-    } else {
-        hits[index] = miss(select(STATUS_MISS, STATUS_LEFT_VIEWS, (visited == 0u || search.view_count < 6u)));
+        return miss(STATUS_STEP_CAP);
     }
+    if (found) {
+        return Hit(best.t, best.primitive, best.u, best.v, STATUS_HIT);
+    }
+    return miss(select(STATUS_MISS, STATUS_LEFT_VIEWS, (visited == 0u || search.view_count < 6u)));
+}
+
+fn answer_ray(index: u32) {
+    hits[index] = answer(search_ray(rays[index]));
 #ifdef COUNTERS
     counts[index] = work;
 #endif
+}
+
+// A ray a lane.
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    if (index < search.ray_count) {
+        answer_ray(index);
+    }
+}
+
+// Several rays a lane, one after the other. Loops are counted over all of them: rays that are cut off, and those behind them,
+// are left unanswered.
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace_in_turns(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    var turns = turns_of(workgroup, workgroups, local, 0u, search.ray_count, search.rays_per_lane);
+    loop {
+        if (turns.ray >= turns.end) {
+            break;
+        }
+        let visited = search_ray(rays[turns.ray]);
+        if (open > 0u) {
+            break;
+        }
+        hits[turns.ray] = answer(visited);
+#ifdef COUNTERS
+        counts[turns.ray] = work;
+#endif
+        turns.ray += WORKGROUP_SIZE;
+    }
+}
+
+// Whether a ray of the workgroup has no answer.
+var<workgroup> unanswered: atomic<u32>;
+
+// After that: a ray a lane in every workgroup that has one without an answer. All of its rays are answered again, so that the same
+// ones run together, and are cut off, as where a lane has one ray from the first.
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace_unanswered(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    if (index < search.ray_count && hits[index].status == 0u) {
+        atomicStore(&unanswered, 1u);
+    }
+    workgroupBarrier();
+    if (atomicLoad(&unanswered) == 1u && index < search.ray_count) {
+        answer_ray(index);
+    }
 }

@@ -153,6 +153,7 @@ fn entry_points_exist() {
             ("shared/fixed_work.wgsl", _) => compute(&["work"], 64),
             ("shared/means_probe.wgsl", _) => compute(&["gather", "search"], 64),
             ("dirt/setup.wgsl", _) => compute(&["see", "list"], 64),
+            ("dirt/trace.wgsl", _) => compute(&["trace", "trace_in_turns", "trace_unanswered"], 64),
             ("dirt/store.wgsl", _) => compute(&["store"], 64),
             ("dirt/visibility.wgsl", _) => compute(&["resolve"], 64),
             ("dirt/mipmap.wgsl" | "fragment-abuffer/mipmap.wgsl", _) => compute(&["mipmap"], 64),

@@ -167,7 +167,8 @@ mod tests {
     #[test]
     fn methods_are_compared_at_equal_and_best_means() {
         let row = |tracer: &str, reads: &str, ms: f64| {
-            let parameters = if reads.is_empty() { json!({}) } else { json!({ "reads": reads, "rays_per_lane": 1, "buckets": 4 }) };
+            let parameters =
+                if reads.is_empty() { json!({}) } else { json!({ "reads": reads, "rays_per_lane": 1, "buckets": 4 }) };
             let mut row = contender(tracer, "room", parameters, &[], &[("diffuse", Query::Closest)]);
             set_time(&mut row, "diffuse", ms);
             row

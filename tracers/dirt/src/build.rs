@@ -4,7 +4,7 @@ use std::num::NonZeroU64;
 
 use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, BufferBinding, BufferUsages, RenderPipeline};
 use tracebench_api::{Gpu, PhaseClock, TracerError};
-use tracebench_kit::{EmptyTarget, bind_group, dispatch_linear, uniform_buffer};
+use tracebench_kit::{EmptyTarget, ROW_BITS, ReadSlot, Readable, Reads, bind_group, dispatch_linear, uniform_buffer};
 use tracebench_shaders::dirt::Fill;
 
 use crate::layout::{FillPass, Layout, MOST_VIEWS, MipmapLevel, TileGrid};
@@ -75,6 +75,15 @@ pub(crate) const HEADS: &str = "id buffer: heads";
 pub(crate) const NODE_COUNT: &str = "node count";
 pub(crate) const ATTACHMENT: &str = "attachment that nothing is written to";
 
+// What they call the copies that searches read with reads=texture, which Table 3 has not.
+const VERTICES_COPY: &str = "vertices (texture)";
+const NODES_COPY: &str = "nodes (texture)";
+const BOUNDS_COPY: &str = "depth bounds (texture)";
+const HEADS_COPY: &str = "heads (texture)";
+
+/// What is turned where they are too large.
+const TURN_DOWN: &str = "--face or dirt.buckets, or turn dirt.tile_size up";
+
 /// What they call a part of the nodes.
 pub(crate) fn nodes_name(part: usize) -> String {
     if part == 0 { "id buffer: nodes".to_owned() } else { format!("id buffer: nodes, part {}", part + 1) }
@@ -98,6 +107,12 @@ fn nodes_per_binding(gpu: &Gpu) -> u64 {
     (gpu.limits.max_storage_buffer_binding_size / NODE_BYTES).min(u64::from(u32::MAX))
 }
 
+/// Nodes of a part where one binding does not hold all: whole rows of the texture that searches may read.
+fn nodes_per_part(gpu: &Gpu) -> u64 {
+    let per_row = (1 << ROW_BITS) / NODE_BYTES;
+    (nodes_per_binding(gpu) / per_row).max(1) * per_row
+}
+
 /// Buffers for nodes, one or several.
 pub(crate) fn node_buffers(gpu: &Gpu, capacity: u32) -> Result<Vec<Buffer>, TracerError> {
     let turn_down = "dirt.buckets or --face, or turn dirt.tile_size up";
@@ -105,7 +120,8 @@ pub(crate) fn node_buffers(gpu: &Gpu, capacity: u32) -> Result<Vec<Buffer>, Trac
     if nodes <= per_binding {
         return Ok(vec![storage(gpu, &name, nodes * NODE_BYTES, nodes * NODE_BYTES, turn_down)?]);
     }
-    let parts = if Pipelines::can_split(gpu) { NODE_PARTS } else { 1 };
+    let (parts, per_binding) =
+        if Pipelines::can_split(gpu) { (NODE_PARTS, nodes_per_part(gpu)) } else { (1, per_binding) };
     if nodes > per_binding * parts {
         return Err(TracerError::TooLarge {
             name: if parts > 1 { format!("{name}, in {parts} parts,") } else { name },
@@ -131,7 +147,6 @@ impl Buffers {
         there: Option<&TriangleSetup>,
     ) -> Result<Self, TracerError> {
         let gpu = &*pipelines.gpu;
-        let turn_down = "--face or dirt.buckets, or turn dirt.tile_size up";
         let ([bounds_bytes, _], [heads_bytes, _]) = (layout.bounds_bytes(), layout.heads_bytes());
         let by_view = bounds_bytes.max(heads_bytes) > gpu.limits.max_storage_buffer_binding_size;
         let bound = |whole, of_view| if by_view && Pipelines::can_split(gpu) { of_view } else { whole };
@@ -142,9 +157,9 @@ impl Buffers {
                 DEPTH_BOUNDS,
                 bounds_bytes,
                 bound(bounds_bytes, layout.bounds_part_bytes()),
-                turn_down,
+                TURN_DOWN,
             )?,
-            heads: storage(gpu, HEADS, heads_bytes, bound(heads_bytes, layout.heads_part_bytes()), turn_down)?,
+            heads: storage(gpu, HEADS, heads_bytes, bound(heads_bytes, layout.heads_part_bytes()), TURN_DOWN)?,
             parts: Parts { views, bounds: layout.bounds_part_bytes(), heads: layout.heads_part_bytes() },
             by_view,
             nodes: node_buffers(gpu, node_capacity)?,
@@ -152,14 +167,14 @@ impl Buffers {
             setup: TriangleSetup::new(gpu, &sums, views, triangle_count, there)?,
             attachment: EmptyTarget::new(gpu, ATTACHMENT, layout.tiles)?,
             node_capacity,
-            nodes_per_part: nodes_per_binding(gpu) as u32,
+            nodes_per_part: nodes_per_part(gpu) as u32,
         })
     }
 
     /// Makes room for so many nodes.
     pub(crate) fn set_capacity(&mut self, gpu: &Gpu, nodes: u32) -> Result<(), TracerError> {
         self.nodes = node_buffers(gpu, nodes)?;
-        self.node_capacity = (self.node_bytes() / NODE_BYTES) as u32;
+        self.node_capacity = nodes.max(1);
         Ok(())
     }
 
@@ -178,6 +193,35 @@ impl Buffers {
         part_of(&self.heads, view.min(self.parts.views - 1), self.parts.heads)
     }
 
+    /// What a search reads at unrelated places, in buffers or in textures that serve if `there` are those of the last build. Of
+    /// buffers that are split it reads corners alone like that.
+    pub(crate) fn arrays(&self, gpu: &Gpu, reads: Reads, there: &[Readable]) -> Result<Vec<Readable>, TracerError> {
+        let last = |slot| there.iter().find(|there| there.slot() == slot);
+        let built = |slot, buffer: &Buffer, copy_name| {
+            Readable::built(gpu, reads, slot, buffer, buffer.size(), copy_name, last(slot), TURN_DOWN)
+        };
+        let mut arrays = vec![built(ReadSlot::Quads0, self.setup.vertices(), VERTICES_COPY)?];
+        if reads == Reads::Texture || !self.is_split() {
+            arrays.push(match &self.nodes[..] {
+                [nodes] => built(ReadSlot::Pairs0, nodes, NODES_COPY)?,
+                parts => {
+                    // Each but the last has whole rows, so that in the texture one follows the other.
+                    let (slot, mut left) = (ReadSlot::Pairs0, u64::from(self.node_capacity) * NODE_BYTES);
+                    let part = |buffer| {
+                        let bytes = left.min(Buffer::size(buffer));
+                        left -= bytes;
+                        (buffer, bytes)
+                    };
+                    let parts: Vec<_> = parts.iter().map(part).collect();
+                    Readable::joined(gpu, slot, &parts, NODES_COPY, last(slot), TURN_DOWN)?
+                }
+            });
+            arrays.push(built(ReadSlot::Pairs1, &self.bounds, BOUNDS_COPY)?);
+            arrays.push(built(ReadSlot::Words0, &self.heads, HEADS_COPY)?);
+        }
+        Ok(arrays)
+    }
+
     /// What variants of shaders for split buffers bind beside the first parts: all places are taken, those of parts that do
     /// not exist by one that does.
     pub(crate) fn further_parts(&self) -> Vec<BindingResource<'_>> {
@@ -191,11 +235,6 @@ impl Buffers {
     /// The uniform of the shaders.
     pub(crate) fn grid(&self, layout: &Layout) -> TileGrid {
         layout.grid(self.node_capacity, self.nodes_per_part)
-    }
-
-    /// Allocated bytes of the nodes.
-    pub(crate) fn node_bytes(&self) -> u64 {
-        self.nodes.iter().map(Buffer::size).sum()
     }
 }
 

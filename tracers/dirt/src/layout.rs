@@ -85,8 +85,8 @@ pub struct TraceSettings {
     pub max_steps: u32,
     /// The highest level of the pyramid that is walked.
     pub top_level: u32,
-    /// Nothing.
-    pub padding: u32,
+    /// Rays that a lane answers one after the other, >= 1.
+    pub rays_per_lane: u32,
 }
 
 /// Layouts of all that shaders share with this crate.
@@ -98,7 +98,7 @@ pub(crate) fn layouts() -> Vec<SharedLayout> {
             tiles, triangle_count, view_count, block_count, padding_a, padding_b, padding_c, rooms,
         }
         MipmapLevel { level, views, padding }
-        TraceSettings { ray_count, view_count, any_hit, by_distance, all_buckets, max_steps, top_level, padding }
+        TraceSettings { ray_count, view_count, any_hit, by_distance, all_buckets, max_steps, top_level, rays_per_lane }
         HitNode { next, primitive, u, v, position, shading_and_view }
         StoreSettings { ray_count, view_count, pixels }
         MaskSettings { pixels, padding }

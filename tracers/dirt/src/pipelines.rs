@@ -4,12 +4,23 @@ use std::sync::Arc;
 
 use tracebench_api::wgpu::{ComputePipeline, RenderPipeline};
 use tracebench_api::{Gpu, TracerError};
-use tracebench_kit::{EmptyTarget, Gather, OnDemand, PipelinesOnDemand, PrefixSum, check_limits, compute_pipeline};
+use tracebench_kit::{EmptyTarget, Gather, OnDemand, PrefixSum, check_limits, compute_pipeline};
 use tracebench_shaders::dirt::{Fill, MIPMAP, SETUP, Trace};
 
 use crate::fetch::Fetch;
 use crate::setup::SetupPipelines;
 use crate::visibility::Visibility;
+
+/// Entry points of shaders/dirt/trace.wgsl.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Search {
+    /// A ray a lane.
+    OneRay,
+    /// Several rays a lane. Drivers that count a lane's loops leave some unanswered.
+    InTurns,
+    /// Those that are, a ray a lane.
+    Unanswered,
+}
 
 /// Every pipeline.
 pub(crate) struct Pipelines {
@@ -18,7 +29,7 @@ pub(crate) struct Pipelines {
     prefix_sum: OnDemand<(), Arc<PrefixSum>>,
     fill: OnDemand<Fill, RenderPipeline>,
     mipmap: OnDemand<(), ComputePipeline>,
-    trace: PipelinesOnDemand<Trace>,
+    trace: OnDemand<(Trace, Search), ComputePipeline>,
     gather: OnDemand<(), Arc<Gather>>,
     pub fetch: Fetch,
     visibility: OnDemand<(), Arc<Visibility>>,
@@ -30,7 +41,7 @@ impl Pipelines {
         for shader in [
             SETUP,
             Fill::Primitives { conservative: true, split: false }.into(),
-            Trace { split: false, centres: false, counters: true }.into(),
+            Trace::Plain { textures: false, centres: false, counters: true }.into(),
         ] {
             check_limits(&gpu, shader)?;
         }
@@ -40,7 +51,7 @@ impl Pipelines {
             prefix_sum: OnDemand::default(),
             fill: OnDemand::default(),
             mipmap: OnDemand::default(),
-            trace: PipelinesOnDemand::new("trace"),
+            trace: OnDemand::default(),
             gather: OnDemand::default(),
             fetch: Fetch::default(),
             visibility: OnDemand::default(),
@@ -50,7 +61,7 @@ impl Pipelines {
     /// Whether the device binds the buffers that nodes, depth bounds and heads are split into where one binding does not
     /// hold them.
     pub(crate) fn can_split(gpu: &Gpu) -> bool {
-        let traced = Trace { split: true, centres: false, counters: true }.into();
+        let traced = Trace::Split { centres: false, counters: true }.into();
         let filled = Fill::Primitives { conservative: true, split: true }.into();
         check_limits(gpu, traced).and_then(|()| check_limits(gpu, filled)).is_ok()
     }
@@ -72,8 +83,13 @@ impl Pipelines {
         self.mipmap.of((), || compute_pipeline(&self.gpu, MIPMAP, "mipmap"))
     }
 
-    pub(crate) fn trace(&self, variant: Trace) -> Result<ComputePipeline, TracerError> {
-        self.trace.of(&self.gpu, variant)
+    pub(crate) fn trace(&self, variant: Trace, search: Search) -> Result<ComputePipeline, TracerError> {
+        let entry_point = match search {
+            Search::OneRay => "trace",
+            Search::InTurns => "trace_in_turns",
+            Search::Unanswered => "trace_unanswered",
+        };
+        self.trace.of((variant, search), || compute_pipeline(&self.gpu, variant, entry_point))
     }
 
     pub(crate) fn gather(&self) -> Result<Arc<Gather>, TracerError> {

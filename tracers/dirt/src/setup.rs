@@ -18,6 +18,8 @@ pub(crate) const BLOCK: u32 = 64;
 
 /// Bytes of a triangle's corners.
 const VERTEX_BYTES: u64 = 36;
+/// Bytes of the records that searches read them in: the buffer ends with a whole one.
+const QUAD_BYTES: u64 = 16;
 /// Bytes of the counts before the lists' entries.
 const COUNT_BYTES: u64 = 4 * MOST_VIEWS as u64;
 /// Bytes of a `DrawnTriangle` of shaders/dirt/drawn.wgsl.
@@ -90,7 +92,7 @@ impl TriangleSetup {
     ) -> Result<Self, TracerError> {
         let blocks = u64::from(triangle_count.div_ceil(BLOCK)) * view_count as u64;
         let room = |name, bytes, there| Room::new(gpu, name, bytes, TRIANGLES, there);
-        let vertex_bytes = u64::from(triangle_count) * VERTEX_BYTES;
+        let vertex_bytes = (u64::from(triangle_count) * VERTEX_BYTES).next_multiple_of(QUAD_BYTES);
         let vertices = room(VERTICES, vertex_bytes, there.map(|there| &there.vertices))?;
         let seen = room(SEEN, blocks * 8, there.map(|there| &there.seen))?;
         let blocks_room = room(BLOCKS, blocks * 4 + 4, there.map(|there| &there.blocks))?;

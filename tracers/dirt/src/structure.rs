@@ -6,7 +6,7 @@ use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection,
     Sampling, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
-use tracebench_kit::{LastCount, SurfaceGeometry, ViewUniform, grow};
+use tracebench_kit::{LastCount, Readable, Reads, SurfaceGeometry, ViewUniform, grow, record_copies};
 
 use crate::build::{Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, nodes_name};
 use crate::description::{Clip, Coverage, DirtParameters, NO_REFIT};
@@ -41,6 +41,8 @@ pub(crate) struct DirtStructure {
     pub layout: Layout,
     pub filling: Filling,
     pub buffers: Buffers,
+    /// What searches read, in buffers or textures.
+    pub arrays: Vec<Readable>,
     pub geometry: Resident,
     pub mask_memory: MaskMemory,
     /// What the camera's frame shows, if that was asked for.
@@ -121,7 +123,9 @@ impl Dirt {
         let resident = Resident::of(geometry)?;
         let mut buffers = Buffers::new(&self.pipelines, &layout, resident.triangle_count, 0, None)?;
         self.make_room_for(&mut buffers, geometry, &resident, &layout, filling)?;
+        let arrays = buffers.arrays(&self.pipelines.gpu, parameters.reads, &[])?;
         self.pipelines.build(&layout, &buffers, &resident, filling, clock)?;
+        record_copies(&arrays, clock)?;
         let frame = self.pipelines.show(viewpoint, parameters, &resident, None, clock)?;
         let pipelines = Arc::clone(&self.pipelines);
         Ok(DirtStructure {
@@ -129,6 +133,7 @@ impl Dirt {
             layout,
             filling,
             buffers,
+            arrays,
             geometry: resident,
             mask_memory: MaskMemory::default(),
             frame,
@@ -145,6 +150,13 @@ impl Tracer for Dirt {
         clock: &mut PhaseClock<'_>,
     ) -> Result<Box<dyn Structure>, TracerError> {
         Ok(Box::new(self.build_structure(geometry, viewpoint, parameters, clock)?))
+    }
+}
+
+impl DirtStructure {
+    /// What searches read from.
+    pub(crate) fn reads(&self) -> Reads {
+        self.arrays[0].reads()
     }
 }
 
@@ -175,7 +187,9 @@ impl Structure for DirtStructure {
                     self.buffers.setup =
                         TriangleSetup::new(&pipelines.gpu, &sums, layout.views.len(), triangles, there)?;
                 }
+                self.arrays = self.buffers.arrays(&pipelines.gpu, parameters.reads, &self.arrays)?;
                 self.pipelines.build(&layout, &self.buffers, &resident, self.filling, clock)?;
+                record_copies(&self.arrays, clock)?;
                 self.frame = self.pipelines.show(viewpoint, parameters, &resident, self.frame.as_ref(), clock)?;
                 (self.layout, self.geometry) = (layout, resident);
                 Ok(())
@@ -201,6 +215,7 @@ impl Structure for DirtStructure {
             return Ok(!all_drawn);
         }
         grow(&[nodes], |room| self.buffers.set_capacity(gpu, room[0]))?;
+        self.arrays = self.buffers.arrays(gpu, self.reads(), &self.arrays)?;
         Ok(true)
     }
 
@@ -229,6 +244,7 @@ impl Structure for DirtStructure {
         }
         buffers.setup.enter(&mut ledger, &buffers.setup.counts(gpu).unwrap_or_default());
         buffers.attachment.enter(&mut ledger);
+        self.arrays.iter().for_each(|array| array.enter(&mut ledger));
         ledger.borrow_transient(self.layout.build_uniform_bytes());
         if let Some(frame) = &self.frame {
             frame.enter(&mut ledger);

@@ -6,10 +6,12 @@ use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::wgpu::BufferUsages;
 use tracebench_api::{
     AdapterChoice, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer,
-    Residency, Structure, TraceJob, TracerError, Update, Viewpoint,
+    Residency, Status, Structure, TraceJob, TracerError, Update, Viewpoint,
 };
+use tracebench_kit::Reads;
 use tracebench_tests::{Numbers, gpu, ray, rectangle, soup};
 
+use super::build::NODE_BYTES;
 use super::description;
 use super::structure::{Dirt, DirtStructure};
 
@@ -110,6 +112,11 @@ fn what_is_stored_is_what_brute_force_finds() {
     }
 }
 
+/// Bytes of the nodes that there is room for.
+fn node_bytes(structure: &DirtStructure) -> u64 {
+    u64::from(structure.buffers.node_capacity) * NODE_BYTES
+}
+
 /// A device that binds no more bytes at once.
 pub(crate) fn of_limit(bytes: u64) -> Arc<Gpu> {
     let mut gpu = Gpu::open(&AdapterChoice::default()).unwrap();
@@ -126,7 +133,7 @@ fn what_a_binding_does_not_hold_is_split() {
     let settings = [("tile_size", "2")];
     let together = built(&whole, &geometry, &settings);
     assert!(!together.buffers.is_split());
-    let bytes = together.buffers.node_bytes();
+    let bytes = node_bytes(&together);
     let layout = &together.layout;
     let mut numbers = Numbers::new(4);
     let rays: Vec<Ray> = (0..600).map(|_| ray(numbers.point() * 5.0, numbers.direction())).collect();
@@ -141,6 +148,10 @@ fn what_a_binding_does_not_hold_is_split() {
         split.check(&geometry).unwrap();
         assert_eq!(hits, answer(&small, &split, &rays));
         assert_eq!(hits, answer_by(&small, &split, &rays, &[("centre_rays", "split")]), "splitting rays loses some");
+        // A texture of all parts needs no splits.
+        let copied = built(&small, &geometry, &[("tile_size", "2"), ("reads", "texture")]);
+        assert!(copied.buffers.is_split() && copied.reads() == Reads::Texture);
+        assert_eq!(hits, answer(&small, &copied, &rays));
     }
     let tiny = of_limit(layout.heads_part_bytes());
     let tracer = Dirt::new(Arc::clone(&tiny)).unwrap();
@@ -177,7 +188,7 @@ fn eight_storage_buffers_a_stage_suffice_where_nothing_is_split() {
         let parameters = parameters(&[]);
         let job = TraceJob { rays: &shared, end: EndPoint::Surface, parameters: &parameters };
         let counters = structure.trace_counted(job, &mut hits).unwrap();
-        (by(&[]), by(&[("centre_rays", "split")]), counters, structure.buffers.node_bytes())
+        (by(&[]), by(&[("centre_rays", "split")]), counters, node_bytes(&structure))
     });
     assert_eq!(expected, found);
     let split = of_stage_limit(8, found.3 / 2 / 8 * 8);
@@ -223,6 +234,40 @@ fn the_pyramid_changes_steps_alone() {
     let ((pyramid, pyramid_steps), (tiles, tile_steps)) = (answered(one, &[]), answered(one, &by_tiles));
     assert_eq!(pyramid, tiles);
     assert!(tile_steps > 2 * pyramid_steps, "{tile_steps} {pyramid_steps}");
+}
+
+/// Lists so long that a lane does not get through those of all of its rays where a driver counts its loops: every ray is answered
+/// as if it were its lane's only one, with the first of thousands of equal triangles, or given up where its own list is too long.
+#[test]
+fn lanes_of_many_rays_answer_as_those_of_one() {
+    let gpu = gpu();
+    let eye = viewpoint().eye;
+    let at = |x: f32, y: f32| (eye + Vec3::new(x, y, -3.0)).to_array();
+    for (triangles, ray_count, all_are_answered) in [(10_000, 700, true), (70_000, 100, false)] {
+        let geometry = soup(&vec![[at(0.0, 0.0), at(0.2, 0.0), at(0.0, 0.2)]; triangles], Some(&gpu));
+        let structure = built(&gpu, &geometry, &[("buckets", "1")]);
+        let mut numbers = Numbers::new(31);
+        // Every fifth hits nothing.
+        let rays: Vec<Ray> = (0..ray_count)
+            .map(|index| match index % 5 {
+                0 => ray(eye.as_dvec3(), DVec3::Z + numbers.point() * 0.1),
+                _ => {
+                    let [x, y] = [numbers.signed(), numbers.signed()].map(|along| 0.03 + 0.02 * along);
+                    ray(eye.as_dvec3(), DVec3::new(x, y, -3.0))
+                }
+            })
+            .collect();
+        let one = answer(&gpu, &structure, &rays);
+        for rays_per_lane in ["2", "32", "256"] {
+            let many = answer_by(&gpu, &structure, &rays, &[("rays_per_lane", rays_per_lane)]);
+            assert!(one == many, "{triangles}, {rays_per_lane}");
+        }
+        for (index, hit) in one.iter().enumerate() {
+            let first = hit.is_hit() && hit.primitive == 0;
+            let given_up = !all_are_answered && hit.status == Status::StepCap as u32;
+            assert!(if index % 5 == 0 { !hit.is_hit() } else { first || given_up }, "{index} {hit:?}");
+        }
+    }
 }
 
 /// Where any hit will do a search ends at the first that is accepted: the same rays are occluded as by closest hits, with fewer

@@ -1,17 +1,17 @@
 //! Tracing on the device.
 
-use tracebench_api::wgpu::Buffer;
+use tracebench_api::wgpu::{BindGroup, ComputePipeline};
 use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, Query, TraceJob, TracerError};
-use tracebench_kit::{RayCounts, TouchedBits, ViewUniform, bind_group, dispatch_linear_groups, uniform_buffer};
+use tracebench_kit::{
+    RayCounts, Reads, TouchedBits, ViewUniform, bind_arrays, bind_group, bind_group_at, dispatch_rays, uniform_buffer,
+};
 use tracebench_shaders::dirt::Trace;
 
 use crate::description::{Accept, CentreRays, DirtParameters, March, Searched};
 use crate::fetch::lost;
 use crate::layout::{MOST_VIEWS, TraceSettings};
+use crate::pipelines::Search;
 use crate::structure::DirtStructure;
-
-/// As `WORKGROUP_SIZE` in shaders/dirt/trace.wgsl.
-const WORKGROUP_SIZE: u32 = 64;
 
 /// The buffers of a trace that counts.
 struct Counting {
@@ -36,7 +36,7 @@ impl DirtStructure {
                 March::HiZ => self.layout.levels() as u32 - 1,
                 March::Tiles => 0,
             },
-            padding: 0,
+            rays_per_lane: parameters.rays_per_lane,
         }
     }
 
@@ -52,31 +52,48 @@ impl DirtStructure {
         let parameters = DirtParameters::try_from(job.parameters)?;
         let search = self.search(job, &parameters);
         let (centres, counters) = (parameters.centre_rays == CentreRays::Split, counting.is_some());
-        let split = self.buffers.is_split();
-        let pipeline = self.pipelines.trace(Trace { split, centres, counters })?;
-        let (bounds, heads) = match split {
-            false => (self.buffers.bounds.as_entire_binding(), self.buffers.heads.as_entire_binding()),
-            true => (self.buffers.bounds_of(0), self.buffers.heads_of(0)),
+        let variant = match self.reads() {
+            Reads::Buffer if self.buffers.is_split() => Trace::Split { centres, counters },
+            reads => Trace::Plain { textures: reads == Reads::Texture, centres, counters },
         };
         let [grid, search_settings, views] = [
             uniform_buffer(gpu, "grid", &self.buffers.grid(&self.layout))?,
             uniform_buffer(gpu, "search", &search)?,
             uniform_buffer(gpu, "views", &ViewUniform::array::<MOST_VIEWS>(self.layout.uniforms()))?,
         ];
-        let shared = [&grid, &search_settings, self.buffers.setup.vertices(), &views];
-        let answered = [&self.buffers.nodes[0], job.rays.on_device()?, hits.on_device(job.rays.host.len())?];
-        let counted = counting.map(|counting| [counting.counts.buffer(), counting.touched.buffer()]);
-        let resources: Vec<_> = (shared.into_iter().map(Buffer::as_entire_binding))
-            .chain([bounds, heads])
-            .chain(answered.into_iter().chain(counted.into_iter().flatten()).map(Buffer::as_entire_binding))
-            .collect();
-        let mut bindings = vec![bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources)];
+        let hits_on_device = hits.on_device(job.rays.host.len())?;
+        let uniforms = [(0, &grid), (1, &search_settings), (3, &views)];
+        let answered = [(7, job.rays.on_device()?), (8, hits_on_device)];
+        let counted = counting.map(|counting| [(9, counting.counts.buffer()), (10, counting.touched.buffer())]);
+        let all = uniforms.into_iter().chain(answered).chain(counted.into_iter().flatten());
+        let mut resources: Vec<_> = all.map(|(binding, buffer)| (binding, buffer.as_entire_binding())).collect();
+        let split = matches!(variant, Trace::Split { .. });
         if split {
-            bindings.push(bind_group(gpu, &pipeline.get_bind_group_layout(1), &self.buffers.further_parts()));
+            resources.extend([(4, self.buffers.bounds_of(0)), (5, self.buffers.heads_of(0))]);
+            resources.push((6, self.buffers.nodes[0].as_entire_binding()));
         }
-        let bindings: Vec<_> = bindings.iter().collect();
+        let bind = |pipeline: ComputePipeline| {
+            let mut groups = vec![bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &resources)];
+            groups.push(bind_arrays(gpu, &pipeline, &self.arrays));
+            if split {
+                groups.push(bind_group(gpu, &pipeline.get_bind_group_layout(2), &self.buffers.further_parts()));
+            }
+            (pipeline, groups)
+        };
+        let bound = |search| self.pipelines.trace(variant, search).map(bind);
+        let turns = match search.rays_per_lane {
+            1 => vec![(bound(Search::OneRay)?, 1)],
+            many => vec![(bound(Search::InTurns)?, many), (bound(Search::Unanswered)?, 1)],
+        };
         clock.device_phase("trace", |encoder| {
-            dispatch_linear_groups(encoder, &pipeline, &bindings, search.ray_count, WORKGROUP_SIZE);
+            if turns.len() > 1 {
+                // No status is 0.
+                encoder.clear_buffer(hits_on_device, 0, None);
+            }
+            for ((pipeline, groups), rays_per_lane) in &turns {
+                let groups: Vec<&BindGroup> = groups.iter().collect();
+                dispatch_rays(encoder, pipeline, &groups, search.ray_count, *rays_per_lane);
+            }
         })?;
         self.record_surfaces(job, parameters.fetch, hits, clock)
     }

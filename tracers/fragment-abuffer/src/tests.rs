@@ -273,7 +273,7 @@ fn rays_of_lanes_that_are_cut_off_are_answered() {
     let mut numbers = Numbers::new(12);
     let along = |index: usize| {
         let origin = eye + DVec3::new(-2.0, 0.3 * numbers.signed(), -3.005);
-        ray(origin, DVec3::new(1.0, 0.0, if index % 8 == 0 { 0.004 * numbers.signed() } else { 0.0 }))
+        ray(origin, DVec3::new(1.0, 0.0, if index.is_multiple_of(8) { 0.004 * numbers.signed() } else { 0.0 }))
     };
     let rays: Vec<Ray> = (0..640).map(along).collect();
     let shape = [("storage", "ll"), ("views", "frame")];

@@ -39,7 +39,8 @@ pub(super) const PAPER: Paper = Paper {
 
 /// The tracer whose structure the formula of Table 3 is about.
 const DIRT: &str = "dirt";
-/// What the ledger calls the parts of the structure that Table 3 counts. It leaves the vertex buffer out, which rasterization has.
+/// What the ledger calls the parts of the structure that Table 3 counts. It leaves the vertex buffer out, which rasterization has,
+/// and knows neither triangle setup nor copies in textures.
 const IN_TABLE_3: [&str; 2] = ["depth bounds texture", "id buffer"];
 /// Bytes of Table 3 a pixel of the frame: head and node of the hit buffer, three shading points, the mask.
 const OF_A_PIXEL: [f64; 4] = [4.0, 32.0, 3.0 * 32.0, 2.0];

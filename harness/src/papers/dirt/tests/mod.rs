@@ -97,6 +97,43 @@ pub(in crate::papers) fn over_buckets(scene: &str, of: impl Fn(u64, u64) -> (u64
     runs
 }
 
+/// Table 3 counts depth bounds and lists, of nodes every part; what else a structure takes, copies for searches too, it has not.
+#[test]
+fn table_3_leaves_out_what_it_has_not() {
+    let own = [
+        ("depth bounds texture", 1000),
+        ("id buffer: heads", 200),
+        ("id buffer: nodes", 30),
+        ("id buffer: nodes, part 2", 4),
+    ];
+    let bytes = |others: &[(&str, u64)]| {
+        let mut run = dirt("a", json!({ "tile_size": "2", "buckets": 24 }), &[]);
+        set_bytes(&mut run, &[&own[..], others].concat());
+        without_own_buffers(&mut run);
+        PAPER.bytes(&run, Scope::OfPaper).unwrap()
+    };
+    close(bytes(&[]), 1234.0);
+    let not_counted = [
+        "node count",
+        "attachment that nothing is written to",
+        "vertex buffer",
+        "triangle setup: views' bits",
+        "triangle setup: counts of blocks",
+        "triangle setup: views' triangles",
+        "sums of blocks",
+        "prefix sum: count of level 1",
+        "vertices (texture)",
+        "nodes (texture)",
+        "heads (texture)",
+        "depth bounds (texture)",
+    ];
+    for name in not_counted {
+        assert!((bytes(&[(name, 1 << 20)]) - 1234.0).abs() < 1e-9, "{name}");
+    }
+    // The negative control: what it has is counted.
+    assert!(own.iter().all(|(name, _)| bytes(&[(name, 1 << 20)]) > 1e6));
+}
+
 /// Savings are means over B > 8, growth is a mean over the steps, both per scene; the spread is over scenes and needs two.
 #[test]
 fn memory_is_compared_as_the_text_does() {
