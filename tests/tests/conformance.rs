@@ -247,8 +247,8 @@ fn memory_adds_up() {
             assert!(of_trace(0) <= of_trace(scene.rays.len()));
             held.push(sum);
         }
-        // What the allocator puts before a texture to align it hangs on what was allocated before.
-        assert!(held[0] <= held[6] + 256, "{}: {held:?}", subject.name);
+        // What the allocator puts before a texture to align it hangs on what was allocated before: up to a page.
+        assert!(held[0] <= held[6] + 4096, "{}: {held:?}", subject.name);
     }
 }
 
