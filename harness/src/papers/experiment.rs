@@ -28,7 +28,8 @@ pub struct Experiment {
     pub end: EndPoint,
     /// What is run one after the other.
     pub steps: &'static [Step],
-    /// Whether rows stand at every choice of means (how a search reads and is launched) that their tracer has: where traces of methods are compared.
+    /// Whether rows stand at every choice of means, how a search reads and is launched, that their tracer has: where traces of methods
+    /// are compared.
     pub means: bool,
     /// What the page shows of it before its rows.
     pub(crate) sections: &'static [Section],
