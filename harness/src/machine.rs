@@ -19,7 +19,7 @@ pub struct Machine {
     /// The adapter used; `None` if no tracer needed one.
     pub adapter: Option<AdapterListing>,
     /// What its rasterizer was found to do; `None` without an adapter, and in records that are older than this.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rasterizer: Option<Rasterizer>,
 }
 

@@ -47,6 +47,8 @@ struct TracedView {
     pixel_count: u32,
     node_capacity: u32,
     padding: vec2<u32>,
+    // Words before those of the view's buffers in textures that hold several: of pixels, of nodes, of data.
+    begins: vec4<u32>,
     // First pair of depth bounds of each level from the second on, four a vector.
     level_offsets: array<vec4<u32>, 4>,
 }

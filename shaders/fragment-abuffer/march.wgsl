@@ -7,12 +7,10 @@
 #import tracebench::image_line::{ImageLine, image_line, place_after, depth_on, t_on}
 #import tracebench::cell_walk::{pixel_at, leaves_cell, next_pixel, is_in_image, span_in_pixel}
 #import tracebench::depth_bounds::depths_of
+#import tracebench::reads::word_2
 #import tracebench::fragment_layout::pyramid_index
 #import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, found, found_depth, found_t, capped, steps, open, work, word_of, misses}
 #import tracebench::fragment_search::search_fragments
-
-// Of the levels above the pixels; with other marches anything.
-@group(0) @binding(7) var<storage, read> pyramid: array<u32>;
 
 const BY_STEPS: u32 = 0u;
 const BY_HI_Z: u32 = 2u;
@@ -66,11 +64,14 @@ fn jitter_of() -> f32 {
     );
     // PCG (Jarzynski, Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020), fed with one word after the other.
     var hash = 0u;
-    for (var word = 0u; word < 6u; word++) {
+    var word = 0u;
+    for (; word < 6u; word++) {
         let state = (hash ^ words[word]) * 747796405u + 2891336453u;
         let mixed = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
         hash = (mixed >> 22u) ^ mixed;
     }
+    // Cut off.
+    open += select(0u, 1u, (word < 6u));
     return f32(hash >> 8u) * 5.9604644775390625e-8;
 }
 
@@ -185,7 +186,7 @@ fn misses_cell(view: View, level: u32, cell: vec2<u32>, depth_begin: f32, depth_
         codes = vec2<u32>(word_of(pixel, shape.bounds_word), word_of(pixel, shape.bounds_word + 1u));
     } else {
         let index = 2u * pyramid_index(traced, level, cell);
-        codes = vec2<u32>(pyramid[index], pyramid[index + 1u]);
+        codes = vec2<u32>(word_2(index), word_2(index + 1u));
     }
     let depths = reached(view, depth_begin, depth_end);
     return misses(depths_of(codes), depths.x, depths.y);

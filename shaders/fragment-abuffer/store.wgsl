@@ -5,6 +5,7 @@
 #import tracebench::types::Ray
 #import tracebench::image_walk::EyeRay
 #import tracebench::depth_bounds::depths_of
+#import tracebench::reads::{word_0, word_1}
 #import tracebench::fragment_layout::{Storage, TracedView, BOUNDS_SLACK}
 
 struct MarchSettings {
@@ -30,33 +31,39 @@ struct MarchSettings {
     skip_bounds: u32,
     skip_buckets: u32,
     skip_lists: u32,
+    rays_per_lane: u32,
+    // 1: of rays alone that have no answer yet.
+    unanswered_only: u32,
+    // Words of bits a node.
+    touched_words: u32,
     padding_a: u32,
     padding_b: u32,
+    padding_c: u32,
 }
 
 @group(0) @binding(0) var<uniform> shape: Storage;
 @group(0) @binding(1) var<uniform> search: MarchSettings;
 @group(0) @binding(2) var<uniform> views: array<TracedView, 7>;
-@group(0) @binding(5) var<storage, read> pixels: array<u32>;
-@group(0) @binding(6) var<storage, read> ids: array<u32>;
 #ifdef COUNTERS
-// A bit a node: tested by any ray.
-@group(0) @binding(11) var<storage, read_write> touched: array<atomic<u32>>;
+// All that is counted, in one buffer since WebGPU grants eight: a bit a node that any ray tested, a bit a node whose data any ray
+// read, and of every ray COUNTS numbers.
+@group(0) @binding(6) var<storage, read_write> counted: array<atomic<u32>>;
 #endif
+// Of the arrays that are read at unrelated places, words 0 are the pixels', 1 the nodes, 2 the pyramid, 3 the data.
 #ifdef SPLIT
 // Where one binding does not hold all, each view has buffers of its own: these are the further views'.
-@group(1) @binding(0) var<storage, read> pixels_1: array<u32>;
-@group(1) @binding(1) var<storage, read> pixels_2: array<u32>;
-@group(1) @binding(2) var<storage, read> pixels_3: array<u32>;
-@group(1) @binding(3) var<storage, read> pixels_4: array<u32>;
-@group(1) @binding(4) var<storage, read> pixels_5: array<u32>;
-@group(1) @binding(5) var<storage, read> pixels_6: array<u32>;
-@group(1) @binding(6) var<storage, read> ids_1: array<u32>;
-@group(1) @binding(7) var<storage, read> ids_2: array<u32>;
-@group(1) @binding(8) var<storage, read> ids_3: array<u32>;
-@group(1) @binding(9) var<storage, read> ids_4: array<u32>;
-@group(1) @binding(10) var<storage, read> ids_5: array<u32>;
-@group(1) @binding(11) var<storage, read> ids_6: array<u32>;
+@group(2) @binding(0) var<storage, read> pixels_1: array<u32>;
+@group(2) @binding(1) var<storage, read> pixels_2: array<u32>;
+@group(2) @binding(2) var<storage, read> pixels_3: array<u32>;
+@group(2) @binding(3) var<storage, read> pixels_4: array<u32>;
+@group(2) @binding(4) var<storage, read> pixels_5: array<u32>;
+@group(2) @binding(5) var<storage, read> pixels_6: array<u32>;
+@group(2) @binding(6) var<storage, read> ids_1: array<u32>;
+@group(2) @binding(7) var<storage, read> ids_2: array<u32>;
+@group(2) @binding(8) var<storage, read> ids_3: array<u32>;
+@group(2) @binding(9) var<storage, read> ids_4: array<u32>;
+@group(2) @binding(10) var<storage, read> ids_5: array<u32>;
+@group(2) @binding(11) var<storage, read> ids_6: array<u32>;
 #endif
 
 // The state of this lane's ray.
@@ -70,7 +77,8 @@ var<private> found_t: f32;
 var<private> capped: bool;
 var<private> steps: u32;
 // Loops that were begun and not ended by themselves. Mesa's software driver ends the loops of eight lanes together after
-// 65,535 rounds in all; a ray that it cut off is given up like one that ran out of steps.
+// 65,535 rounds in all. A ray that it cut off is given up like one that ran out of steps or, where its lane has others, left without
+// an answer: a second dispatch, of a ray a lane, answers it.
 var<private> open: u32;
 #ifdef COUNTERS
 // As in the counts of a ray.
@@ -81,7 +89,7 @@ fn load_pixel(index: u32) -> u32 {
 #ifdef SPLIT
     switch (number) {
         case 0u: {
-            return pixels[index];
+            return word_0(index);
         }
         case 1u: {
             return pixels_1[index];
@@ -103,7 +111,11 @@ fn load_pixel(index: u32) -> u32 {
         }
     }
 #else
-    return pixels[index];
+#ifdef TEXTURES
+    return word_0(views[number].begins.x + index);
+#else
+    return word_0(index);
+#endif
 #endif
 }
 
@@ -111,7 +123,7 @@ fn load_id(index: u32) -> u32 {
 #ifdef SPLIT
     switch (number) {
         case 0u: {
-            return ids[index];
+            return word_1(index);
         }
         case 1u: {
             return ids_1[index];
@@ -133,7 +145,11 @@ fn load_id(index: u32) -> u32 {
         }
     }
 #else
-    return ids[index];
+#ifdef TEXTURES
+    return word_1(views[number].begins.y + index);
+#else
+    return word_1(index);
+#endif
 #endif
 }
 
@@ -142,7 +158,7 @@ fn test_depth(node: u32) -> f32 {
 #ifdef COUNTERS
     work[2] += 1u;
     let bit = views[number].first_node + node;
-    atomicOr(&touched[bit >> 5u], 1u << (bit & 31u));
+    atomicOr(&counted[bit >> 5u], 1u << (bit & 31u));
 #endif
     return bitcast<f32>(load_id(node * shape.node_words));
 }

@@ -1,41 +1,32 @@
 // The trace of the fragment A-buffer (section 3.4): a ray is marched over the images of the views that it passes; in each pixel
 // that it looks at, the fragments are searched for one within the depths that the ray has there.
 
-#import tracebench::types::{Ray, Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, SURFACE_NO_HIT, SURFACE_WRITTEN}
-#import tracebench::dispatch::linear_invocation
+#import tracebench::types::{Ray, Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, SURFACE_NO_HIT, SURFACE_WRITTEN}
+#import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
+#import tracebench::reads::word_3
 #import tracebench::image_walk::{Span, eye_ray_of, span_in_view}
 #import tracebench::view_walk::{SEAM_SLACK, FAR_SIDE, Crossed, crossed_first, nothing_crossed, side_left}
-#import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, found, found_node, found_t, capped, open, work, load_id}
+#import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, found, found_node, found_t, capped, steps, open, work, counted, load_id}
 #import tracebench::fragment_march::{BY_STEPS, march_steps, walk_pixels}
 
 @group(0) @binding(3) var<storage, read> rays: array<Ray>;
 @group(0) @binding(4) var<storage, read_write> hits: array<Hit>;
 #ifdef SURFACES
-@group(0) @binding(8) var<storage, read> payloads: array<u32>;
-@group(0) @binding(9) var<storage, read_write> surfaces: array<Surface>;
-#endif
-#ifdef COUNTERS
-// Of every ray COUNTS: pixels looked at, pixels with fragments tested, fragments tested, views entered, views asked for, lists
-// searched.
-@group(0) @binding(10) var<storage, read_write> counts: array<u32>;
-#ifdef SURFACES
-// A bit a node: its payload read for any ray.
-@group(0) @binding(12) var<storage, read_write> payloads_touched: array<atomic<u32>>;
-#endif
+@group(0) @binding(5) var<storage, read_write> surfaces: array<Surface>;
 #endif
 #ifdef SPLIT
 #ifdef SURFACES
 // Of the further views.
-@group(1) @binding(12) var<storage, read> payloads_1: array<u32>;
-@group(1) @binding(13) var<storage, read> payloads_2: array<u32>;
-@group(1) @binding(14) var<storage, read> payloads_3: array<u32>;
-@group(1) @binding(15) var<storage, read> payloads_4: array<u32>;
-@group(1) @binding(16) var<storage, read> payloads_5: array<u32>;
-@group(1) @binding(17) var<storage, read> payloads_6: array<u32>;
+@group(2) @binding(12) var<storage, read> payloads_1: array<u32>;
+@group(2) @binding(13) var<storage, read> payloads_2: array<u32>;
+@group(2) @binding(14) var<storage, read> payloads_3: array<u32>;
+@group(2) @binding(15) var<storage, read> payloads_4: array<u32>;
+@group(2) @binding(16) var<storage, read> payloads_5: array<u32>;
+@group(2) @binding(17) var<storage, read> payloads_6: array<u32>;
 #endif
 #endif
 
-const WORKGROUP_SIZE: u32 = 64u;
+// Of every ray: pixels looked at, pixels with fragments tested, fragments tested, views entered, views asked for, lists searched.
 const COUNTS: u32 = 6u;
 
 #ifdef SURFACES
@@ -43,7 +34,7 @@ fn load_payload(index: u32) -> u32 {
 #ifdef SPLIT
     switch (number) {
         case 0u: {
-            return payloads[index];
+            return word_3(index);
         }
         case 1u: {
             return payloads_1[index];
@@ -65,7 +56,11 @@ fn load_payload(index: u32) -> u32 {
         }
     }
 #else
-    return payloads[index];
+#ifdef TEXTURES
+    return word_3(views[number].begins.z + index);
+#else
+    return word_3(index);
+#endif
 #endif
 }
 #endif
@@ -83,16 +78,16 @@ const BEFORE_CAMERA: u32 = 0u;
 const IN_CAMERA: u32 = 1u;
 const AFTER_CAMERA: u32 = 2u;
 
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
-    if (index >= search.ray_count) {
-        return;
-    }
+// Answers a ray; leaves it without an answer where the driver cut its search off and it is not the only one of its lane.
+fn answer(index: u32) {
+    // Nothing is left of the ray before.
+    found = false;
+    capped = false;
+    steps = 0u;
+    open = 0u;
+#ifdef COUNTERS
+    work = array<u32, 6>();
+#endif
     ray = rays[index];
     var camera = Span(1.0, 0.0);
     if (views[0].is_face == 0u) {
@@ -120,11 +115,14 @@ fn trace(
                 crossed = crossed_first(crossed, hint, span_in(hint, Span(now, limit)));
             }
             if (crossed.view == search.view_count) {
-                for (var candidate = 0u; candidate < search.view_count; candidate++) {
+                var candidate = 0u;
+                for (; candidate < search.view_count; candidate++) {
                     if (views[candidate].is_face == 1u && (visited & (1u << candidate)) == 0u) {
                         crossed = crossed_first(crossed, candidate, span_in(candidate, Span(now, limit)));
                     }
                 }
+                // Cut off.
+                open += select(0u, 1u, (candidate < search.view_count));
             }
         }
         let chosen = crossed.view;
@@ -165,6 +163,9 @@ fn trace(
             break;
         }
     }
+    if (open > 0u && search.rays_per_lane > 1u) {
+        return;
+    }
     if (capped || open > 0u) {
         found = false;
         hits[index] = miss(STATUS_STEP_CAP);
@@ -191,7 +192,7 @@ fn trace(
         surfaces[index] = Surface(position, load_payload(at + 3u), bitcast<vec3<f32>>(normal), SURFACE_WRITTEN);
 #ifdef COUNTERS
         let bit = views[number].first_node + data;
-        atomicOr(&payloads_touched[bit >> 5u], 1u << (bit & 31u));
+        atomicOr(&counted[search.touched_words + (bit >> 5u)], 1u << (bit & 31u));
 #endif
     } else {
         surfaces[index] = no_surface(SURFACE_NO_HIT);
@@ -200,7 +201,22 @@ fn trace(
 #ifdef COUNTERS
     work[3] = entered;
     for (var count = 0u; count < COUNTS; count++) {
-        counts[index * COUNTS + count] = work[count];
+        atomicStore(&counted[2u * search.touched_words + index * COUNTS + count], work[count]);
     }
 #endif
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    var turns = turns_of(workgroup, workgroups, local, 0u, search.ray_count, search.rays_per_lane);
+    while (turns.ray < turns.end) {
+        if (search.unanswered_only == 0u || hits[turns.ray].status == STATUS_UNWRITTEN) {
+            answer(turns.ray);
+        }
+        turns.ray += WORKGROUP_SIZE;
+    }
 }

@@ -20,6 +20,7 @@ struct Hit {
 const NO_PRIMITIVE: u32 = 0xffffffffu;
 
 // The codes of tracebench-api's Status.
+const STATUS_UNWRITTEN: u32 = 0u;
 const STATUS_HIT: u32 = 1u;
 const STATUS_MISS: u32 = 2u;
 const STATUS_LEFT_VIEWS: u32 = 3u;

@@ -13,7 +13,7 @@ struct Found {
 @group(0) @binding(0) var<storage, read_write> found: array<Found>;
 
 @compute @workgroup_size(64)
-fn read(
+fn look_up(
     @builtin(workgroup_id) workgroup: vec3<u32>,
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,

@@ -106,13 +106,15 @@ fn descriptions_say_what_is_served() {
         let foreign = Parameters::preset(&[], Preset::Published);
         let mut clock = PhaseClock::new(Some(&subject.gpu));
         let built = subject.tracer.build(&scene.geometry, &scene.viewpoints[0], &foreign, &mut clock);
-        let shapes = |each: &&ParameterDescription| each.scope == ParameterScope::Build;
-        match (built, described.parameters.iter().find(shapes)) {
-            (Err(TracerError::Parameter(error)), Some(first)) => {
-                assert!(error.to_string().contains(first.name), "{}: {error}", subject.name);
+        let shapes = |each: &ParameterDescription| each.scope == ParameterScope::Build;
+        match (built, described.parameters.iter().any(shapes)) {
+            (Err(TracerError::Parameter(error)), true) => {
+                // Which of them is found missing first is the tracer's.
+                let named = |own: &ParameterDescription| error.to_string().contains(&format!("'{}'", own.name));
+                assert!(described.parameters.iter().any(named), "{}: {error}", subject.name);
             }
             // Nothing shapes its structures, so nothing is asked.
-            (Ok(_), None) => drop(clock.finish().unwrap()),
+            (Ok(_), false) => drop(clock.finish().unwrap()),
             (other, _) => panic!("{}: {:?}", subject.name, other.err()),
         }
     }

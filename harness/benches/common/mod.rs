@@ -13,9 +13,9 @@ use tracebench_harness::measure::{Contender, Context, Crew, Journal};
 use tracebench_harness::plan::{Plan, RunPreset, TracerRequest};
 use tracebench_harness::progress::Progress;
 use tracebench_harness::registry::Device;
-use tracebench_harness::results::Sampling;
+use tracebench_harness::results::{MeansRecord, Sampling};
 use tracebench_harness::truth::Cache;
-use tracebench_harness::{measure, report, tables};
+use tracebench_harness::{means, measure, report, tables};
 
 /// Rounds of the harness's own measurement, at most: too few for verdicts, which are no bench's.
 const MOST_ROUNDS: u32 = 9;
@@ -37,7 +37,11 @@ pub fn run(name: &str, plans: impl Fn(RunPreset) -> Result<Vec<Plan>, Failure>) 
     };
     // Criterion samples, too: what runs at every push does not wait for narrow intervals.
     let sampling = Sampling::rounds(preset.sampling.least_rounds.min(MOST_ROUNDS));
-    let plans = plans(RunPreset { sampling, ..preset })?;
+    let mut plans = plans(RunPreset { sampling, ..preset })?;
+    let means = means::probe(&device)?;
+    for request in plans.iter_mut().flat_map(|plan| &mut plan.tracers) {
+        means.iter().for_each(|record| request.take_means(&record.means));
+    }
     // A smoke run only shows that things work.
     let (warm_up_ms, measurement_ms) = if preset.name == "smoke" { (20, 100) } else { (200, 800) };
     let mut criterion = Criterion::default()
@@ -46,7 +50,7 @@ pub fn run(name: &str, plans: impl Fn(RunPreset) -> Result<Vec<Plan>, Failure>) 
         .measurement_time(Duration::from_millis(measurement_ms))
         .configure_from_args();
     if !std::env::args().any(|argument| argument == "--list") {
-        measure(name, &plans, &device)?;
+        measure(name, &plans, &device, means)?;
     }
     for plan in &plans {
         let resolution = if plans.len() > 1 { format!(", faces of {}", plan.preset.face) } else { String::new() };
@@ -70,10 +74,10 @@ fn device() -> Result<Device, Failure> {
 }
 
 /// The harness's own measurement, interleaved and judged.
-fn measure(name: &str, plans: &[Plan], device: &Device) -> Result<(), Failure> {
+fn measure(name: &str, plans: &[Plan], device: &Device, means: Option<MeansRecord>) -> Result<(), Failure> {
     let folder = folder(name);
     let (cache, progress, journal) = (Cache::of_user(), Progress::new(false), Journal::none());
-    let run = measure::execute_all(plans, &Context::new(device, &cache, &progress, &journal))?;
+    let run = measure::execute_all(plans, &Context::new(device, &cache, &progress, &journal).with_means(means))?;
     let written = report::write_run(&run, &folder, tables::of_run)?;
     for skipped in &run.skipped {
         println!("skipped {}: {}", skipped.tracer.as_deref().unwrap_or("all tracers"), skipped.reason);

@@ -89,7 +89,8 @@ const EXPECTATIONS: Column = &[
             "needles that tile a plate leave no pixel centre uncovered, and neighbours have almost one depth",
         ),
     ),
-    ("coplanar-copies", AT_SAMPLES),
+    // As many layers at every pixel are more than what WebGPU's limits let one binding hold.
+    ("coplanar-copies", Expectation::Refusable { from: 256.0, otherwise: &AT_SAMPLES }),
     (
         "eye-inside-object",
         few(Rule::Footprint, 0.05, "the shell hides nothing, as all layers are kept: what is left is between samples"),

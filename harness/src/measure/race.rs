@@ -203,7 +203,8 @@ impl<'a> Race<'a> {
         let kernels = self.setting.kernels.filter(|_| sampling.is_some());
         let sides =
             [Side::Host, Side::Device].into_iter().filter(|side| stalls.clone().any(|stall| on(stall) == *side));
-        let kernels: Vec<(Side, &Kernels)> = sides.filter_map(|side| Some((side, kernels?))).collect();
+        let kernels: Vec<(Side, &Kernels)> =
+            sides.filter_map(|side| Some((side, kernels.filter(|kernels| kernels.have(side))?))).collect();
         Rounds::new(sampling, seed, lanes, &kernels)
     }
 

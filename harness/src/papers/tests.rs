@@ -223,7 +223,7 @@ fn verdicts_follow_from_values() {
         assert_eq!((judged.verdict, judged.scenes), (Verdict::NotMeasured, [0, 3]), "{name} {scale:?}");
         assert!(!judged.values.is_empty());
     }
-    let (_, never) = claim_of("dirt-hiz-speedup");
+    let (_, never) = claim_of("dirt-cr-lists-oblique");
     assert_eq!(judge(paper, &never, &Rows::of(&run(0.56))).verdict, Verdict::NotMeasurable);
 }
 

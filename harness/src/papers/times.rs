@@ -1,12 +1,9 @@
 //! Times of rows as estimates: how many times as long one takes as another, by the record's own rule of how sure that is
 //! ([`Run::paired`]).
 
-use serde_json::Value;
-
 use super::estimate::Estimate;
-use super::experiment::MEANS;
 use super::rows::{SceneRows, trace};
-use crate::results::{Run, Timed, TraceRecord, TracerRun};
+use crate::results::{RAYS_PER_LANE, READS, Run, Timed, TraceRecord, TracerRun, at_means, host_ms};
 
 /// What there is to doubt where rows did the same by every counter and yet took different times: something else than the method is
 /// told.
@@ -47,23 +44,10 @@ pub(super) fn rank_correlation(run: &Run, points: &[(f64, Timed<'_>)]) -> Option
 /// What there is to doubt where a method was measured at one of its means alone.
 const ONE_MEANS: &str = "not measured at other means";
 
-/// How a row's search reads and is launched, of tracers that have the choice.
-fn means(row: &TracerRun) -> Vec<(&str, &Value)> {
-    let of = |name: &&'static str| row.tracer.parameters.get(*name).map(|value| (*name, value));
-    MEANS.iter().map(|(name, _)| name).filter_map(of).collect()
-}
-
-/// Whether two rows have the same means as far as both have the choice.
-fn alike(one: &TracerRun, other: &TracerRun) -> bool {
-    let others = means(other);
-    let same = |(name, value): &(&str, &Value)| others.iter().all(|(other, found)| other != name || found == value);
-    means(one).iter().all(same)
-}
-
 /// Whether rows are the same tracer's in the same place and differ in means alone, or in nothing.
 fn differ_in_means(one: &TracerRun, other: &TracerRun) -> bool {
     let rest = |row: &TracerRun| {
-        let of_means = |name: &String| MEANS.iter().any(|(means, _)| means == name);
+        let of_means = |name: &String| [READS, RAYS_PER_LANE].contains(&name.as_str());
         let rest = row.tracer.parameters.iter().filter(|(name, _)| !of_means(name));
         rest.map(|(name, value)| (name.clone(), value.clone())).collect::<Vec<_>>()
     };
@@ -106,19 +90,15 @@ impl SceneRows<'_> {
         let [ones, others] =
             [one, other].map(|row| self.runs.iter().copied().filter(|each| differ_in_means(row, each)));
         let (ones, others): (Vec<&TracerRun>, Vec<&TracerRun>) = (ones.collect(), others.collect());
-        if [(one, &ones), (other, &others)].iter().any(|(row, all)| !means(row).is_empty() && all.len() < 2) {
+        if [(one, &ones), (other, &others)].iter().any(|(row, all)| row.tracer.means().is_some() && all.len() < 2) {
             return Some(found.doubted(ONE_MEANS.to_owned()));
         }
-        let equal = ones.iter().flat_map(|one| others.iter().map(move |other| [*one, *other]));
-        let mut pairs: Vec<[&TracerRun; 2]> = equal.filter(|[one, other]| alike(one, other)).collect();
-        let best = |all: &[&'_ TracerRun]| -> Option<usize> {
-            let time = |row: &TracerRun| trace(row, rays).map_or(f64::INFINITY, |trace| trace.times.median_ms);
-            (0..all.len()).min_by(|a, b| time(all[*a]).total_cmp(&time(all[*b])))
-        };
-        pairs.push([ones[best(&ones)?], others[best(&others)?]]);
-        let all = pairs.into_iter().map(|[one, other]| self.layout_ratio(one, other, rays));
-        let all = all.collect::<Option<Vec<Estimate>>>()?;
-        Some(if means(one).is_empty() && means(other).is_empty() { found } else { found.spread_over(all) })
+        if [one, other].iter().all(|row| row.tracer.means().is_none()) {
+            return Some(found);
+        }
+        let time = |row: &TracerRun| host_ms(&trace(row, rays)?.times);
+        let all = at_means(&ones, &others, time, |one, other| self.layout_ratio(one, other, rays));
+        Some(found.spread_over(all.equal.into_iter().map(|(_, ratio)| ratio).chain(all.best.map(|(_, ratio)| ratio))))
     }
 
     /// The same of rows that are meant to do the same and differ in how data lies.
@@ -187,7 +167,8 @@ mod tests {
     #[test]
     fn methods_are_compared_at_equal_and_best_means() {
         let row = |tracer: &str, reads: &str, ms: f64| {
-            let parameters = if reads.is_empty() { json!({}) } else { json!({ "reads": reads, "buckets": 4 }) };
+            let parameters =
+                if reads.is_empty() { json!({}) } else { json!({ "reads": reads, "rays_per_lane": 1, "buckets": 4 }) };
             let mut row = contender(tracer, "room", parameters, &[], &[("diffuse", Query::Closest)]);
             set_time(&mut row, "diffuse", ms);
             row

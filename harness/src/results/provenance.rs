@@ -24,7 +24,7 @@ pub struct Provenance {
     /// When it began, UTC, ISO 8601.
     pub started: String,
     /// Version of the rules that it was measured by ([`RULES_VERSION`]); 0 of records from before they were written down.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_from_before")]
     pub rules_version: u32,
     /// When it was gone on with after it had been broken off, UTC.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -38,6 +38,12 @@ pub struct Provenance {
     /// The form that it had before, if it was measured by a program that wrote another one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub converted_from: Option<ConvertedFrom>,
+}
+
+/// Whether no rules were written down yet.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+fn is_from_before(rules_version: &u32) -> bool {
+    *rules_version == 0
 }
 
 impl Provenance {

@@ -105,7 +105,7 @@ fn a_figure_over_resolution_and_all_claims() {
     let (said, factor) = value("dirt-mipmap-factor");
     assert!(said == "not measured" && (factor - 4.0 / 3.0).abs() < 0.02, "{factor}");
     assert_eq!(value("dirt-clipped-bounds"), ("not measured".to_owned(), 1.0));
-    assert_eq!(verdict("dirt-hiz-speedup"), "not measurable here");
+    assert_eq!(verdict("dirt-cr-lists-oblique"), "not measurable here");
     assert_eq!(verdict("dirt-samples-2x2"), "not measured");
     for each in judged {
         let id = each["claim"]["id"].as_str().unwrap();

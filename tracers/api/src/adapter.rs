@@ -39,6 +39,12 @@ impl DeviceLimits {
         }
     }
 
+    /// Whether they are all that the adapter has.
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+    fn are_the_adapters(&self) -> bool {
+        *self == Self::Adapter
+    }
+
     /// The limits and features of a device on an adapter.
     pub(crate) fn of(self, adapter: &wgpu::Adapter) -> (wgpu::Limits, Features) {
         match self {
@@ -100,12 +106,12 @@ pub struct AdapterListing {
     /// Largest edge of a 2D texture, texels.
     pub max_texture_edge: u32,
     /// Storage buffers that one stage of a shader can bind; 0 in records that are older than this.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_untold")]
     pub max_storage_buffers_per_stage: u32,
     /// Whether times can be taken on the device between passes.
     pub timestamps: bool,
     /// Within which limits the device was opened: the figures above are of these.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "DeviceLimits::are_the_adapters")]
     pub limits: DeviceLimits,
 }
 
@@ -127,6 +133,12 @@ pub(crate) fn enumerate() -> Vec<wgpu::Adapter> {
     descriptor.backends = backends;
     let instance = wgpu::Instance::new(descriptor);
     pollster::block_on(instance.enumerate_adapters(backends))
+}
+
+/// Whether a count is that of a record from before it was told.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+fn is_untold(count: &u32) -> bool {
+    *count == 0
 }
 
 pub(crate) fn listing(adapter: &wgpu::Adapter, within: DeviceLimits) -> AdapterListing {

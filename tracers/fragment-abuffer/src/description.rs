@@ -2,6 +2,7 @@
 
 use tracebench_api::ParameterScope::{Build, Trace};
 use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
+use tracebench_kit::{Reads, rays_per_lane_parameter, reads_parameter};
 
 use crate::layout::layouts;
 
@@ -188,6 +189,8 @@ parameters! {
         )
         .unit("pixels")
         .sweep([64, 256, 1024, 4096, 16_384]),
+        reads: Reads = reads_parameter(),
+        rays_per_lane: u32 = rays_per_lane_parameter(),
     }
 }
 

@@ -77,6 +77,8 @@ pub struct TracedView {
     pub node_capacity: u32,
     /// Nothing.
     pub padding: [u32; 2],
+    /// Words before those of the view's buffers in textures that hold several: of pixels, of nodes, of data.
+    pub begins: [u32; 4],
     /// First pair of depth bounds of each level from the second on.
     pub level_offsets: [u32; MOST_LEVELS],
 }
@@ -90,11 +92,13 @@ pub(crate) fn layouts() -> Vec<SharedLayout> {
         }
         DrawnView { view, first_pixel, width, padding }
         TracedView {
-            view, first_pixel, first_node, levels, is_face, beyond, pixel_count, node_capacity, padding, level_offsets,
+            view, first_pixel, first_node, levels, is_face, beyond, pixel_count, node_capacity, padding, begins,
+            level_offsets,
         }
         MarchSettings {
             ray_count, view_count, march, steps, max_steps, centred, span_by_pixel, binary_search_above, thickness,
-            thickness_in_pixels, start_bias, skip_bounds, skip_buckets, skip_lists, padding_a, padding_b,
+            thickness_in_pixels, start_bias, skip_bounds, skip_buckets, skip_lists, rays_per_lane,
+            unanswered_only, touched_words, padding_a, padding_b, padding_c,
         }
     }
 }
@@ -108,6 +112,8 @@ pub(crate) struct Placed {
     /// Of its buffer.
     pub pixel_count: u32,
     pub node_capacity: u32,
+    /// Words before those of its buffers, where textures hold several.
+    pub begins: [u32; 4],
 }
 
 impl Kind {
@@ -284,7 +290,7 @@ impl Layout {
                 let found = faces.filter(|_| self.is_face(index)).find(|(_, other)| is_beyond(other));
                 found.map_or(self.views.len(), |(number, _)| number) as u32
             });
-            let Placed { first_pixel, first_node, pixel_count, node_capacity } = placed[index];
+            let Placed { first_pixel, first_node, pixel_count, node_capacity, begins } = placed[index];
             *slot = TracedView {
                 view: ViewUniform::from(view),
                 first_pixel,
@@ -292,6 +298,7 @@ impl Layout {
                 pixel_count,
                 node_capacity,
                 padding: [0; 2],
+                begins,
                 levels: self.levels_of(index) as u32,
                 is_face: u32::from(self.is_face(index)),
                 beyond,

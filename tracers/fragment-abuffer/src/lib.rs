@@ -4,8 +4,10 @@
 //! rasterized into the camera's view and six cube faces, and every fragment of every pixel is kept, in order of depth. A ray is
 //! marched over these images and hits a fragment whose depth lies within the depths that the ray has in its pixel.
 
+mod arrays;
 mod brute_force;
 mod build;
+mod counting;
 mod description;
 mod layout;
 mod objects;

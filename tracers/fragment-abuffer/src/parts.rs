@@ -4,11 +4,12 @@ use std::ops::Range;
 
 use tracebench_api::wgpu::Buffer;
 use tracebench_api::{Gpu, Ledger, TracerError};
-use tracebench_kit::{EmptyTarget, PrefixSum, PrefixSumPlan, storage_buffer};
+use tracebench_kit::{EmptyTarget, PrefixSum, PrefixSumPlan, ReadSlot, storage_buffer};
 
 use crate::layout::{Layout, PAYLOAD_WORDS, Placed};
 
-const TURN_DOWN: &str = "--face, --frame or fragment-abuffer.buckets, or choose fewer fragment-abuffer.views or layers";
+pub(crate) const TURN_DOWN: &str =
+    "--face, --frame or fragment-abuffer.buckets, or choose fewer fragment-abuffer.views or layers";
 
 /// What ledgers call the buffers.
 const IDS: &str = "id buffer";
@@ -176,12 +177,19 @@ impl Parts {
     pub(crate) fn placed(&self) -> Vec<Placed> {
         let mut placed = Vec::new();
         let mut first_node = 0;
-        for part in &self.parts {
+        let first_words = |buffer: &dyn Fn(&Part) -> &Buffer| {
+            ReadSlot::Words0.first_records(self.parts.iter().map(|part| buffer(part).size()))
+        };
+        let begins =
+            [first_words(&|part| &part.pixels), first_words(&|part| &part.ids), first_words(&|part| part.data())];
+        for (number, part) in self.parts.iter().enumerate() {
+            let [pixels, ids, data] = begins.each_ref().map(|words| words[number]);
             let of_view = |first_pixel: &u32| Placed {
                 first_pixel: *first_pixel,
                 first_node,
                 pixel_count: part.pixel_count,
                 node_capacity: part.capacity,
+                begins: [pixels, ids, data, 0],
             };
             placed.extend(part.first_pixels.iter().map(of_view));
             first_node += part.capacity;

@@ -6,8 +6,10 @@ use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection,
     Sampling, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
-use tracebench_kit::{LastCount, grow};
+use tracebench_kit::{LastCount, Reads, check_limits, grow};
+use tracebench_shaders::fragment_abuffer::Trace;
 
+use crate::arrays::Arrays;
 use crate::build::{Pipelines, build_uniform_bytes};
 use crate::description::{FragmentParameters, NO_REFIT};
 use crate::layout::{Layout, MOST_VIEWS, Storage, TracedView};
@@ -28,6 +30,7 @@ pub(crate) struct FragmentStructure {
     pub pipelines: Arc<Pipelines>,
     pub layout: Layout,
     pub parts: Parts,
+    pub arrays: Arrays,
     /// Of the scene's bounds, scene units.
     pub diagonal: f64,
     objects: Option<Objects>,
@@ -72,6 +75,12 @@ impl FragmentAbuffer {
         Ok(parts)
     }
 
+    /// Whether the device can bind a buffer of a kind for every view at once.
+    fn binds_every_view(&self, layout: &Layout) -> bool {
+        let least = Trace::Split { contiguous: layout.kind.is_contiguous(), surfaces: false, counters: false };
+        check_limits(&self.pipelines.gpu, least.into()).is_ok()
+    }
+
     pub(crate) fn build_structure(
         &self,
         geometry: &Geometry,
@@ -79,19 +88,27 @@ impl FragmentAbuffer {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<FragmentStructure, TracerError> {
-        let layout = Layout::new(viewpoint, &FragmentParameters::try_from(parameters)?);
+        let parameters = FragmentParameters::try_from(parameters)?;
+        let layout = Layout::new(viewpoint, &parameters);
         let objects = objects_for(&self.pipelines.gpu, &layout, geometry, &self.objects)?;
-        // One buffer of a kind where the device can bind it, else one a view.
+        // One buffer of a kind where the device can bind it, else one a view if it can bind all of these at once or reads from textures.
         let counts = self.count(geometry, &layout)?;
         let parts = match self.parts_for(&layout, &counts, false) {
-            Err(TracerError::TooLarge { .. }) if layout.views.len() > 1 => self.parts_for(&layout, &counts, true)?,
+            Err(TracerError::TooLarge { .. })
+                if layout.views.len() > 1 && (parameters.reads == Reads::Texture || self.binds_every_view(&layout)) =>
+            {
+                self.parts_for(&layout, &counts, true)?
+            }
             made => made?,
         };
+        let arrays = Arrays::new(&self.pipelines.gpu, parameters.reads, &parts, None)?;
         self.pipelines.fill(&layout, &parts, geometry, objects.as_ref(), clock)?;
+        arrays.record_copies(clock)?;
         Ok(FragmentStructure {
             pipelines: Arc::clone(&self.pipelines),
             layout,
             parts,
+            arrays,
             diagonal: geometry.diagonal(),
             objects,
             last_objects: Arc::clone(&self.objects),
@@ -141,7 +158,10 @@ impl FragmentStructure {
             }
         };
         let parts = new_parts.as_ref().unwrap_or(&self.parts);
+        let arrays = Arrays::new(gpu, self.arrays.reads(), parts, Some(&self.arrays))?;
         self.pipelines.fill(&layout, parts, geometry, objects, clock)?;
+        arrays.record_copies(clock)?;
+        self.arrays = arrays;
         if let Some(parts) = new_parts {
             self.parts = parts;
         }
@@ -180,7 +200,11 @@ impl Structure for FragmentStructure {
             return check_order(&taken).map(|()| false);
         }
         let needed: Vec<u32> = taken.iter().map(|taken| taken.fragments).collect();
-        grow(&needed, |room| self.parts.set_capacities(gpu, &self.layout, room))?;
+        grow(&needed, |room| {
+            self.parts.set_capacities(gpu, &self.layout, room)?;
+            self.arrays = Arrays::new(gpu, self.arrays.reads(), &self.parts, Some(&self.arrays))?;
+            Ok(())
+        })?;
         Ok(true)
     }
 
@@ -199,6 +223,7 @@ impl Structure for FragmentStructure {
         let nothing = || vec![Taken { fragments: 0, unordered: 0 }; self.parts.parts.len()];
         let taken = self.parts.taken(&self.pipelines.gpu).unwrap_or_else(|_| nothing());
         self.parts.enter(&self.layout, &taken, &mut ledger);
+        self.arrays.enter(&mut ledger);
         if let Some(objects) = &self.objects {
             objects.enter(&mut ledger);
         }
@@ -207,10 +232,13 @@ impl Structure for FragmentStructure {
         ledger.report(0)
     }
 
-    fn trace_memory(&self, _job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+        let FragmentParameters { rays_per_lane, .. } = FragmentParameters::try_from(job.parameters)?;
+        // One more for the rays that lanes of several leave.
+        let searches = if rays_per_lane > 1 { 2 } else { 1 };
         let uniforms = [
             ("storage", size_of::<Storage>()),
-            ("search", size_of::<MarchSettings>()),
+            ("search", searches * size_of::<MarchSettings>()),
             ("views", MOST_VIEWS * size_of::<TracedView>()),
         ];
         Ok(uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec())

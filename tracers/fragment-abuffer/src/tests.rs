@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
     AdapterChoice, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer,
-    Residency, Structure, Surface, TraceJob, TracerError, Update, Viewpoint,
+    Residency, Status, Structure, Surface, TraceJob, TracerError, Update, Viewpoint,
 };
 use tracebench_tests::{Numbers, gpu, ray, rectangle as rectangle_of, soup};
 
@@ -154,7 +154,8 @@ fn what_is_stored_is_what_a_rasterizer_draws() {
 }
 
 /// All storages, with data in nodes or beside them, with or without each kind of skipping, with bounds by geometry or by boxes, over one
-/// buffer of a kind or one a view, give the same bits: hits and surfaces, for every march and several thicknesses.
+/// buffer of a kind or one a view, or textures of either, with a ray a lane or several, give the same bits: hits and surfaces, for
+/// every march and several thicknesses.
 #[test]
 fn every_variant_gives_the_same_bits() {
     let (gpu, small) = (gpu(), of_limit(600_000));
@@ -165,12 +166,20 @@ fn every_variant_gives_the_same_bits() {
     for march in ["steps", "pixels", "hi-z"] {
         let mut expected: Vec<Option<(Vec<Hit>, Vec<Surface>)>> = vec![None; 3];
         for storage in STORAGES {
-            let mut builds = vec![(0, "on", "geometry"), (0, "off", "boxes")];
-            // A device that binds little has a buffer a view.
-            builds.extend((march != "pixels").then_some((1, "on", "geometry")));
-            for (device, decoupled, bounds) in builds {
+            let mut builds = vec![(0, "on", "geometry", "buffer", "1"), (0, "off", "boxes", "texture", "7")];
+            // A device that binds little has a buffer a view, which one texture may hold together.
+            let reads = if march == "pixels" { "texture" } else { "buffer" };
+            builds.push((1, "on", "geometry", reads, "3"));
+            for (device, decoupled, bounds, reads, rays_per_lane) in builds {
                 let gpu = [&gpu, &small][device];
-                let shape = [("storage", storage), ("decoupled", decoupled), ("bounds", bounds), ("march", march)];
+                let shape = [
+                    ("storage", storage),
+                    ("decoupled", decoupled),
+                    ("bounds", bounds),
+                    ("march", march),
+                    ("reads", reads),
+                    ("rays_per_lane", rays_per_lane),
+                ];
                 let structure = built_by(&tracers[device], gpu, &geometries[device], &shape);
                 assert_eq!(structure.parts.is_by_view(), device == 1, "{shape:?}");
                 structure.check(&geometries[device]).unwrap();
@@ -250,6 +259,34 @@ fn each_skip_saves_what_it_says() {
             assert!(saves_lists || fewer_lists == lists, "{context}");
         }
     }
+}
+
+/// Rays whose lanes have more to do than a driver lets loops run are answered all the same, as with a ray a lane, counted or not.
+/// Hundreds of fragments a pixel are tested in each of dozens of pixels: ten such rays a lane are more than Mesa's 65,535 rounds.
+#[test]
+fn rays_of_lanes_that_are_cut_off_are_answered() {
+    let gpu = gpu();
+    let eye = viewpoint().eye.as_dvec3();
+    let wall = |depth: f64| rectangle(eye + DVec3::new(-9.0, -9.0, -depth), DVec3::X * 18.0, DVec3::Y * 18.0);
+    let walls: Vec<[[f32; 3]; 3]> = (0..300).flat_map(|index| wall(2.0 + 0.01 * f64::from(index))).collect();
+    let geometry = soup(&walls, Some(&gpu));
+    let mut numbers = Numbers::new(12);
+    let along = |index: usize| {
+        let origin = eye + DVec3::new(-2.0, 0.3 * numbers.signed(), -3.005);
+        ray(origin, DVec3::new(1.0, 0.0, if index % 8 == 0 { 0.004 * numbers.signed() } else { 0.0 }))
+    };
+    let rays: Vec<Ray> = (0..640).map(along).collect();
+    let shape = [("storage", "ll"), ("views", "frame")];
+    let structure = built(&gpu, &geometry, &shape);
+    let of = |rays_per_lane| {
+        let settings = [&shape[..], &[("rays_per_lane", rays_per_lane)]].concat();
+        answer(&gpu, &structure, &rays, &settings, EndPoint::Surface)
+    };
+    let one = of("1");
+    let count = |is: fn(&Hit) -> bool| one.0.iter().filter(|hit| is(hit)).count();
+    assert!(count(Hit::is_hit) > 20 && count(|hit| !hit.is_hit()) > 500);
+    assert_eq!(count(|hit| hit.status == Status::StepCap as u32), 0);
+    assert!(of("10") == one && of("256") == one);
 }
 
 /// A device that binds no more bytes at once.

@@ -1,19 +1,15 @@
 //! Tracing on the device.
 
 use bytemuck::{Pod, Zeroable};
-use tracebench_api::wgpu::{BindingResource, Buffer};
+use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer};
 use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, TraceJob, TracerError};
-use tracebench_kit::{RayCounts, TouchedBits, bind_group, bind_group_at, dispatch_linear_groups, uniform_buffer};
+use tracebench_kit::{Reads, bind_arrays, bind_group, bind_group_at, dispatch_rays, uniform_buffer};
 use tracebench_shaders::fragment_abuffer::Trace;
 
-use crate::build::WORKGROUP_SIZE;
+use crate::counting::Counting;
 use crate::description::{FragmentParameters, Span, Switch, ThicknessUnit};
 use crate::layout::MOST_VIEWS;
 use crate::structure::FragmentStructure;
-
-/// As `COUNTS` in shaders/fragment-abuffer/trace.wgsl.
-const COUNTERS: [&str; 6] =
-    ["pixels_visited", "pixels_opened", "fragments_tested", "views_entered", "views_tested", "lists_visited"];
 
 /// `MarchSettings` of shaders/fragment-abuffer/store.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -47,21 +43,27 @@ pub struct MarchSettings {
     pub skip_buckets: u32,
     /// 1: lists are left where their fragments lie beyond the ray.
     pub skip_lists: u32,
+    /// Rays that a lane answers.
+    pub rays_per_lane: u32,
+    /// 1: of rays alone that have no answer yet.
+    pub unanswered_only: u32,
+    /// Words of bits a node.
+    pub touched_words: u32,
     /// Nothing.
     pub padding_a: u32,
     /// Nothing.
     pub padding_b: u32,
-}
-
-/// The buffers of a trace that counts.
-pub(crate) struct Counting {
-    counts: RayCounts<6>,
-    touched: TouchedBits,
-    payloads_touched: TouchedBits,
+    /// Nothing.
+    pub padding_c: u32,
 }
 
 impl FragmentStructure {
-    fn search(&self, job: &TraceJob<'_>, parameters: &FragmentParameters) -> MarchSettings {
+    fn search(
+        &self,
+        job: &TraceJob<'_>,
+        parameters: &FragmentParameters,
+        counting: Option<&Counting>,
+    ) -> MarchSettings {
         let by_pixels = parameters.thickness_in == ThicknessUnit::Pixels;
         let thickness = parameters.thickness;
         MarchSettings {
@@ -79,8 +81,12 @@ impl FragmentStructure {
             skip_bounds: u32::from(parameters.skip_bounds == Switch::On),
             skip_buckets: u32::from(parameters.skip_buckets == Switch::On),
             skip_lists: u32::from(parameters.skip_lists == Switch::On),
+            rays_per_lane: parameters.rays_per_lane,
+            unanswered_only: 0,
+            touched_words: counting.map_or(0, |counting| counting.touched_words),
             padding_a: 0,
             padding_b: 0,
+            padding_c: 0,
         }
     }
 
@@ -95,47 +101,50 @@ impl FragmentStructure {
         let pipelines = &*self.pipelines;
         let gpu = &*pipelines.gpu;
         let (parts, count) = (&self.parts, job.rays.host.len());
-        let variant = Trace {
-            contiguous: self.layout.kind.is_contiguous(),
-            split: parts.is_by_view(),
-            surfaces: job.end == EndPoint::Surface,
-            counters: counting.is_some(),
+        let (contiguous, textures) = (self.layout.kind.is_contiguous(), self.arrays.reads() == Reads::Texture);
+        let (surfaces, counters) = (job.end == EndPoint::Surface, counting.is_some());
+        let split = parts.is_by_view() && !textures;
+        let variant = match split {
+            true => Trace::Split { contiguous, surfaces, counters },
+            false => Trace::Plain { textures, contiguous, surfaces, counters },
         };
         let pipeline = pipelines.traces.of(gpu, variant)?;
-        let search = self.search(job, &FragmentParameters::try_from(job.parameters)?);
+        let search = self.search(job, &FragmentParameters::try_from(job.parameters)?, counting);
         let first = parts.of_view(0);
-        let [storage, settings, views] = [
+        let [storage, views] = [
             uniform_buffer(gpu, "storage", &self.layout.storage(first.pixel_count, first.capacity))?,
-            uniform_buffer(gpu, "search", &search)?,
             uniform_buffer(gpu, "views", &self.layout.traced(&parts.placed()))?,
         ];
-        let pyramid = parts.pyramid.as_ref().unwrap_or(&first.pixels);
-        let mut bound = vec![
-            (0, &storage),
-            (1, &settings),
-            (2, &views),
-            (3, job.rays.on_device()?),
-            (4, hits.on_device(count)?),
-            (5, &first.pixels),
-            (6, &first.ids),
-            (7, pyramid),
-        ];
-        if variant.surfaces {
-            bound.extend([(8, first.data()), (9, hits.surfaces_on_device(count)?)]);
+        let hit_buffer = hits.on_device(count)?;
+        let mut bound = vec![(0, &storage), (2, &views), (3, job.rays.on_device()?), (4, hit_buffer)];
+        if surfaces {
+            bound.push((5, hits.surfaces_on_device(count)?));
         }
-        if let Some(counting) = counting {
-            bound.extend([(10, counting.counts.buffer()), (11, counting.touched.buffer())]);
-            bound.extend(variant.surfaces.then(|| (12, counting.payloads_touched.buffer())));
+        bound.extend(counting.map(|counting| (6, &counting.buffer)));
+        let bind = |search: &MarchSettings| -> Result<BindGroup, TracerError> {
+            let settings = uniform_buffer(gpu, "search", search)?;
+            let numbered = bound.iter().copied().chain([(1, &settings)]);
+            let numbered: Vec<_> = numbered.map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
+            Ok(bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &numbered))
+        };
+        let mut searches = vec![(bind(&search)?, search.rays_per_lane)];
+        // A driver that ends loops after some rounds may leave lanes' last rays without an answer.
+        let may_leave_rays = search.rays_per_lane > 1;
+        if may_leave_rays {
+            searches.push((bind(&MarchSettings { rays_per_lane: 1, unanswered_only: 1, ..search })?, 1));
         }
-        let numbered: Vec<_> = bound.into_iter().map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
-        let mut bindings = vec![bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &numbered)];
-        if variant.split {
-            let further = self.further_views(variant.surfaces);
-            bindings.push(bind_group(gpu, &pipeline.get_bind_group_layout(1), &further));
+        let mut shared = vec![bind_arrays(gpu, &pipeline, &self.arrays.bound(surfaces))];
+        if split {
+            shared.push(bind_group(gpu, &pipeline.get_bind_group_layout(2), &self.further_views(surfaces)));
         }
-        let bindings: Vec<_> = bindings.iter().collect();
         clock.device_phase("trace", |encoder| {
-            dispatch_linear_groups(encoder, &pipeline, &bindings, search.ray_count, WORKGROUP_SIZE);
+            if may_leave_rays {
+                encoder.clear_buffer(hit_buffer, 0, None);
+            }
+            for (own, rays_per_lane) in &searches {
+                let bindings: Vec<_> = std::iter::once(own).chain(&shared).collect();
+                dispatch_rays(encoder, &pipeline, &bindings, search.ray_count, *rays_per_lane);
+            }
         })
     }
 
@@ -150,21 +159,10 @@ impl FragmentStructure {
 
     pub(crate) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = &*self.pipelines.gpu;
-        let nodes = self.parts.capacity();
-        let touched = |name| TouchedBits::new(gpu, name, nodes, "--face or --frame");
-        let counting = Counting {
-            counts: RayCounts::new(gpu, "counts", job.rays.host.len())?,
-            touched: touched("fragments touched")?,
-            payloads_touched: touched("payloads touched")?,
-        };
+        let counting = Counting::new(gpu, self.parts.capacity(), job.rays.host.len())?;
         let mut clock = PhaseClock::new(Some(gpu));
         self.record(job, hits, Some(&counting), &mut clock)?;
         clock.finish()?;
-        let mut counters = counting.counts.counters(gpu, COUNTERS)?;
-        counters.push(Counter::of_set("fragments_touched", counting.touched.count(gpu)?));
-        if job.end == EndPoint::Surface {
-            counters.push(Counter::of_set("payloads_touched", counting.payloads_touched.count(gpu)?));
-        }
-        Ok(counters)
+        counting.counters(gpu, job.end == EndPoint::Surface)
     }
 }

@@ -33,9 +33,14 @@ impl<const N: usize> RayCounts<N> {
     /// [`TracerError::Failed`] if the device fails.
     pub fn counters(&self, gpu: &Gpu, names: [&'static str; N]) -> Result<Vec<Counter>, TracerError> {
         let counts: Vec<[u32; N]> = bytemuck::pod_collect_to_vec(&gpu.read(&self.counts, self.counts.size())?);
-        let of = |(place, name)| Counter::of(name, counts[..self.rays].iter().map(|counts| u64::from(counts[place])));
-        Ok(names.into_iter().enumerate().map(of).collect())
+        Ok(counters_of(&counts[..self.rays], names))
     }
+}
+
+/// The counters of these names of rays' counts, in the order in which the shader has them.
+pub fn counters_of<const N: usize>(counts: &[[u32; N]], names: [&'static str; N]) -> Vec<Counter> {
+    let of = |(place, name)| Counter::of(name, counts.iter().map(|counts| u64::from(counts[place])));
+    names.into_iter().enumerate().map(of).collect()
 }
 
 #[cfg(test)]

@@ -31,7 +31,7 @@ pub use compute::{
     PipelinesOnDemand, bind_group, bind_group_at, check_limits, compute_pipeline, dispatch_linear,
     dispatch_linear_groups, every_variant, shader_module, shader_module_testing_early,
 };
-pub use counts::RayCounts;
+pub use counts::{RayCounts, counters_of};
 pub use empty_target::EmptyTarget;
 pub use eye_depth::{EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
 pub use fixed_work::{FixedWork, FixedWorkPlan, fixed_task};
@@ -49,7 +49,7 @@ pub use raster::{RasterTargets, raster_pipeline};
 pub use raster_probe::rasterizer;
 pub use reads::{READS_GROUP, ROW_BITS, ReadSlot, Readable, Reads, bind_arrays, reads_parameter, record_copies};
 pub use room::{Room, grow, storage_buffer, uniform_buffer};
-pub use touched::TouchedBits;
+pub use touched::{TouchedBits, bits_on};
 pub use view_uniform::ViewUniform;
 
 use gather::GatherSettings;

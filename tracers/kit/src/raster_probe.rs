@@ -324,7 +324,7 @@ mod tests {
         assert!(depth_off(&triangle, [16, 28], depth * 1.5, 8.0) < off);
     }
 
-    /// Triangles that reach beyond the view cover much of it and not all; a border within reach is no sure cover.
+    /// Triangles cover a part of the view, those that reach beyond it much; a border within reach is no sure cover.
     #[test]
     fn cover_is_sure_inside_alone() {
         for square in 0..SQUARES * SQUARES {
@@ -332,7 +332,8 @@ mod tests {
             let pixels = || (0..SQUARE_PIXELS).flat_map(|y| (0..SQUARE_PIXELS).map(move |x| [x, y]));
             let [exactly, surely] =
                 [0.0, 2.0].map(|within| pixels().filter(|at| covers(&triangle, *at, within)).count());
-            assert!(exactly > 100 && exactly < 1000 && surely < exactly, "{square}: {exactly} {surely}");
+            assert!(exactly < 1000 && surely < exactly, "{square}: {exactly} {surely}");
+            assert!(reach_of(square) <= 1.0 || exactly > 100, "{square}: {exactly}");
         }
     }
 }

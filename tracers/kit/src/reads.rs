@@ -70,6 +70,30 @@ impl ReadSlot {
     fn width(self) -> u32 {
         ROW_BYTES / self.record_bytes()
     }
+
+    /// The first record of each of several buffers of so many bytes in a texture that [`Readable::joined`] makes of them.
+    pub fn first_records(self, bytes: impl IntoIterator<Item = u64>) -> Vec<u32> {
+        let mut next_row = 0;
+        let first = |bytes| {
+            let row = next_row;
+            next_row += rows(bytes);
+            row * self.width()
+        };
+        bytes.into_iter().map(first).collect()
+    }
+
+    /// Whole rows of so many bytes, and what is left of one.
+    fn parts(self, bytes: u64) -> impl Iterator<Item = Part> {
+        let whole_rows = (bytes / u64::from(ROW_BYTES)) as u32;
+        let rest_records = (bytes % u64::from(ROW_BYTES)) as u32 / self.record_bytes();
+        let part = |first_row: u32, width: u32, height: u32| Part {
+            first_byte: u64::from(first_row) * u64::from(ROW_BYTES),
+            first_row,
+            size: Extent3d { width, height, depth_or_array_layers: 1 },
+        };
+        let parts = [part(0, self.width(), whole_rows), part(whole_rows, rest_records, 1)];
+        parts.into_iter().filter(|part| part.size.width > 0 && part.size.height > 0)
+    }
 }
 
 const ROW_BYTES: u32 = 1 << ROW_BITS;
@@ -121,7 +145,7 @@ impl Texels {
         turn_down: &str,
     ) -> Result<Self, TracerError> {
         let texels = Self::room(gpu, name, slot, contents.len() as u64, there, turn_down)?;
-        for Part { first_byte, first_row, size } in parts(slot, 0, texels.used) {
+        for Part { first_byte, first_row, size } in slot.parts(contents.len() as u64) {
             let origin = wgpu::Origin3d { x: 0, y: first_row, z: 0 };
             let target = wgpu::TexelCopyTextureInfo { origin, ..texels.view.texture().as_image_copy() };
             gpu.queue.write_texture(target, &contents[first_byte as usize..], layout(0), size);
@@ -129,18 +153,17 @@ impl Texels {
         Ok(texels)
     }
 
-    /// Records a copy of what is in use from buffers of usage `COPY_SRC`, one after the other.
-    fn record_copy(&self, encoder: &mut wgpu::CommandEncoder, from: &[Buffer]) {
-        let mut copied = 0;
-        for buffer in from {
-            let bytes = (self.used - copied).min(buffer.size());
-            for Part { first_byte, first_row, size } in parts(self.slot, copied, bytes) {
-                let origin = wgpu::Origin3d { x: 0, y: first_row, z: 0 };
-                let source = TexelCopyBufferInfo { buffer, layout: layout(first_byte) };
+    /// Records a copy of so many bytes of each of some buffers of usage `COPY_SRC`, each from a row of its own on.
+    fn record_copies(&self, encoder: &mut wgpu::CommandEncoder, sources: &[(Buffer, u64)]) {
+        let mut begin = 0;
+        for (from, bytes) in sources {
+            for Part { first_byte, first_row, size } in self.slot.parts(*bytes) {
+                let origin = wgpu::Origin3d { x: 0, y: begin + first_row, z: 0 };
+                let source = TexelCopyBufferInfo { buffer: from, layout: layout(first_byte) };
                 let target = wgpu::TexelCopyTextureInfo { origin, ..self.view.texture().as_image_copy() };
                 encoder.copy_buffer_to_texture(source, target, size);
             }
-            copied += bytes;
+            begin += rows(*bytes);
         }
     }
 
@@ -195,20 +218,6 @@ impl Texels {
     }
 }
 
-/// The whole rows that so many bytes fill behind the first `before`, themselves whole rows, and what is left of one.
-fn parts(slot: ReadSlot, before: u64, bytes: u64) -> impl Iterator<Item = Part> {
-    let whole_rows = (bytes / u64::from(ROW_BYTES)) as u32;
-    let rest_records = (bytes % u64::from(ROW_BYTES)) as u32 / slot.record_bytes();
-    let rows_before = (before / u64::from(ROW_BYTES)) as u32;
-    let part = |row: u32, width: u32, height: u32| Part {
-        first_byte: u64::from(row) * u64::from(ROW_BYTES),
-        first_row: rows_before + row,
-        size: Extent3d { width, height, depth_or_array_layers: 1 },
-    };
-    let parts = [part(0, slot.width(), whole_rows), part(whole_rows, rest_records, 1)];
-    parts.into_iter().filter(|part| part.size.width > 0 && part.size.height > 0)
-}
-
 /// A rectangle of a texture that a run of bytes fills.
 struct Part {
     first_byte: u64,
@@ -257,8 +266,8 @@ enum Held {
     Built { buffer: Buffer, used: u64 },
     /// A buffer that the host has written.
     Written { name: &'static str, buffer: Buffer, used: u64 },
-    /// A texture, with the buffers that it is copied from if a build fills them.
-    Texture { texels: Texels, from: Vec<Buffer> },
+    /// A texture, with the buffers that it is copied from if builds fill some, and the bytes of each.
+    Texture { texels: Texels, from: Vec<(Buffer, u64)> },
 }
 
 impl Readable {
@@ -283,26 +292,35 @@ impl Readable {
                 Self::check(gpu, reads, copy_name, buffer.size(), turn_down)?;
                 Ok(Self { slot, held: Held::Built { buffer: buffer.clone(), used: bytes } })
             }
-            Reads::Texture => Self::copied(gpu, slot, std::slice::from_ref(buffer), bytes, copy_name, there, turn_down),
+            Reads::Texture => Self::joined(gpu, slot, &[(buffer, bytes)], copy_name, there, turn_down),
         }
     }
 
-    /// The texture of [`Readable::built`], of an array that lies in several buffers one after the other where one binding does not
-    /// hold it: each but the last has whole rows of [`ROW_BITS`].
+    /// As [`Readable::built`], several buffers in one texture, which holds more than a binding of a buffer does:
+    /// [`ReadSlot::first_records`] tells where in it each begins.
     ///
     /// # Errors
     /// As [`Readable::built`].
-    pub fn copied(
+    pub fn joined(
         gpu: &Gpu,
         slot: ReadSlot,
-        buffers: &[Buffer],
-        bytes: u64,
+        buffers: &[(&Buffer, u64)],
         copy_name: &'static str,
         there: Option<&Self>,
         turn_down: &str,
     ) -> Result<Self, TracerError> {
+        let last = buffers.last().map_or(0, |(_, bytes)| *bytes);
+        let rows_before: u64 = buffers.iter().rev().skip(1).map(|(_, bytes)| u64::from(rows(*bytes))).sum();
+        let bytes = rows_before * u64::from(ROW_BYTES) + last;
         let texels = Texels::room(gpu, copy_name, slot, bytes, there.and_then(Self::texels), turn_down)?;
-        Ok(Self { slot, held: Held::Texture { texels, from: buffers.to_vec() } })
+        let from = buffers.iter().map(|(buffer, bytes)| ((*buffer).clone(), *bytes)).collect();
+        Ok(Self { slot, held: Held::Texture { texels, from } })
+    }
+
+    /// The same array in another slot, of records of the same size: for a shader that asks for more arrays than there are.
+    pub fn at(&self, slot: ReadSlot) -> Self {
+        assert_eq!(slot.record_bytes(), self.slot.record_bytes(), "records of slots differ");
+        Self { slot, held: self.held.clone() }
     }
 
     /// Whole records of the slot, written by the host to a buffer or texture of this name: into that of `there` where it is large
@@ -365,11 +383,6 @@ impl Readable {
         }
     }
 
-    /// Where it is read.
-    pub fn slot(&self) -> ReadSlot {
-        self.slot
-    }
-
     /// How it is read.
     pub fn reads(&self) -> Reads {
         if self.texels().is_some() { Reads::Texture } else { Reads::Buffer }
@@ -420,7 +433,7 @@ pub fn record_copies(arrays: &[Readable], clock: &mut PhaseClock<'_>) -> Result<
         return Ok(());
     }
     clock.device_phase("copy to textures", |encoder| {
-        copies.into_iter().for_each(|(texels, from)| texels.record_copy(encoder, from));
+        copies.into_iter().for_each(|(texels, from)| texels.record_copies(encoder, from));
     })
 }
 
@@ -439,46 +452,25 @@ mod tests {
 
     const SLOTS: [ReadSlot; 3] = [ReadSlot::Quads1, ReadSlot::Pairs1, ReadSlot::Words3];
 
-    /// How an array comes to be.
-    #[derive(Clone, Copy, Debug, PartialEq)]
-    enum Made {
-        /// Written by the host.
-        Written,
-        /// Left by a build in a buffer.
-        Built,
-        /// Left in several buffers of a row or two.
-        InParts,
-    }
-
-    /// What the shader finds at every record of three arrays.
-    fn found(gpu: &Gpu, reads: Reads, count: usize, made: Made) -> Vec<[u32; 8]> {
-        let pipeline = compute_pipeline(gpu, ReadsFunctions { textures: reads == Reads::Texture }, "read").unwrap();
+    /// What the shader finds at every record of three arrays, written by the host or left by a build.
+    fn found(gpu: &Gpu, reads: Reads, count: usize, built: bool) -> Vec<[u32; 8]> {
+        let pipeline = compute_pipeline(gpu, ReadsFunctions { textures: reads == Reads::Texture }, "look_up").unwrap();
         let array = |slot: ReadSlot| {
             let words: Vec<u32> =
                 (0..count as u32 * slot.record_bytes() / 4).map(|word| word * 3 + slot as u32).collect();
             let contents: &[u8] = bytemuck::cast_slice(&words);
-            let built = |contents: &[u8]| {
-                let buffer = storage_buffer(gpu, "built", contents.len() as u64, "nothing").unwrap();
-                gpu.queue.write_buffer(&buffer, 0, contents);
-                buffer
-            };
-            let bytes = contents.len() as u64;
-            let array = match made {
-                Made::Written => Readable::written(gpu, reads, slot, contents, "written", None, "nothing"),
-                Made::Built => Readable::built(gpu, reads, slot, &built(contents), bytes, "copied", None, "nothing"),
-                Made::InParts => {
-                    let (first, rest) = contents.split_at(contents.len().min(ROW_BYTES as usize));
-                    let parts = std::iter::once(first).chain(rest.chunks(2 * ROW_BYTES as usize)).map(built);
-                    Readable::copied(gpu, slot, &parts.collect::<Vec<_>>(), bytes, "copied", None, "nothing")
-                }
-            };
-            array.unwrap()
+            if !built {
+                return Readable::written(gpu, reads, slot, contents, "written", None, "nothing").unwrap();
+            }
+            let buffer = storage_buffer(gpu, "built", contents.len() as u64, "nothing").unwrap();
+            gpu.queue.write_buffer(&buffer, 0, contents);
+            Readable::built(gpu, reads, slot, &buffer, contents.len() as u64, "copied", None, "nothing").unwrap()
         };
         let arrays = SLOTS.map(array);
         let mut clock = PhaseClock::new(Some(gpu));
         record_copies(&arrays, &mut clock).unwrap();
         // A clock without phases has nothing to finish.
-        assert_eq!(clock.finish().is_ok(), made != Made::Written && reads == Reads::Texture);
+        assert_eq!(clock.finish().is_ok(), built && reads == Reads::Texture);
         let results = storage_buffer(gpu, "found", count as u64 * 32, "nothing").unwrap();
         let own = crate::bind_group(gpu, &pipeline.get_bind_group_layout(0), &[results.as_entire_binding()]);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
@@ -488,8 +480,8 @@ mod tests {
         bytemuck::pod_collect_to_vec(&gpu.read(&results, results.size()).unwrap())
     }
 
-    /// Proves that records of every size are read where they are, from buffers and textures, written and copied from one or several
-    /// buffers, of less than a row, of whole rows and of some more: rows of quads, pairs and words end at 2048, 4096 and 8192.
+    /// Proves that records of every size are read where they are, from buffers and textures, written and copied, of less than a row,
+    /// of whole rows and of some more: rows of quads, pairs and words end at 2048, 4096 and 8192.
     #[test]
     fn records_are_read_where_they_are() {
         let gpu = Gpu::open(&AdapterChoice::default()).unwrap();
@@ -502,14 +494,38 @@ mod tests {
                 [quad[0], quad[1], quad[2], quad[3], pair[0], pair[1], of(record, 1, words, 0), 0]
             };
             let expected: Vec<[u32; 8]> = (0..count as u32).map(expected).collect();
-            for (reads, made) in [
-                (Reads::Buffer, Made::Written),
-                (Reads::Buffer, Made::Built),
-                (Reads::Texture, Made::Written),
-                (Reads::Texture, Made::Built),
-                (Reads::Texture, Made::InParts),
-            ] {
-                assert!(found(&gpu, reads, count, made) == expected, "{reads:?} {count} {made:?}");
+            for reads in [Reads::Buffer, Reads::Texture] {
+                for built in [false, true] {
+                    assert!(found(&gpu, reads, count, built) == expected, "{reads:?} {count} {built}");
+                }
+            }
+        }
+    }
+
+    /// Proves that each of several buffers in one texture is where its first record is said to be, whether it ends within a row or with
+    /// it; the array is the same in another slot.
+    #[test]
+    fn buffers_are_joined_by_rows() {
+        let gpu = Gpu::open(&AdapterChoice::default()).unwrap();
+        let contents = [5_usize, 8192, 8193, 3]
+            .map(|count| -> Vec<u32> { (0..count as u32).map(|word| word * 7 + count as u32).collect() });
+        let buffers = contents.each_ref().map(|words| {
+            let buffer = storage_buffer(&gpu, "built", words.len() as u64 * 4, "nothing").unwrap();
+            gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
+            buffer
+        });
+        let sources = buffers.each_ref().map(|buffer| (buffer, buffer.size()));
+        let joined = Readable::joined(&gpu, ReadSlot::Words0, &sources, "joined", None, "nothing").unwrap();
+        let mut clock = PhaseClock::new(Some(&gpu));
+        record_copies(std::slice::from_ref(&joined), &mut clock).unwrap();
+        clock.finish().unwrap();
+        let first = ReadSlot::Words0.first_records(sources.map(|(_, bytes)| bytes));
+        assert_eq!(first, [0, 8192, 2 * 8192, 4 * 8192]);
+        for array in [&joined, &joined.at(ReadSlot::Words3)] {
+            let read: Vec<u32> = bytemuck::pod_collect_to_vec(&array.read(&gpu).unwrap());
+            assert_eq!(read.len(), 4 * 8192 + 3);
+            for (first, words) in first.iter().zip(&contents) {
+                assert_eq!(&read[*first as usize..][..words.len()], words);
             }
         }
     }

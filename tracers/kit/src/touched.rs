@@ -33,6 +33,11 @@ impl TouchedBits {
     /// [`TracerError::Failed`] if the device fails.
     pub fn count(&self, gpu: &Gpu) -> Result<u64, TracerError> {
         let words: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&self.bits, self.bytes)?);
-        Ok(words.iter().map(|word| u64::from(word.count_ones())).sum())
+        Ok(bits_on(&words))
     }
+}
+
+/// The number of bits that are on in some words.
+pub fn bits_on(words: &[u32]) -> u64 {
+    words.iter().map(|word| u64::from(word.count_ones())).sum()
 }

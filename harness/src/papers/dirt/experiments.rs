@@ -229,7 +229,7 @@ const FIGURE11: Experiment = Experiment {
 /// What the text states beside them.
 const TEXT: Experiment = Experiment {
     name: "dirt-text",
-    summary: "what the text states beside its tables: coverage, acceptance, the early stop, tiles, path length, direct visibility \
+    summary: "what the text states beside its tables: coverage, acceptance, the early stop, tiles, path length, direct visibility, no pyramid \
               (DIRT, sections 4 and 5)",
     published: &[],
     scenes: &[
@@ -249,6 +249,7 @@ const TEXT: Experiment = Experiment {
                 dirt(&[("tile_size", &["1"]), ("coverage", &["standard"])]),
                 dirt(&[("tile_size", &["2"]), ("searched", &["all"]), ("accept", &["tile", "distance"])]),
                 dirt(&[("tile_size", &["2"]), ("direct_visibility", &["on"])]),
+                dirt(&[("tile_size", &["2"]), ("march", &["tiles"])]),
                 peer("screen-dda"),
             ],
         ),

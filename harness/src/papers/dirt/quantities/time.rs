@@ -3,7 +3,7 @@
 use super::accuracy::as_published;
 use super::memory::{over_buckets, pairs};
 use crate::papers::Scope;
-use crate::papers::dirt::PAPER;
+use crate::papers::dirt::{DIRT, PAPER};
 use crate::papers::estimate::Estimate;
 use crate::papers::quantity::{PERCENT, Quantity, timed_of_scene};
 use crate::papers::rows::{SceneRows, agreement, statistic, trace};
@@ -29,6 +29,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("least_diffuse_time_over_bvh", "", least_diffuse_time_over_bvh),
     timed_of_scene("one_view_time_over_six", "", one_view_time_over_six),
     timed_of_scene("direct_visibility_over_diffuse", "", direct_visibility_over_diffuse),
+    timed_of_scene("without_pyramid_over_with", "", without_pyramid_over_with),
     timed_of_scene("fetch_over_first_row", "", fetch_over_first_row),
     timed_of_scene("fetch_of_few_over_many", "", fetch_of_few_over_many),
 ];
@@ -255,4 +256,10 @@ fn fetch_of_few_over_many(scene: &SceneRows<'_>) -> Option<Estimate> {
     let fetched = |rays: &str| Some(traced(run, rays)?.phase("mask").and(traced(run, rays)?.phase("fetch")));
     let few = trace(run, "specular")?.count * 2 <= trace(run, "diffuse")?.count;
     few.then(|| ratio(scene.run, &fetched("specular")?, &fetched("diffuse")?))?
+}
+
+/// Time of diffuse rays from tile to tile over that by the pyramid, tiles of 2x2.
+fn without_pyramid_over_with(scene: &SceneRows<'_>) -> Option<Estimate> {
+    let row = |march: &str| scene.find(DIRT, &as_published(&[("tile_size", "2"), ("march", march)]));
+    scene.trace_ratio(row("tiles")?, row("hi-z")?, "diffuse")
 }
