@@ -196,30 +196,30 @@ impl Buffers {
     /// What a search reads at unrelated places, in buffers or in textures that serve if `there` are those of the last build. Of
     /// buffers that are split it reads corners alone like that.
     pub(crate) fn arrays(&self, gpu: &Gpu, reads: Reads, there: &[Readable]) -> Result<Vec<Readable>, TracerError> {
-        let last = |slot| there.iter().find(|there| there.slot() == slot);
-        let built = |slot, buffer: &Buffer, copy_name| {
-            Readable::built(gpu, reads, slot, buffer, buffer.size(), copy_name, last(slot), TURN_DOWN)
+        let built = |index, slot, buffer: &Buffer, copy_name| {
+            Readable::built(gpu, reads, slot, buffer, buffer.size(), copy_name, there.get(index), TURN_DOWN)
         };
-        let mut arrays = vec![built(ReadSlot::Quads0, self.setup.vertices(), VERTICES_COPY)?];
+        let mut arrays = vec![built(0, ReadSlot::Quads0, self.setup.vertices(), VERTICES_COPY)?];
         if reads == Reads::Texture || !self.is_split() {
             arrays.push(match &self.nodes[..] {
-                [nodes] => built(ReadSlot::Pairs0, nodes, NODES_COPY)?,
-                parts => {
-                    // Each but the last has whole rows, so that in the texture one follows the other.
-                    let (slot, mut left) = (ReadSlot::Pairs0, u64::from(self.node_capacity) * NODE_BYTES);
-                    let part = |buffer| {
-                        let bytes = left.min(Buffer::size(buffer));
-                        left -= bytes;
-                        (buffer, bytes)
-                    };
-                    let parts: Vec<_> = parts.iter().map(part).collect();
-                    Readable::joined(gpu, slot, &parts, NODES_COPY, last(slot), TURN_DOWN)?
-                }
+                [nodes] => built(1, ReadSlot::Pairs0, nodes, NODES_COPY)?,
+                _ => Readable::joined(gpu, ReadSlot::Pairs0, &self.filled(), NODES_COPY, there.get(1), TURN_DOWN)?,
             });
-            arrays.push(built(ReadSlot::Pairs1, &self.bounds, BOUNDS_COPY)?);
-            arrays.push(built(ReadSlot::Words0, &self.heads, HEADS_COPY)?);
+            arrays.push(built(2, ReadSlot::Pairs1, &self.bounds, BOUNDS_COPY)?);
+            arrays.push(built(3, ReadSlot::Words0, &self.heads, HEADS_COPY)?);
         }
         Ok(arrays)
+    }
+
+    /// The parts that nodes go to, with the bytes that there is room for in each.
+    fn filled(&self) -> Vec<(&Buffer, u64)> {
+        let mut left = u64::from(self.node_capacity) * NODE_BYTES;
+        let filled = |buffer| {
+            let bytes = left.min(Buffer::size(buffer));
+            left -= bytes;
+            (buffer, bytes)
+        };
+        self.nodes.iter().map(filled).filter(|(_, bytes)| *bytes > 0).collect()
     }
 
     /// What variants of shaders for split buffers bind beside the first parts: all places are taken, those of parts that do
