@@ -69,6 +69,20 @@ pub(super) const fn fails(
     Expectation::KnownFailure { rule, from, below, least_wrong, reason, source }
 }
 
+/// Of a sampled method on plates that are at last 0.36 of a row high and lie along it.
+pub(super) const fn of_plates_along_rows(otherwise: &'static Expectation) -> Expectation {
+    let reason = "at last its plates are 0.36 of a row high and lie along it, so that by as much as the rasterizer snaps an edge off the \
+                  row's centre it decides of whole plates";
+    // Two long edges by both axes over 0.36 rows.
+    Expectation::Rasterized { wrong_by_snapping: 8.0, reaches_far: false, reason, otherwise }
+}
+
+/// Of a sampled method on a triangle that is ever larger than the view.
+pub(super) const fn of_huge_triangles(otherwise: &'static Expectation) -> Expectation {
+    let reason = "a rasterizer that clips in f32 loses a triangle that reaches too far for it";
+    Expectation::Rasterized { wrong_by_snapping: 0.0, reaches_far: true, reason, otherwise }
+}
+
 impl Expectation {
     /// The rule that it is about.
     pub fn rule(&self) -> Rule {

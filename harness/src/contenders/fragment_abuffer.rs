@@ -1,6 +1,6 @@
 //! The room of `fragment-abuffer`: fragments at pixels' centres, every layer, seven views, no thickness.
 
-use super::expectation::fails;
+use super::expectation::{fails, of_huge_triangles, of_plates_along_rows};
 use super::{Column, Expectation, Family, Registration, Rule};
 
 pub(crate) const ROOM: Registration = Registration {
@@ -18,24 +18,6 @@ const AT_SAMPLES: Expectation = few(
     "eye rays through the centres of the camera's pixels get the very depth that was sampled there; only where an edge runs through a \
      centre does the rasterizer's rounding decide otherwise",
 );
-
-/// The same where a frame has few rows.
-const AT_SAMPLES_OF_ROWS: Expectation = Expectation::Rasterized {
-    // Two long edges by both axes over 0.36 rows.
-    wrong_by_snapping: 8.0,
-    reaches_far: false,
-    reason: "at last its plates are 0.36 of a row high and lie along it, so that by as much as the rasterizer snaps an edge off the \
-             row's centre it decides of whole plates",
-    otherwise: &AT_SAMPLES,
-};
-
-/// The same of a triangle that is ever larger than the view.
-const AT_SAMPLES_OF_HUGE: Expectation = Expectation::Rasterized {
-    wrong_by_snapping: 0.0,
-    reaches_far: true,
-    reason: "a rasterizer that clips in f32 loses a triangle that reaches too far for it",
-    otherwise: &AT_SAMPLES,
-};
 
 const fn few(rule: Rule, most_wrong: f64, reason: &'static str) -> Expectation {
     Expectation::Bounded { rule, most_wrong, reason }
@@ -80,7 +62,7 @@ const EXPECTATIONS: Column = &[
     ),
     ("voxel-stack", fails(Rule::Footprint, 1.0, 0.0, 0.25, SLIPPED, SLIPPED_SOURCE)),
     ("open-mesh", AT_SAMPLES),
-    ("huge-triangle", AT_SAMPLES_OF_HUGE),
+    ("huge-triangle", of_huge_triangles(&AT_SAMPLES)),
     (
         "needles",
         few(
@@ -119,7 +101,7 @@ const EXPECTATIONS: Column = &[
         ),
     ),
     ("coarse-frame", fails(Rule::Footprint, 65.0, 0.05, 0.8, BETWEEN, SAMPLES_SOURCE)),
-    ("wide-frame", AT_SAMPLES_OF_ROWS),
+    ("wide-frame", of_plates_along_rows(&AT_SAMPLES)),
     (
         "surface-starts",
         fails(

@@ -1,6 +1,6 @@
 //! The room of `screen-dda`: one depth a pixel, sampled at pixel centres, from one view.
 
-use super::expectation::fails;
+use super::expectation::{fails, of_huge_triangles, of_plates_along_rows};
 use super::{Column, Expectation, Family, Registration, Rule};
 
 pub(crate) const ROOM: Registration = Registration {
@@ -17,24 +17,6 @@ const AT_SAMPLES: Expectation = Expectation::Bounded {
     most_wrong: 0.01,
     reason: "eye rays through pixel centres get the very depth that was sampled there; only where an edge runs \
              through a centre does the rasterizer's rounding of vertices decide otherwise",
-};
-
-/// The same where a frame has few rows.
-const AT_SAMPLES_OF_ROWS: Expectation = Expectation::Rasterized {
-    // Two long edges by both axes over 0.36 rows.
-    wrong_by_snapping: 8.0,
-    reaches_far: false,
-    reason: "at last its plates are 0.36 of a row high and lie along it, so that by as much as the rasterizer snaps an edge off the \
-             row's centre it decides of whole plates",
-    otherwise: &AT_SAMPLES,
-};
-
-/// The same of a triangle that is ever larger than the view.
-const AT_SAMPLES_OF_HUGE: Expectation = Expectation::Rasterized {
-    wrong_by_snapping: 0.0,
-    reaches_far: true,
-    reason: "a rasterizer that clips in f32 loses a triangle that reaches too far for it",
-    otherwise: &AT_SAMPLES,
 };
 
 const BEHIND: &str = "one depth a pixel: what lies behind the first surface is not stored, and rays that start behind \
@@ -65,7 +47,7 @@ const EXPECTATIONS: Column = &[
     ("close-sheets", fails(Rule::Footprint, 0.1, 0.2, 0.4, BEHIND, LAYERS_SOURCE)),
     ("voxel-stack", fails(Rule::Tight, 1.0, 0.2, 0.7, STEP, STEP_SOURCE)),
     ("open-mesh", AT_SAMPLES),
-    ("huge-triangle", AT_SAMPLES_OF_HUGE),
+    ("huge-triangle", of_huge_triangles(&AT_SAMPLES)),
     (
         "needles",
         Expectation::Bounded {
@@ -145,7 +127,7 @@ const EXPECTATIONS: Column = &[
         ),
     ),
     ("coarse-frame", fails(Rule::Footprint, 65.0, 0.05, 0.8, BETWEEN, SAMPLES_SOURCE)),
-    ("wide-frame", AT_SAMPLES_OF_ROWS),
+    ("wide-frame", of_plates_along_rows(&AT_SAMPLES)),
     (
         "surface-starts",
         fails(
