@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::plan::{Plan, SceneSource, TracerRequest};
-use crate::results::{Run, TracerRun, host_ms};
+use crate::results::{RAYS_PER_LANE, READS, Run, TracerRun, host_ms};
 
 /// Seconds of an hour.
 const HOUR: f64 = 3600.0;
@@ -25,8 +25,9 @@ pub struct Duration {
 }
 
 impl Duration {
-    /// By the rows of a run of the same scene, tracer and parameters, at the resolution nearest to the wanted one. Builds are taken to
-    /// grow with the pixels of a face, traces with the rays; several rays a pixel count as such.
+    /// By the rows of a run of the same scene, tracer and parameters, at the resolution nearest to the wanted one; of rows that differ in
+    /// means alone those of the wanted ones where there are such, as a run takes the machine's. Builds are taken to grow with the pixels
+    /// of a face, traces with the rays; several rays a pixel count as such.
     pub fn of(plans: &[Plan], run: &Run) -> Self {
         let mut sum = Self {
             rounds: plans.first().map_or(0, |plan| plan.preset.sampling.least_rounds as usize + 1),
@@ -81,12 +82,23 @@ fn pixels(size: [u32; 2]) -> f64 {
 fn of_row(plan: &Plan, source: &SceneSource, request: &TracerRequest, run: &Run) -> Option<[f64; 2]> {
     let SceneSource::Catalogue(scene) = source else { return None };
     let wanted = json!(request.parameters);
+    let but_means = |parameters: Value| match parameters {
+        Value::Object(mut map) => {
+            map.retain(|name, _| ![READS, RAYS_PER_LANE].contains(&name.as_str()));
+            Value::Object(map)
+        }
+        other => other,
+    };
     let alike = |row: &&TracerRun| {
-        row.scene.name == *scene && row.tracer.name == request.name() && json!(row.tracer.parameters) == wanted
+        row.scene.name == *scene
+            && row.tracer.name == request.name()
+            && but_means(json!(row.tracer.parameters)) == but_means(wanted.clone())
     };
     let (rays, face) = (pixels(plan.preset.ray_image), pixels([plan.preset.face; 2]));
-    let far = |row: &&TracerRun| (pixels(row.viewpoint.ray_image) / rays).ln().abs();
-    let row = run.runs.iter().filter(alike).min_by(|a, b| far(a).total_cmp(&far(b)))?;
+    let far = |row: &TracerRun| (pixels(row.viewpoint.ray_image) / rays).ln().abs();
+    let other_means = |row: &TracerRun| json!(row.tracer.parameters) != wanted;
+    let nearer = |a: &TracerRun, b: &TracerRun| other_means(a).cmp(&other_means(b)).then(far(a).total_cmp(&far(b)));
+    let row = run.runs.iter().filter(alike).min_by(|a, b| nearer(a, b))?;
     let build = host_ms(&row.build.times)? * face / pixels([row.viewpoint.face; 2]);
     let (own, theirs) = (json!(plan.ray_parameters), json!(run.ray_parameters));
     let mut traces = 0.0;
@@ -148,6 +160,13 @@ mod tests {
             "{}",
             found.words("t")
         );
+        // What the machine's means make of a row's parameters tells no row apart.
+        run.runs[0].tracer.parameters.insert(READS.to_owned(), json!("texture"));
+        run.runs[0].tracer.parameters.insert(RAYS_PER_LANE.to_owned(), json!(32));
+        assert_eq!(Duration::of(std::slice::from_ref(&plan), &run), found);
+        run.runs[0].tracer.parameters.insert("tile_size".to_owned(), json!(8));
+        assert_eq!(Duration::of(std::slice::from_ref(&plan), &run).known, 0);
+        run.runs[0].tracer.parameters.insert("tile_size".to_owned(), json!(1));
         run.runs[0].scene.name = "barn".to_owned();
         assert!(Duration::of(&[plan], &run).words("t").contains("none of the 2 rows"));
     }

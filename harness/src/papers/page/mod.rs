@@ -78,13 +78,19 @@ fn notes(experiment: &Experiment, rows: &Rows<'_>) -> String {
     }
     let [measured, all] = rows.of_all(experiment);
     if measured < all {
-        let _ = writeln!(text, "- {measured} of {all} rows of the table were measured.");
+        let _ = writeln!(
+            text,
+            "- {measured} of {all} rows of the table were measured on the scenes that stand for the paper's."
+        );
     }
     for scene in &rows.scenes {
         let record = &scene.runs[0].scene;
         let of = inline(&record.name);
         let said = match experiment.stands_for(record) {
             Some(published) => format!("{of} stands for the paper's {published}"),
+            None if record.scale.is_some_and(|scale| scale != 1.0) => {
+                format!("{of} is scaled down and stands for none of the paper's scenes")
+            }
             None => format!("{of} stands for none of the paper's scenes"),
         };
         let _ = writeln!(text, "- {said}.");
