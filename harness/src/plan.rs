@@ -88,6 +88,16 @@ pub enum SceneSource {
     File(PathBuf),
 }
 
+/// The name in the catalogue, or the path as it was given.
+impl std::fmt::Display for SceneSource {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Catalogue(name) => f.write_str(name),
+            Self::File(path) => path.display().fmt(f),
+        }
+    }
+}
+
 /// A viewpoint asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ViewRequest {
@@ -223,10 +233,6 @@ pub struct Plan {
 impl Plan {
     /// Everything that it says, as data: plans of the same words mean the same work.
     pub fn describe(&self) -> serde_json::Value {
-        let scene = |source: &SceneSource| match source {
-            SceneSource::Catalogue(name) => name.clone(),
-            SceneSource::File(path) => path.display().to_string(),
-        };
         let tracer = |request: &TracerRequest| {
             let resolution = request.resolution.map(|of| (of.frame, of.face));
             json!({ "name": request.name(), "preset": request.preset.name(), "parameters": request.parameters,
@@ -234,7 +240,7 @@ impl Plan {
         };
         let RunPreset { name, ray_image, frame, face, sampling, scene_scale } = self.preset;
         json!({
-            "scenes": self.scenes.iter().map(scene).collect::<Vec<_>>(),
+            "scenes": self.scenes.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "tracers": self.tracers.iter().map(tracer).collect::<Vec<_>>(),
             "rays": self.ray_sets.iter().map(|set| set.name).collect::<Vec<_>>(),
             "ray_parameters": self.ray_parameters,

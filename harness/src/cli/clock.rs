@@ -8,13 +8,15 @@ use tracebench_api::EndPoint;
 
 use super::arguments::CommonArguments;
 use super::output::print;
-use super::work::{needs_device, wait_for_turn};
+use super::work::{OutputFolder, needs_device, wait_for_turn};
 use super::{CliError, names, open_device};
+use crate::files;
 use crate::measure::{Context, Journal};
 use crate::plan::{Plan, RUN_PRESETS, RunPreset, SAMPLING, TracerRequest};
 use crate::progress::Progress;
-use crate::results::Sampling;
-use crate::studies::clock::{self, ClockTrial};
+use crate::report::{self, ReportError};
+use crate::results::{Provenance, Sampling};
+use crate::studies::clock::{self, ClockRecord, ClockTrial};
 use crate::truth::Cache;
 
 #[derive(Args)]
@@ -54,6 +56,9 @@ pub(super) struct ClockArguments {
     /// Rounds of a recording, or of every race; races go by the defaults of `run` if not given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     samples: Option<u32>,
+    /// Folder for `clock.json`, what came of it; nothing is written if not given.
+    #[arg(long, value_name = "DIR", conflicts_with = "record")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     common: CommonArguments,
 }
@@ -92,7 +97,9 @@ pub(super) fn clock(arguments: &ClockArguments, progress: &Progress) -> Result<(
     };
     let needed = needs_device(&plan.tracers);
     let device = open_device(&arguments.common.device, needed, needed)?;
+    let out = arguments.out.as_deref().map(OutputFolder::open).transpose()?;
     let _turn = wait_for_turn();
+    let provenance = Provenance::now(device.as_deref().ok());
     let (cache, journal) = (Cache::of_user(), Journal::none());
     let context = Context::new(&device, &cache, progress, &journal);
     let load = arguments.load as usize;
@@ -102,10 +109,22 @@ pub(super) fn clock(arguments: &ClockArguments, progress: &Progress) -> Result<(
         let lines = clock::record(&plan, kind, load, &context)?;
         return file.write_all(lines.as_bytes()).map_err(fail);
     }
-    if let Some(seeds) = arguments.fresh_rays {
-        return print(&clock::repeats(&plan, seeds, &context)?);
+    let found = match arguments.fresh_rays {
+        Some(seeds) => clock::repeats(&plan, seeds, &context)?,
+        None => {
+            let slowed = clock::REPEATS + (arguments.slowdown / 5) as usize;
+            let tried = ClockTrial { races: arguments.races as usize, slowed, load };
+            clock::execute(&plan, tried, &context)?
+        }
+    };
+    let record = ClockRecord::new(provenance, &plan, found);
+    if let Some(out) = out {
+        report::write_all(
+            vec![(RECORD.to_owned(), files::json(RECORD, &record).map_err(ReportError::from)?)],
+            &out.path,
+        )?;
     }
-    let slowed = clock::REPEATS + (arguments.slowdown / 5) as usize;
-    let tried = ClockTrial { races: arguments.races as usize, slowed, load };
-    print(&clock::execute(&plan, tried, &context)?.text())
+    print(&record.text())
 }
+
+const RECORD: &str = "clock.json";

@@ -89,8 +89,7 @@ pub(crate) fn fresh_and_repeated(plan: &Plan, seeds: u64, context: &Context<'_>)
     let request = plan.tracers.first().ok_or_else(|| nothing("no tracer was asked for"))?;
     let mut sets = Vec::new();
     for seed in 0..seeds.max(1) {
-        // Seeds that differ in their lowest bit alone make the same rays.
-        let plan = Plan { seed: plan.seed + 2 * seed, ..plan.clone() };
+        let plan = Plan { seed: plan.seed + seed, ..plan.clone() };
         let scene =
             load(&plan, context.progress)?.into_iter().next().ok_or_else(|| nothing("no scene was asked for"))?;
         sets.push(placed(&plan, scene, context)?.session);

@@ -10,11 +10,13 @@ pub(crate) struct Stream(Pcg64Mcg);
 
 impl Stream {
     /// A generator of its own for each ray, so that rays do not depend on the number of cores or on other rays. `tag`
-    /// tells the sets apart, below 2^16; `index` is below 2^48.
+    /// tells the sets apart, below 2^15; `index` is below 2^48.
     pub(crate) fn new(seed: u64, tag: u64, index: u64) -> Self {
         let mut state = [0; 16];
         state[..8].copy_from_slice(&seed.to_le_bytes());
-        state[8..].copy_from_slice(&((tag << 48) ^ index).to_le_bytes());
+        // The generator's lowest bit is always on, so that the seed's own is told elsewhere.
+        let even = u64::from(seed.is_multiple_of(2)) << 63;
+        state[8..].copy_from_slice(&(even ^ (tag << 48) ^ index).to_le_bytes());
         let mut generator = Pcg64Mcg::from_seed(state);
         // Neighbouring states give alike first outputs: the second generator starts from a well-mixed one.
         for _ in 0..4 {
@@ -116,6 +118,20 @@ mod tests {
 
     fn close(found: (f64, f64), expected: (f64, f64)) -> bool {
         (found.0 - expected.0).abs() < 0.006 && (found.1 - expected.1).abs() < 0.006
+    }
+
+    /// Neighbouring seeds, tags and rays have numbers of their own, and the same ones have the same.
+    #[test]
+    fn every_seed_tag_and_ray_has_its_own_numbers() {
+        let first = |seed, tag, index| Stream::new(seed, tag, index).0.next_u64();
+        let mut all: Vec<u64> = (0..4)
+            .flat_map(|seed| (0..4).map(move |tag| (seed, tag)))
+            .flat_map(|(seed, tag)| (0..4).map(move |index| first(seed, tag, index)))
+            .collect();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), 64);
+        assert_eq!(first(2, 3, 4), first(2, 3, 4));
     }
 
     /// The first two moments of each distribution are those of its density, integrated by hand, and none is another's.

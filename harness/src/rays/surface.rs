@@ -77,7 +77,7 @@ pub(super) fn ambient_occlusion(scene: &RayScene<'_>, primary: &Starts) -> Vec<(
 pub(super) fn visibility(scene: &RayScene<'_>, primary: &Starts) -> Vec<(Pixel, Ray)> {
     let geometry = scene.truth.geometry();
     let (low, high) = (geometry.bounds_min.as_dvec3(), geometry.bounds_max.as_dvec3());
-    let outside = (low + high) / 2.0 + OUTSIDE_TARGET * scene.truth.diagonal();
+    let outside = geometry.outer_light();
     let inside = low + (high - low) * INSIDE_TARGET;
     let targets = match scene.parameters.visibility_target {
         Target::Outside => vec![outside],
@@ -95,8 +95,6 @@ pub(super) fn visibility(scene: &RayScene<'_>, primary: &Starts) -> Vec<(Pixel, 
     })
 }
 
-/// The outer target of `visibility`, in diagonals from the middle of the bounds: above, to the right, in front.
-const OUTSIDE_TARGET: DVec3 = DVec3::new(0.35, 0.9, 0.25);
 /// The inner target of `visibility`, in shares of the bounds: in the middle, high up.
 const INSIDE_TARGET: DVec3 = DVec3::new(0.5, 0.8, 0.5);
 

@@ -4,10 +4,12 @@ use std::fmt::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use serde::Serialize;
+
 use crate::measure::{self, Context, RunError, Trial};
 use crate::plan::Plan;
 use crate::rays::sampling::Stream;
-use crate::results::{Answer, Doubt, Paired};
+use crate::results::{Answer, Doubt, Paired, Provenance};
 
 /// Traces of a sample, so that what is slower by a few percent is a whole number of them.
 pub const REPEATS: usize = 20;
@@ -26,15 +28,69 @@ pub struct ClockTrial {
     pub load: usize,
 }
 
+/// What stands in `clock.json`.
+#[derive(Debug, Serialize)]
+pub struct ClockRecord {
+    /// Where, by which program, when.
+    #[serde(flatten)]
+    pub provenance: Provenance,
+    /// The tracer.
+    pub tracer: String,
+    /// The scene.
+    pub scene: String,
+    /// The ray set.
+    pub rays: String,
+    /// The run preset, which sets rays and resolutions.
+    pub preset: String,
+    /// What came of it.
+    #[serde(flatten)]
+    pub found: ClockFound,
+}
+
 /// What came of it.
-pub struct ClockFound {
-    tried: ClockTrial,
-    tracer: String,
-    trials: Vec<Trial>,
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ClockFound {
+    /// Of races against itself.
+    Races(RacesFound),
+    /// Of fresh rays beside repeated ones.
+    FreshRays(FreshFound),
+}
+
+/// What came of races against itself.
+#[derive(Debug, Serialize)]
+pub struct RacesFound {
+    /// Races.
+    pub count: usize,
+    /// Rounds of the shortest and of the longest race.
+    pub rounds: [usize; 2],
+    /// Threads of another job beside.
+    pub load_threads: usize,
+    /// How much more the slowed one has to do, percent.
+    pub slowed_by_percent: f64,
+    /// What was said of the equal ones.
+    pub equal: Tally,
+    /// What was said of the slowed one beside the first.
+    pub slowed: Tally,
+}
+
+/// What came of fresh rays beside repeated ones.
+#[derive(Debug, Serialize)]
+pub struct FreshFound {
+    /// Seeds that took turns.
+    pub seeds: u64,
+    /// Rounds.
+    pub rounds: usize,
+    /// How many times as long fresh rays take, with the interval that covers it.
+    pub fresh_over_repeated: Option<f64>,
+    /// Its interval.
+    pub interval: Option<[f64; 2]>,
+    /// What is said of it.
+    pub said: String,
 }
 
 /// How often what was said.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Tally {
     /// The first takes longer.
     pub longer: usize,
@@ -42,8 +98,10 @@ pub struct Tally {
     pub shorter: usize,
     /// They are the same.
     pub same: usize,
-    /// Nobody can tell, and why.
-    pub undecided: Vec<Doubt>,
+    /// Nobody can tell.
+    pub undecided: usize,
+    /// Why, and how often that was said.
+    pub reasons: Vec<(String, usize)>,
 }
 
 impl Tally {
@@ -52,23 +110,25 @@ impl Tally {
             Answer::Longer => self.longer += 1,
             Answer::Shorter => self.shorter += 1,
             Answer::Same => self.same += 1,
-            Answer::Undecided(doubt) => self.undecided.push(doubt),
+            Answer::Undecided(doubt) => self.doubt(&doubt),
         }
         self
     }
 
-    fn words(&self) -> String {
-        let mut reasons: Vec<(String, usize)> = Vec::new();
-        for reason in self.undecided.iter().map(Doubt::to_string) {
-            match reasons.iter_mut().find(|(known, _)| *known == reason) {
-                Some((_, count)) => *count += 1,
-                None => reasons.push((reason, 1)),
-            }
+    fn doubt(&mut self, doubt: &Doubt) {
+        let reason = doubt.to_string();
+        self.undecided += 1;
+        match self.reasons.iter_mut().find(|(known, _)| *known == reason) {
+            Some((_, count)) => *count += 1,
+            None => self.reasons.push((reason, 1)),
         }
+    }
+
+    fn words(&self) -> String {
+        let Self { longer, shorter, same, undecided, reasons } = self;
         let reasons: Vec<String> = reasons.iter().map(|(reason, count)| format!("{count}: {reason}")).collect();
         let why = if reasons.is_empty() { String::new() } else { format!(" ({})", reasons.join("; ")) };
-        let Self { longer, shorter, same, undecided } = self;
-        format!("longer {longer}, shorter {shorter}, the same {same}, undecided {}{why}", undecided.len())
+        format!("longer {longer}, shorter {shorter}, the same {same}, undecided {undecided}{why}")
     }
 }
 
@@ -79,8 +139,25 @@ impl Tally {
 pub fn execute(plan: &Plan, tried: ClockTrial, context: &Context<'_>) -> Result<ClockFound, RunError> {
     let repeats = [REPEATS, REPEATS, tried.slowed];
     let trials = beside(tried.load, plan.seed, || measure::against_itself(plan, &repeats, tried.races, context))?;
-    let tracer = plan.tracers.first().map_or("", |request| request.name()).to_owned();
-    Ok(ClockFound { tried, tracer, trials })
+    // Of the equal ones, and of the slowed one beside the first.
+    let [equal, slowed] = [1, 2].map(|lane| {
+        let answer = |trial: &Trial| {
+            let drift = trial.race.drift.then(|| trial.race.work.clone());
+            let (one, other) = (&trial.samples_ms[lane], &trial.samples_ms[0]);
+            Paired::in_race(one, other, drift, trial.void.clone()).answer(MARGIN)
+        };
+        trials.iter().map(answer).fold(Tally::default(), Tally::add)
+    });
+    let rounds =
+        |pick: fn(usize, usize) -> usize| trials.iter().map(|trial| trial.race.orders.len()).reduce(pick).unwrap_or(0);
+    Ok(ClockFound::Races(RacesFound {
+        count: trials.len(),
+        rounds: [rounds(usize::min), rounds(usize::max)],
+        load_threads: tried.load,
+        slowed_by_percent: (tried.slowed as f64 / REPEATS as f64 - 1.0) * 100.0,
+        equal,
+        slowed,
+    }))
 }
 
 /// The times of contenders that are all the same, one line a round, in the order in which they were sampled.
@@ -105,11 +182,11 @@ pub fn record(plan: &Plan, kind: &str, load: usize, context: &Context<'_>) -> Re
     Ok(text)
 }
 
-/// How many times as long fresh rays take as the same ones at once again, in words.
+/// How many times as long fresh rays take as the same ones at once again.
 ///
 /// # Errors
 /// [`RunError`] as its variants say.
-pub fn repeats(plan: &Plan, seeds: u64, context: &Context<'_>) -> Result<String, RunError> {
+pub fn repeats(plan: &Plan, seeds: u64, context: &Context<'_>) -> Result<ClockFound, RunError> {
     let [fresh, repeated] = measure::fresh_and_repeated(plan, seeds, context)?;
     let found = Paired::in_race(&fresh, &repeated, None, None);
     let said = match found.answer(MARGIN) {
@@ -118,53 +195,54 @@ pub fn repeats(plan: &Plan, seeds: u64, context: &Context<'_>) -> Result<String,
         Answer::Same => "the same".to_owned(),
         Answer::Undecided(doubt) => format!("undecided: {doubt}"),
     };
-    let ratio = found.ratio.map_or_else(String::new, |ratio| {
-        let [low, high] = ratio.interval;
-        format!("{:.3} times as long [{low:.3}, {high:.3}], ", ratio.value)
-    });
-    let name = plan.tracers.first().map_or("", |request| request.name());
-    let set = plan.ray_sets.first().map_or("", |set| set.name);
-    let rounds = fresh.len();
-    Ok(format!(
-        "{name}, {set}: rays of {seeds} seeds in turn over the same rays again, {rounds} rounds: {ratio}{said}\n"
-    ))
+    Ok(ClockFound::FreshRays(FreshFound {
+        seeds,
+        rounds: fresh.len(),
+        fresh_over_repeated: found.ratio.as_ref().map(|ratio| ratio.value),
+        interval: found.ratio.map(|ratio| ratio.interval),
+        said,
+    }))
 }
 
 /// Contenders of a recording.
 const RECORDED: usize = 4;
 
-impl ClockFound {
-    /// What was said of the equal ones, and of the slowed one beside the first.
-    pub fn tallies(&self) -> [Tally; 2] {
-        let said = |lane: usize| {
-            let answer = |trial: &Trial| {
-                let drift = trial.race.drift.then(|| trial.race.work.clone());
-                let (one, other) = (&trial.samples_ms[lane], &trial.samples_ms[0]);
-                Paired::in_race(one, other, drift, trial.void.clone()).answer(MARGIN)
-            };
-            self.trials.iter().map(answer).fold(Tally::default(), Tally::add)
-        };
-        [said(1), said(2)]
+impl ClockRecord {
+    /// Of a plan's first tracer, scene and ray set.
+    pub fn new(provenance: Provenance, plan: &Plan, found: ClockFound) -> Self {
+        let named = |name: Option<&str>| name.unwrap_or_default().to_owned();
+        Self {
+            provenance,
+            tracer: named(plan.tracers.first().map(|request| request.name())),
+            scene: plan.scenes.first().map(ToString::to_string).unwrap_or_default(),
+            rays: named(plan.ray_sets.first().map(|set| set.name)),
+            preset: plan.preset.name.to_owned(),
+            found,
+        }
     }
 
     /// In words.
     pub fn text(&self) -> String {
-        let [equal, slowed] = self.tallies();
-        let rounds = |pick: fn(usize, usize) -> usize| {
-            let all = self.trials.iter().map(|trial| trial.race.orders.len());
-            all.reduce(pick).unwrap_or(0)
-        };
-        let share = (self.tried.slowed as f64 / REPEATS as f64 - 1.0) * 100.0;
-        format!(
-            "{}: {} races of {} to {} rounds, {} threads of another job beside\n  equal: {}\n  slowed by {share:.1} %: {}\n",
-            self.tracer,
-            self.trials.len(),
-            rounds(usize::min),
-            rounds(usize::max),
-            self.tried.load,
-            equal.words(),
-            slowed.words(),
-        )
+        let (tracer, rays) = (&self.tracer, &self.rays);
+        match &self.found {
+            ClockFound::Races(found) => {
+                let RacesFound { count, rounds: [least, most], load_threads, slowed_by_percent, equal, slowed } = found;
+                format!(
+                    "{tracer}: {count} races of {least} to {most} rounds, {load_threads} threads of another job beside\n  \
+                     equal: {}\n  slowed by {slowed_by_percent:.1} %: {}\n",
+                    equal.words(),
+                    slowed.words(),
+                )
+            }
+            ClockFound::FreshRays(FreshFound { seeds, rounds, fresh_over_repeated, interval, said }) => {
+                let ratio = fresh_over_repeated.zip(*interval).map_or_else(String::new, |(value, [low, high])| {
+                    format!("{value:.3} times as long [{low:.3}, {high:.3}], ")
+                });
+                format!(
+                    "{tracer}, {rays}: rays of {seeds} seeds in turn over the same rays again, {rounds} rounds: {ratio}{said}\n"
+                )
+            }
+        }
     }
 }
 

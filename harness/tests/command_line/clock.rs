@@ -66,17 +66,32 @@ fn the_clock_is_tried() {
     let bench = Bench::new();
     let smoke = ["clock", "--tracer", "bvh-cpu", "--preset", "smoke"];
     let call = |further: &[&str]| bench.call(&[&smoke[..], further].concat());
-    let outcome = call(&["--races", "2", "--samples", "12", "--load", "1"]);
+    let outcome = call(&["--races", "2", "--samples", "12", "--load", "1", "--out", "races"]);
     assert_eq!(outcome.status, 0, "{outcome:?}");
     for part in ["2 races of 12 to 12 rounds, 1 threads", "equal: ", "slowed by 15.0 %: "] {
         assert!(outcome.stdout.contains(part), "{outcome:?}");
+    }
+    let record: Value = serde_json::from_slice(&std::fs::read(bench.path("races/clock.json")).unwrap()).unwrap();
+    let found = &record["races"];
+    assert_eq!(
+        (&record["tracer"], &found["count"], &found["rounds"]),
+        (&json!("bvh-cpu"), &json!(2), &json!([12, 12]))
+    );
+    for tally in ["equal", "slowed"] {
+        let said = ["longer", "shorter", "same", "undecided"].map(|answer| found[tally][answer].as_u64().unwrap());
+        assert_eq!(said.iter().sum::<u64>(), 2, "{record}");
     }
     let outcome = call(&["--record", "noise.csv", "--kind", "made", "--samples", "5"]);
     assert_eq!(outcome.status, 0, "{outcome:?}");
     let noise = std::fs::read_to_string(bench.path("noise.csv")).unwrap();
     assert_eq!(noise.lines().filter(|line| line.starts_with("made,") && line.split(',').count() == 6).count(), 5);
-    let outcome = call(&["--rays", "diffuse", "--fresh-rays", "3", "--samples", "12"]);
+    let outcome = call(&["--rays", "diffuse", "--fresh-rays", "3", "--samples", "12", "--out", "fresh"]);
     assert!(outcome.status == 0 && outcome.stdout.contains("rays of 3 seeds in turn"), "{outcome:?}");
+    let record: Value = serde_json::from_slice(&std::fs::read(bench.path("fresh/clock.json")).unwrap()).unwrap();
+    assert!(
+        record["fresh_rays"]["fresh_over_repeated"].as_f64().unwrap() > 0.0 && record["machine"].is_object(),
+        "{record}"
+    );
     bench.fails(&[&smoke[..], &["--fresh-rays", "3"]].concat(), 1, &["nothing random"]);
     bench.fails(&["clock", "--tracer", "all"], 2, &["one tracer"]);
     bench.fails(&[&smoke[..], &["--rays", "all"]].concat(), 2, &["one ray set"]);

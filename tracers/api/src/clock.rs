@@ -44,10 +44,10 @@ pub struct Timing {
 
 impl Timing {
     /// What submission and waking up may cost beyond the work, milliseconds.
-    const OVERHEAD_MS: f64 = 1.0;
+    const OVERHEAD_MS: f64 = 0.25;
 
     /// Whether the timestamps of samples of the same work can be true: at least one sample spends no more than half its
-    /// time, or a millisecond, outside of them, and none lasts longer on the device than the host waited for it. A stamp
+    /// time, or a quarter of a millisecond, outside of them, and none lasts longer on the device than the host waited for it. A stamp
     /// that the driver takes too late, or a wrong period, would show as a speed that nothing has.
     pub fn believable(samples: &[Timing]) -> bool {
         let pairs: Vec<_> =
@@ -263,7 +263,8 @@ mod tests {
         assert!(!Timing::believable(&[sample(0.04, 13.4), sample(0.05, 22.0)]));
         assert!(!Timing::believable(&[sample(20.0, 20.3), sample(40.0, 20.3)]));
         assert!(Timing::believable(&[sample(20.0, 20.3), sample(20.0, 55.0)]));
-        assert!(Timing::believable(&[sample(0.02, 0.3)]));
+        assert!(Timing::believable(&[sample(0.02, 0.2)]));
+        assert!(!Timing::believable(&[sample(0.05, 0.9)]));
         assert!(Timing::believable(&[]));
         let submitted = sample(0.04, 13.4).by_submission();
         assert_eq!((submitted.clock, submitted.total_ms), (ClockKind::SubmitToDone, 13.4));

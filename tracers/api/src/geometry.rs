@@ -7,6 +7,9 @@ use wgpu::BufferUsages;
 
 use crate::{Gpu, Hit, Surface, SurfaceStatus, TracerError};
 
+/// Where [`Geometry::outer_light`] is, in diagonals from the middle of the bounds.
+const OUTER_LIGHT: DVec3 = DVec3::new(0.35, 0.9, 0.25);
+
 /// Triangles in host memory and, where a device is used, on the device. Opaque and two-sided for everyone.
 #[derive(Clone, Debug)]
 pub struct Geometry {
@@ -136,6 +139,12 @@ impl Geometry {
     /// Length of the bounds' diagonal, scene units.
     pub fn diagonal(&self) -> f64 {
         (self.bounds_max.as_dvec3() - self.bounds_min.as_dvec3()).length()
+    }
+
+    /// The light outside of the bounds, where half of the `visibility` rays end: above, to the right, in front, as far from the middle
+    /// of the bounds as they are wide. A tracer may prepare for it, as renderers draw shadow maps.
+    pub fn outer_light(&self) -> DVec3 {
+        (self.bounds_min.as_dvec3() + self.bounds_max.as_dvec3()) / 2.0 + OUTER_LIGHT * self.diagonal()
     }
 
     /// The farthest that any corner of the bounds lies from a point, scene units.

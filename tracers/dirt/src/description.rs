@@ -42,6 +42,11 @@ choice! {
 }
 
 choice! {
+    /// Whether rays to the light are looked up in a shadow map.
+    pub(crate) enum ShadowMap { Off = "off", On = "on" }
+}
+
+choice! {
     /// When a hit counts.
     pub(crate) enum Accept { Tile = "tile", Distance = "distance" }
 }
@@ -113,6 +118,21 @@ parameters! {
             "whether the build also draws the surfaces that the camera's frame shows (section 4.1.3), where paths would \
              begin; traces take rays from anywhere and do not use them",
         ),
+        shadow_map: ShadowMap = Parameter::choice(
+            Build,
+            ShadowMap::Off,
+            "whether the build also draws a shadow map from the light outside of the scene; any-hit sets whose rays all end there \
+             are looked up in it in place of a trace (Figure 9), other sets are traced",
+        ),
+        shadow_bias: f64 = Parameter::real(
+            Trace,
+            0.0..=64.0,
+            2.0,
+            "by how much a surface may lie behind what the shadow map shows and be lit all the same: small darkens lit surfaces that \
+             the map samples aslant, large lights what lies close behind others",
+        )
+        .unit("texels of the map, where the surface is")
+        .sweep([0.0, 0.5, 1.0, 2.0, 4.0, 8.0]),
         accept: Accept = Parameter::choice(
             Trace,
             Accept::Tile,

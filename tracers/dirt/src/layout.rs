@@ -7,6 +7,7 @@ use tracebench_kit::{MOST_LEVELS, Pyramid, ViewUniform};
 use crate::description::{Centre, DirtParameters, Near, Views};
 use crate::fetch::{FetchPass, HitNode, MaskSettings, StoreSettings};
 use crate::setup::SetupPass;
+use crate::shadow_map::ShadowLookup;
 
 /// Views at most.
 pub(crate) const MOST_VIEWS: usize = 6;
@@ -99,6 +100,7 @@ pub(crate) fn layouts() -> Vec<SharedLayout> {
         }
         MipmapLevel { level, views, padding }
         TraceSettings { ray_count, view_count, any_hit, by_distance, all_buckets, max_steps, top_level, rays_per_lane }
+        ShadowLookup { ray_count, bias }
         HitNode { next, primitive, u, v, position, shading_and_view }
         StoreSettings { ray_count, view_count, pixels }
         MaskSettings { pixels, padding }

@@ -21,11 +21,16 @@ mod fetch_tests;
 mod layout;
 mod pipelines;
 mod setup;
+mod shadow_map;
+#[cfg(test)]
+mod shadow_map_tests;
 mod statistics;
 mod structure;
 #[cfg(test)]
 mod tests;
 mod trace;
+#[cfg(test)]
+mod trace_tests;
 mod validate;
 mod visibility;
 #[cfg(test)]

@@ -9,6 +9,7 @@ use tracebench_shaders::dirt::{Fill, MIPMAP, SETUP, Trace};
 
 use crate::fetch::Fetch;
 use crate::setup::SetupPipelines;
+use crate::shadow_map::ShadowMapPipelines;
 use crate::visibility::Visibility;
 
 /// Entry points of shaders/dirt/trace.wgsl.
@@ -33,6 +34,7 @@ pub(crate) struct Pipelines {
     gather: OnDemand<(), Arc<Gather>>,
     pub fetch: Fetch,
     visibility: OnDemand<(), Arc<Visibility>>,
+    shadow_map: OnDemand<(), Arc<ShadowMapPipelines>>,
 }
 
 impl Pipelines {
@@ -55,6 +57,7 @@ impl Pipelines {
             gather: OnDemand::default(),
             fetch: Fetch::default(),
             visibility: OnDemand::default(),
+            shadow_map: OnDemand::default(),
         })
     }
 
@@ -98,5 +101,9 @@ impl Pipelines {
 
     pub(crate) fn visibility(&self) -> Result<Arc<Visibility>, TracerError> {
         self.visibility.of((), || Visibility::new(&self.gpu).map(Arc::new))
+    }
+
+    pub(crate) fn shadow_map(&self) -> Result<Arc<ShadowMapPipelines>, TracerError> {
+        self.shadow_map.of((), || ShadowMapPipelines::new(&self.gpu).map(Arc::new))
     }
 }

@@ -14,6 +14,7 @@ use crate::fetch::MaskMemory;
 use crate::layout::{Layout, MOST_VIEWS, TileGrid, TraceSettings};
 use crate::pipelines::Pipelines;
 use crate::setup::TriangleSetup;
+use crate::shadow_map::{ShadowLookup, ShadowMap};
 use crate::visibility::Frame;
 
 /// The tracer.
@@ -47,6 +48,8 @@ pub(crate) struct DirtStructure {
     pub mask_memory: MaskMemory,
     /// What the camera's frame shows, if that was asked for.
     pub frame: Option<Frame>,
+    /// What the light sees, if that was asked for.
+    pub shadow_map: Option<ShadowMap>,
 }
 
 impl Dirt {
@@ -127,6 +130,7 @@ impl Dirt {
         self.pipelines.build(&layout, &buffers, &resident, filling, clock)?;
         record_copies(&arrays, clock)?;
         let frame = self.pipelines.show(viewpoint, parameters, &resident, None, clock)?;
+        let shadow_map = self.pipelines.draw_shadow_map(geometry, viewpoint, parameters, &resident, None, clock)?;
         let pipelines = Arc::clone(&self.pipelines);
         Ok(DirtStructure {
             pipelines,
@@ -137,6 +141,7 @@ impl Dirt {
             geometry: resident,
             mask_memory: MaskMemory::default(),
             frame,
+            shadow_map,
         })
     }
 }
@@ -191,6 +196,9 @@ impl Structure for DirtStructure {
                 self.pipelines.build(&layout, &self.buffers, &resident, self.filling, clock)?;
                 record_copies(&self.arrays, clock)?;
                 self.frame = self.pipelines.show(viewpoint, parameters, &resident, self.frame.as_ref(), clock)?;
+                let drawn = self.shadow_map.take();
+                self.shadow_map =
+                    self.pipelines.draw_shadow_map(geometry, viewpoint, parameters, &resident, drawn, clock)?;
                 (self.layout, self.geometry) = (layout, resident);
                 Ok(())
             }
@@ -249,11 +257,18 @@ impl Structure for DirtStructure {
         if let Some(frame) = &self.frame {
             frame.enter(&mut ledger);
         }
+        if let Some(map) = &self.shadow_map {
+            map.enter(&mut ledger);
+        }
         ledger.report(0).with_surface_geometry(self.geometry.surfaces.bytes)
     }
 
     fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
         let parameters = DirtParameters::try_from(job.parameters)?;
+        if self.shadow_map.as_ref().is_some_and(|map| map.answers(&job)) {
+            let uniforms = [("light", size_of::<ViewUniform>()), ("lookup", size_of::<ShadowLookup>())];
+            return Ok(uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec());
+        }
         let uniforms = [
             ("grid", size_of::<TileGrid>()),
             ("search", size_of::<TraceSettings>()),

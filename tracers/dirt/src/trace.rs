@@ -50,6 +50,9 @@ impl DirtStructure {
     ) -> Result<(), TracerError> {
         let gpu = &*self.pipelines.gpu;
         let parameters = DirtParameters::try_from(job.parameters)?;
+        if let Some(map) = self.shadow_map.as_ref().filter(|map| map.answers(job)) {
+            return self.pipelines.look_up(map, job, parameters.shadow_bias, hits, clock);
+        }
         let search = self.search(job, &parameters);
         let (centres, counters) = (parameters.centre_rays == CentreRays::Split, counting.is_some());
         let variant = match self.reads() {
@@ -116,7 +119,11 @@ impl DirtStructure {
         let mut clock = PhaseClock::new(Some(gpu));
         self.record(job, hits, Some(&counting), &mut clock)?;
         clock.finish()?;
+        // A set that the shadow map answers searches nothing: a texel a ray is looked at.
         let mut counters = counting.counts.counters(gpu, COUNTERS)?;
+        if self.shadow_map.as_ref().is_some_and(|map| map.answers(job)) {
+            counters.push(Counter::of_set("shadow_map_texels", job.rays.host.len() as u64));
+        }
         counters.push(Counter::of_set("references_touched", counting.touched.count(gpu)?));
         if job.end == EndPoint::Surface {
             counters.push(Counter::of_set("fetches_lost", lost(&hits.read_surfaces(Some(gpu))?)));

@@ -8,7 +8,7 @@ use super::tests::{built, hostile, viewpoint};
 
 /// By how far rays are moved aside to see what lies next to a pixel's centre, pixels: silhouettes that near are decided by
 /// rounding and by what the device snaps.
-fn aside() -> f64 {
+pub(super) fn aside() -> f64 {
     0.01 + tracebench_kit::rasterizer(&gpu()).unwrap().border_pixels()
 }
 
@@ -16,7 +16,7 @@ fn aside() -> f64 {
 const DEPTH_SLACK: f64 = 1e-4;
 
 /// Where a line from the eye meets a triangle: its depth.
-fn depth_of(eye: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<f64> {
+pub(super) fn depth_of(eye: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<f64> {
     let (first, second) = (b - a, c - a);
     let across = direction.cross(second);
     let determinant = first.dot(across);

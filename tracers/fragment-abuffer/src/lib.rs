@@ -16,6 +16,8 @@ mod structure;
 #[cfg(test)]
 mod tests;
 mod trace;
+#[cfg(test)]
+mod trace_tests;
 mod validate;
 
 pub use description::description;

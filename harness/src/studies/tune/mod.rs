@@ -12,7 +12,7 @@ pub use tuning::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ValueTuned
 
 use crate::judge::Rule;
 use crate::measure::{self, Context, Effort, Measured, RunError, records};
-use crate::plan::{Plan, RunPreset, SceneSource, TracerRequest, ViewRequest};
+use crate::plan::{Plan, RunPreset, TracerRequest, ViewRequest};
 use crate::results::{AxisRecord, Run, Sampling, Skipped, TunedScene, TuningRecord, place_name};
 use crate::studies::sweep::{Spot, Sweep, SweepError};
 
@@ -70,7 +70,7 @@ impl Tune {
                     // Another viewpoint stands beside the own one or nowhere.
                     Ok(_) => break,
                     Err(error @ RunError::NoOtherView { .. }) => {
-                        let (scene, reason) = (name_of(source), error.to_string());
+                        let (scene, reason) = (source.to_string(), error.to_string());
                         run.skipped.push(Skipped { tracer: None, scene, rays: None, reason });
                         break;
                     }
@@ -81,12 +81,5 @@ impl Tune {
         let tracer = records::request_record(&self.request);
         run.tuning = Some(TuningRecord { tracer, rule: self.rule, scenes });
         sweep.finish(run, context)
-    }
-}
-
-fn name_of(source: &SceneSource) -> String {
-    match source {
-        SceneSource::Catalogue(name) => name.clone(),
-        SceneSource::File(path) => path.display().to_string(),
     }
 }

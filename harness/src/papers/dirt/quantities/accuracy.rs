@@ -75,7 +75,7 @@ fn greatest_difference(one: &TracerRun, other: &TracerRun, of: fn(&TraceRecord) 
 
 /// Agreement of one view less that of six, of the secondary set that loses least.
 fn one_view_agreement_change(scene: &SceneRows<'_>) -> Option<f64> {
-    let [one, six] = ["frame", "six"].map(|views| scene.find("dirt", &[("views", views)]));
+    let [one, six] = ["frame", "six"].map(|views| scene.find("dirt", &[("views", views), ("shadow_map", "off")]));
     greatest_difference(one?, six?, agreement)
 }
 

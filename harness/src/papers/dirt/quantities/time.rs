@@ -28,6 +28,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("total_gain_last_over_first", "", total_gain_last_over_first),
     timed_of_scene("least_diffuse_time_over_bvh", "", least_diffuse_time_over_bvh),
     timed_of_scene("one_view_time_over_six", "", one_view_time_over_six),
+    timed_of_scene("shadow_map_time_over_visibility", "", shadow_map_time_over_visibility),
     timed_of_scene("direct_visibility_over_diffuse", "", direct_visibility_over_diffuse),
     timed_of_scene("without_pyramid_over_with", "", without_pyramid_over_with),
     timed_of_scene("fetch_over_first_row", "", fetch_over_first_row),
@@ -227,10 +228,16 @@ fn total_gain_last_over_first(scene: &SceneRows<'_>) -> Option<Estimate> {
 
 /// Build and traces of all sets with one view over those with six.
 fn one_view_time_over_six(scene: &SceneRows<'_>) -> Option<Estimate> {
-    let [one, six] = ["frame", "six"].map(|views| scene.find("dirt", &[("views", views)]));
+    let [one, six] = ["frame", "six"].map(|views| scene.find("dirt", &[("views", views), ("shadow_map", "off")]));
     let (one, six) = (one?, six?);
     let mix: Vec<(&str, f64)> = six.traces.iter().map(|trace| (trace.rays.as_str(), 1.0)).collect();
     scene.total_ratio(one, six, &mix)
+}
+
+/// Time of visibility rays that a shadow map answers over that of those traced in the same view.
+fn shadow_map_time_over_visibility(scene: &SceneRows<'_>) -> Option<Estimate> {
+    let [map, traced] = ["on", "off"].map(|map| scene.find("dirt", &[("views", "frame"), ("shadow_map", map)]));
+    scene.trace_ratio(map?, traced?, "visibility")
 }
 
 /// Time of the build's phase direct visibility over that of diffuse rays.
