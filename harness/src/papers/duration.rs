@@ -82,21 +82,16 @@ fn pixels(size: [u32; 2]) -> f64 {
 fn of_row(plan: &Plan, source: &SceneSource, request: &TracerRequest, run: &Run) -> Option<[f64; 2]> {
     let SceneSource::Catalogue(scene) = source else { return None };
     let wanted = json!(request.parameters);
-    let but_means = |parameters: Value| match parameters {
-        Value::Object(mut map) => {
-            map.retain(|name, _| ![READS, RAYS_PER_LANE].contains(&name.as_str()));
-            Value::Object(map)
-        }
-        other => other,
-    };
+    let is_of_means = |name: &str| [READS, RAYS_PER_LANE].contains(&name);
+    // A parameter that came after the record is not in it.
+    let as_wanted = |(name, value): (&String, &Value)| is_of_means(name) || wanted[name] == *value;
     let alike = |row: &&TracerRun| {
-        row.scene.name == *scene
-            && row.tracer.name == request.name()
-            && but_means(json!(row.tracer.parameters)) == but_means(wanted.clone())
+        row.scene.name == *scene && row.tracer.name == request.name() && row.tracer.parameters.iter().all(as_wanted)
     };
     let (rays, face) = (pixels(plan.preset.ray_image), pixels([plan.preset.face; 2]));
     let far = |row: &TracerRun| (pixels(row.viewpoint.ray_image) / rays).ln().abs();
-    let other_means = |row: &TracerRun| json!(row.tracer.parameters) != wanted;
+    let other_means =
+        |row: &TracerRun| row.tracer.parameters.iter().any(|(name, value)| is_of_means(name) && wanted[name] != *value);
     let nearer = |a: &TracerRun, b: &TracerRun| other_means(a).cmp(&other_means(b)).then(far(a).total_cmp(&far(b)));
     let row = run.runs.iter().filter(alike).min_by(|a, b| nearer(a, b))?;
     let build = host_ms(&row.build.times)? * face / pixels([row.viewpoint.face; 2]);
@@ -164,6 +159,8 @@ mod tests {
         run.runs[0].tracer.parameters.insert(READS.to_owned(), json!("texture"));
         run.runs[0].tracer.parameters.insert(RAYS_PER_LANE.to_owned(), json!(32));
         assert_eq!(Duration::of(std::slice::from_ref(&plan), &run), found);
+        run.runs[0].tracer.parameters.remove("max_steps").unwrap();
+        assert_eq!(Duration::of(std::slice::from_ref(&plan), &run).known, 1);
         run.runs[0].tracer.parameters.insert("tile_size".to_owned(), json!(8));
         assert_eq!(Duration::of(std::slice::from_ref(&plan), &run).known, 0);
         run.runs[0].tracer.parameters.insert("tile_size".to_owned(), json!(1));
