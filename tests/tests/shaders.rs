@@ -156,6 +156,7 @@ fn entry_points_exist() {
             ("dirt/trace.wgsl", _) => compute(&["trace", "trace_in_turns", "trace_unanswered"], 64),
             ("dirt/store.wgsl", _) => compute(&["store"], 64),
             ("dirt/visibility.wgsl", _) => compute(&["resolve"], 64),
+            ("dirt/shadow_map.wgsl", _) => compute(&["look_up"], 64),
             ("dirt/mipmap.wgsl" | "fragment-abuffer/mipmap.wgsl", _) => compute(&["mipmap"], 64),
             ("fragment-abuffer/reorder.wgsl", _) => compute(&["reorder"], 64),
             ("test/triangle_functions.wgsl", _) => compute(&["cross_pairs"], 64),
