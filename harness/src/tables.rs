@@ -64,9 +64,9 @@ impl Table {
         }
     }
 
-    /// Whether it is over animations.
+    /// Whether it is over animations, or along the camera's path.
     pub fn is_moving(self) -> bool {
-        matches!(self, Self::Peers(peers::Table { subject: Subject::Moving, .. }))
+        matches!(self, Self::Peers(peers::Table { subject: Subject::Moving | Subject::Walked, .. }))
     }
 
     /// Whether a tracer of this name belongs into it.
@@ -104,6 +104,9 @@ pub fn write(table: Table, run: &Run, directory: &Path) -> Result<Vec<PathBuf>, 
     let made = |reason: &str| ReportError::Made { what: format!("table {}", table.name()), reason: reason.to_owned() };
     let run = &*run.aligned();
     let contents = match (table.is_moving(), &run.updates) {
+        (true, Some(_)) if run.table.as_deref() != Some(table.name()) => {
+            return Err(made("the run was made for another table over frames"));
+        }
         (true, _) => report::of_updates(run)?,
         (false, None) if !run.runs.iter().any(|one| table.holds(&one.tracer.name)) => {
             return Err(made("no tracer of this run belongs into it"));
@@ -120,6 +123,7 @@ mod tests {
 
     use super::*;
     use crate::report::fixture;
+    use crate::results::UpdatesRecord;
 
     /// Every table is found by its name, which no other has.
     #[test]
@@ -153,5 +157,9 @@ mod tests {
         }
         let others = Run { runs: run.runs[1..].to_vec(), ..run };
         assert!(write(bvh, &others, folder.path()).unwrap_err().to_string().contains("no tracer"));
+        let updates = Some(UpdatesRecord { frames: 1, passes: 1, scenes: Vec::new() });
+        let films = Run { table: Some("bvh-updates".to_owned()), updates, ..others };
+        let walks = Table::find("view-updates").unwrap();
+        assert!(write(walks, &films, folder.path()).unwrap_err().to_string().contains("another table"));
     }
 }

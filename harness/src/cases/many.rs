@@ -3,11 +3,9 @@
 use glam::{DVec3, Vec3};
 use tracebench_api::{Query, TracerError};
 
+use super::grids::VOXEL_EDGE;
 use super::sketch::{Camera, RAYS, Shots, Sketch};
 use super::{Case, Feature, Knob, Setup};
-
-/// Edge of a voxel where the scene spans 1 and a grid has 64 of them along it, as in HHZ14.
-const VOXEL_EDGE: f64 = 1.0 / 64.0;
 
 pub(super) const VOXEL: Case = Case {
     name: "voxel-stack",

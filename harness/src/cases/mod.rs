@@ -4,6 +4,7 @@
 
 mod eye;
 mod frames;
+mod grids;
 mod many;
 mod probe;
 mod sketch;
@@ -107,6 +108,8 @@ pub const CASES: &[Case] = &[
     many::EQUAL_TRIANGLES,
     many::LAYERS,
     many::CROWD,
+    grids::THIN_WALLS,
+    grids::LONG_SCENE,
 ];
 
 /// Finds a case by name.

@@ -1,6 +1,6 @@
 //! What cases are drawn with: triangles, a camera, seeded rays.
 
-use glam::{DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 use tracebench_api::{Geometry, Query, Ray, TracerError, View, Viewpoint};
 
 use super::Setup;
@@ -43,10 +43,25 @@ impl Sketch {
         self.triangle([at, at + DVec3::X * edge, at + DVec3::Y * edge]);
     }
 
+    /// A closed block round its centre by its three half edges: twelve triangles that share their corners, with their fronts
+    /// outward where the half edges are right-handed, else inward.
+    pub(super) fn block(&mut self, centre: DVec3, half_edges: [DVec3; 3]) {
+        let first = self.positions.len() as u32;
+        for corner in 0..8 {
+            let side = |axis: usize| if corner >> axis & 1 == 1 { half_edges[axis] } else { -half_edges[axis] };
+            self.positions.push((centre + side(0) + side(1) + side(2)).as_vec3().to_array());
+        }
+        // Bit by bit a corner is on the far side of each half edge.
+        let sides = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        for [a, b, c, d] in sides.map(|side: [u32; 4]| side.map(|corner| first + corner)) {
+            self.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+
     /// A sphere of 12 `cells`² triangles that share their vertices, turned off the axes so that none of its edges lies
     /// along one; `keep` says which triangles stay.
     pub(super) fn sphere(&mut self, centre: DVec3, radius: f64, cells: u32, mut keep: impl FnMut() -> bool) {
-        let turn = glam::DQuat::from_xyzw(0.17, 0.31, -0.23, 0.9).normalize();
+        let turn = DQuat::from_xyzw(0.17, 0.31, -0.23, 0.9).normalize();
         for face in 0..6 {
             let first = self.positions.len() as u32;
             let side = if face % 2 == 0 { 1.0 } else { -1.0 };
@@ -177,6 +192,14 @@ impl Shots {
         let origin = origin.as_vec3();
         let direction = (target - origin.as_dvec3()).normalize_or(DVec3::NEG_Z).as_vec3();
         self.rays.push(Ray { origin: origin.into(), t_min: 0.0, direction: direction.into(), t_max: Ray::UNBOUNDED });
+    }
+
+    /// A ray that ends at its target.
+    pub(super) fn until(&mut self, origin: DVec3, target: DVec3) {
+        self.towards(origin, target);
+        if let Some(ray) = self.rays.last_mut() {
+            ray.t_max = (target - Vec3::from(ray.origin).as_dvec3()).length() as f32;
+        }
     }
 
     /// From the eye through the centres of random pixels: what a sampled method knows best.

@@ -49,7 +49,7 @@ pub(super) struct TableArguments {
     /// Ray sets: names from `list rays` with commas, or all; the table's own if not given.
     #[arg(long)]
     pub rays: Option<String>,
-    /// Frames of the animation, for a table over animations; 8 if not given.
+    /// Frames of the animation or of the camera's path after the first, for a table over either; 8 if not given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_FRAMES))]
     pub frames: Option<u32>,
     /// Of a paper's table the rows alone of this tracer that have one of these values, and all of other tracers. May be repeated.
@@ -251,7 +251,7 @@ impl TableArguments {
             (Some(list), _) => names::scenes(list)?,
             (None, Table::Peers(peers)) => tracebench_scenes::catalogue()
                 .iter()
-                .filter(|entry| peers.subject == Subject::Still || entry.animation_s.is_some())
+                .filter(|entry| peers.subject != Subject::Moving || entry.animation_s.is_some())
                 .map(|entry| listed(entry.name))
                 .collect(),
             (None, Table::Means) => tracebench_scenes::catalogue().iter().map(|entry| listed(entry.name)).collect(),

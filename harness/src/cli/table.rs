@@ -11,6 +11,7 @@ use super::work::{Clock, OutputFolder, Work, described};
 use super::{CliError, names};
 use crate::measure::{self, Context};
 use crate::papers::{self, Experiment};
+use crate::peers::Subject;
 use crate::plan::{Plan, SceneSource, TracerRequest};
 use crate::progress::Progress;
 use crate::report;
@@ -22,10 +23,14 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
     let table = names::table(&arguments.name)?;
     let moving = table.is_moving();
     if !moving && arguments.frames.is_some() {
-        return Err(CliError::Argument(format!("--frames: table {} is not over animations", table.name())));
+        return Err(CliError::Argument(format!("--frames: table {} is not over frames", table.name())));
     }
     if moving && arguments.work.common.time != 0.0 {
         return Err(CliError::Argument(format!("--time: table {} is over whole animations", table.name())));
+    }
+    let walked = matches!(table, Table::Peers(peers) if peers.subject == Subject::Walked);
+    if walked && arguments.work.common.view.is_some() {
+        return Err(CliError::Argument(format!("--view: table {} is along the camera's path", table.name())));
     }
     let of_papers = !arguments.only.is_empty() || arguments.estimate.is_some() || arguments.tuned.is_some();
     if let (Table::Peers(_) | Table::Means, true) = (table, of_papers) {

@@ -133,4 +133,13 @@ const EXPECTATIONS: Column = &[
     ("equal-triangles", Expectation::Refusable { from: 1024.0, otherwise: &AT_SAMPLES }),
     ("stacked-layers", Expectation::Refusable { from: 2048.0, otherwise: &LAYERS }),
     ("crowded-pixel", fails(Rule::HitMiss, 8.0, 0.05, 0.15, BETWEEN, SAMPLES_SOURCE)),
+    (
+        "thin-walls",
+        few(
+            Rule::HitMiss,
+            0.02,
+            "both sides of a wall are kept, however near to each other: a ray slips through only where it passes between fragments of both",
+        ),
+    ),
+    ("long-scene", AT_SAMPLES),
 ];

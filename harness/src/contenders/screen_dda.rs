@@ -168,4 +168,13 @@ const EXPECTATIONS: Column = &[
     ("equal-triangles", AT_SAMPLES),
     ("stacked-layers", fails(Rule::Footprint, 4.0, 0.2, 0.35, BEHIND, LAYERS_SOURCE)),
     ("crowded-pixel", fails(Rule::HitMiss, 8.0, 0.05, 0.15, BETWEEN, SAMPLES_SOURCE)),
+    (
+        "thin-walls",
+        Expectation::Bounded {
+            rule: Rule::HitMiss,
+            most_wrong: 0.01,
+            reason: "a wall is as thick as every surface is taken to be, whatever it is",
+        },
+    ),
+    ("long-scene", AT_SAMPLES),
 ];

@@ -63,7 +63,7 @@ impl Contender {
         Ok(grown.unwrap_or(timing))
     }
 
-    /// Lets the last structure follow triangles that moved and gives the time.
+    /// Lets the last structure follow triangles or an eye that moved and gives the time; none of a reuse, which does nothing.
     ///
     /// # Errors
     /// [`TracerError::Failed`] before the first build, or what the tracer says.
@@ -73,15 +73,18 @@ impl Contender {
         geometry: &Geometry,
         viewpoint: &Viewpoint,
         gpu: Option<&Gpu>,
-    ) -> Result<Timing, TracerError> {
+    ) -> Result<Option<Timing>, TracerError> {
         let Some(structure) = &mut self.structure else {
             return Err(TracerError::Failed("updated before it was built".to_owned()));
         };
         let mut clock = PhaseClock::new(gpu);
         structure.update(update, geometry, viewpoint, &self.parameters, &mut clock)?;
+        if update == Update::Reuse {
+            return Ok(None);
+        }
         let timing = clock.finish()?;
         let grown = grown(&mut **structure, geometry, viewpoint, &self.parameters, gpu)?;
-        Ok(grown.unwrap_or(timing))
+        Ok(Some(grown.unwrap_or(timing)))
     }
 
     /// What it built last.

@@ -1,6 +1,6 @@
 //! The race of structures that follow an animation.
 
-use tracebench_api::Geometry;
+use tracebench_api::{Geometry, Update, Viewpoint};
 
 use super::RunError;
 use super::race::Race;
@@ -11,7 +11,7 @@ pub(super) const UPDATES: &str = "updates";
 
 impl Race<'_> {
     /// Lets those follow the film who do: one pass to warm up, then the counted ones; every pass begins with fresh builds over
-    /// the first frame, outside of the times. A round is a frame.
+    /// the first frame, outside of the times, but of what is reused. A round is a frame.
     pub(super) fn follow(&mut self, passes: u32) -> Result<Option<RaceRecord>, RunError> {
         let Some(film) = self.film else { return Ok(None) };
         let followers: Vec<usize> =
@@ -36,10 +36,17 @@ impl Race<'_> {
                 for place in order {
                     let stall = followers[place];
                     let timing = self.attempt(stall, |one| match (frame, one.follows) {
-                        (0, _) | (_, None) => one.contender.build(&geometry, &one.viewpoint, gpu),
+                        // Nothing was done to it since.
+                        (0, Some(Update::Reuse)) if pass > 0 => Ok(None),
+                        (0, _) | (_, None) => {
+                            let Viewpoint { frame, face, .. } = one.viewpoint;
+                            let built_from =
+                                film.built_from.map_or(one.viewpoint, |before| Viewpoint { frame, face, ..before });
+                            one.contender.build(&geometry, &built_from, gpu).map(Some)
+                        }
                         (_, Some(update)) => one.contender.update(update, &geometry, &one.viewpoint, gpu),
                     });
-                    self.stalls[stall].builds.extend(timing.filter(|_| counts));
+                    self.stalls[stall].builds.extend(timing.flatten().filter(|_| counts));
                     bar.inc(1);
                 }
             }

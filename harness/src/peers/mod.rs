@@ -3,7 +3,7 @@
 use tracebench_api::{Domain, ParameterScope, Preset};
 
 use crate::plan::TracerRequest;
-use crate::registry::{Family, TRACERS};
+use crate::registry::{Family, Registration, TRACERS};
 
 /// What a table is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,6 +12,8 @@ pub enum Subject {
     Still,
     /// Structures that follow an animation.
     Moving,
+    /// Structures that follow the camera's path, and the scene where it moves.
+    Walked,
 }
 
 /// A table as data.
@@ -21,8 +23,8 @@ pub struct Table {
     pub name: &'static str,
     /// What it shows, in one line.
     pub summary: &'static str,
-    /// Whose tracers stand in it.
-    pub family: Family,
+    /// Whose tracers stand in it; every tracer without one.
+    pub family: Option<Family>,
     /// A parameter of the reference tracer, each of whose values worth sweeping has a row.
     pub swept: Option<&'static str>,
     /// Ray sets where nothing else is said, as `--rays` takes them.
@@ -36,7 +38,7 @@ pub const TABLES: &[Table] = &[
     Table {
         name: "bvh",
         summary: "bounding volume hierarchies: build rate, size, cost, speed with accuracy, counters, over every scene",
-        family: Family::Bvh,
+        family: Some(Family::Bvh),
         swept: Some("build"),
         rays: "primary,ao,specular,diffuse",
         subject: Subject::Still,
@@ -44,10 +46,19 @@ pub const TABLES: &[Table] = &[
     Table {
         name: "bvh-updates",
         summary: "bounding volume hierarchies over animations: rebuild and refit, their times and what is left of quality",
-        family: Family::Bvh,
+        family: Some(Family::Bvh),
         swept: None,
         rays: "diffuse",
         subject: Subject::Moving,
+    },
+    Table {
+        name: "view-updates",
+        summary: "every tracer along the camera's path: structures reused, refitted or rebuilt at every frame; the time of all frames, \
+                  and the accuracy at each",
+        family: None,
+        swept: None,
+        rays: "primary,diffuse",
+        subject: Subject::Walked,
     },
 ];
 
@@ -57,16 +68,22 @@ pub fn find(name: &str) -> Option<&'static Table> {
 }
 
 impl Table {
+    /// Whether a tracer's place in the registry is in the table's family.
+    fn has(&self, registration: &Registration) -> bool {
+        self.family.is_none_or(|family| registration.family == family)
+    }
+
     /// The tracer that others are set against: the first of the family in the registry.
     pub fn reference(&self) -> &'static str {
-        let first = TRACERS.iter().find(|each| each.family == self.family);
+        let first = TRACERS.iter().find(|each| self.has(each));
         first.map_or("", |registration| (registration.describe)().name)
     }
 
     /// Every tracer of the family as published, each followed by its variants: of the reference the values of the swept
-    /// parameter, of others their own named kinds of structure, parameters that the reference has too left out.
+    /// parameter, of others their own named kinds of structure, parameters that the reference has too left out. No variants where
+    /// all families are side by side.
     pub fn contenders(&self) -> Vec<TracerRequest> {
-        let peers: Vec<_> = TRACERS.iter().filter(|each| each.family == self.family).collect();
+        let peers: Vec<_> = TRACERS.iter().filter(|each| self.has(each)).collect();
         let is_reference = |request: &TracerRequest| request.name() == self.reference();
         let published: Vec<_> = peers.into_iter().map(|each| TracerRequest::of(each, Preset::Published)).collect();
         let reference = published.iter().find(|request| is_reference(request));
@@ -80,7 +97,7 @@ impl Table {
                 } else {
                     let named = matches!(parameter.domain, Domain::Choice(_));
                     let shared = known.iter().any(|other| other.name == parameter.name);
-                    named && parameter.scope == ParameterScope::Build && !shared
+                    self.family.is_some() && named && parameter.scope == ParameterScope::Build && !shared
                 };
                 for value in parameter.sweep.iter().filter(|value| wanted && **value != parameter.published) {
                     let mut variant = request.clone();
@@ -96,7 +113,7 @@ impl Table {
 
     /// Whether a tracer of this name belongs into the table.
     pub fn holds(&self, tracer: &str) -> bool {
-        crate::registry::find(tracer).is_some_and(|registration| registration.family == self.family)
+        crate::registry::find(tracer).is_some_and(|registration| self.has(registration))
     }
 }
 
@@ -113,7 +130,7 @@ mod tests {
         for (index, table) in TABLES.iter().enumerate() {
             assert!(TABLES[..index].iter().all(|other| other.name != table.name));
             let reference = registry::find(table.reference()).unwrap();
-            assert!(reference.family == table.family && table.holds(table.reference()));
+            assert!(table.has(reference) && table.holds(table.reference()));
             let parameters = (reference.describe)().parameters;
             assert!(table.swept.is_none_or(|name| parameters.iter().any(|parameter| parameter.name == name)));
             assert!(table.rays.split(',').all(|name| RAY_SETS.iter().any(|set| set.name == name)));
@@ -130,7 +147,8 @@ mod tests {
             for registration in TRACERS {
                 let name = (registration.describe)().name;
                 let found = rows.iter().filter(|row| row.name() == name).count();
-                assert_eq!(found > 0, registration.family == table.family, "{name} in {}", table.name);
+                assert_eq!(found > 0, table.has(registration), "{name} in {}", table.name);
+                assert!(table.family.is_some() || found == 1, "{name} in {}", table.name);
             }
             let of_reference = rows.iter().filter(|row| row.name() == table.reference()).count();
             let parameters = (registry::find(table.reference()).unwrap().describe)().parameters;

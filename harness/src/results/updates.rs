@@ -25,8 +25,11 @@ pub struct SceneFollowed {
     pub scene: String,
     /// Its hash.
     pub scene_sha256: String,
-    /// Animation times, seconds: that of the build, then of every update. Rays are traced at the last.
+    /// Animation times, seconds: that of the build, then of every update. Rays are traced at the last, or at every one.
     pub times_s: Vec<f64>,
+    /// Where the camera moves: the scene's hash at every frame, each of which has rays of its own. Empty where it stands still.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub walked: Vec<String>,
 }
 
 /// How a row follows its scene. Its `build` has the times of the updates, in the order of passes and frames; its tracer is
@@ -37,4 +40,11 @@ pub struct WayRecord {
     pub name: String,
     /// Parameters that the way sets, with their values.
     pub parameters: BTreeMap<String, serde_json::Value>,
+    /// The frame at which it traces, where rays are traced at every one; that of the build is 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<u32>,
+    /// What has moved since the build and makes a structure that is reused stale (`geometry`, `viewpoint`): it is shown, and not
+    /// valid.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stale_by: Vec<String>,
 }

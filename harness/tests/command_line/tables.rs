@@ -129,9 +129,10 @@ fn wrong_tables() {
     for (arguments, parts) in [
         (vec!["bvhs"], vec!["bvhs", "'bvh'"]),
         (vec![], vec!["<NAME>"]),
-        (vec!["bvh", "--frames", "4"], vec!["--frames", "not over animations"]),
+        (vec!["bvh", "--frames", "4"], vec!["--frames", "not over frames"]),
         (vec!["bvh-updates", "--frames", "0"], vec!["--frames", "1..=240"]),
         (vec!["bvh-updates", "--time", "1"], vec!["--time", "whole animations"]),
+        (vec!["view-updates", "--view", "door"], vec!["--view", "camera's path"]),
         (vec!["bvh", "--scene", "rooom"], vec!["'room'"]),
         (vec!["bvh", "--rays", "diffus"], vec!["'diffuse'"]),
         (vec!["bvh", "--set", "screen-dda.stride=2"], vec!["not in"]),

@@ -1,13 +1,14 @@
-//! The table of structures that follow animations.
+//! The table of structures that follow animations; along the camera's path that of [`walk`].
+
+mod walk;
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::format::{self, NONE, clock_code, clock_of, mib, optional, thousands, with_interval};
-use super::markdown::{Table as Markdown, inline};
-use super::metrics;
-use super::tables::{accuracy_columns, code, number, to_csv};
-use super::{ReportError, cells, summary};
+use crate::report::format::{self, NONE, clock_code, clock_of, mib, optional, thousands, with_interval};
+use crate::report::markdown::{Table as Markdown, inline};
+use crate::report::tables::{accuracy_columns, code, number, to_csv};
+use crate::report::{ReportError, cells, metrics, summary};
 use crate::results::{
     FRESH_BUILD, Judgement, Run, SceneFollowed, Times, TraceRecord, TracerRun, UpdatesRecord, time_ratio,
 };
@@ -20,8 +21,14 @@ pub(super) fn files(run: &Run, updates: &UpdatesRecord) -> Result<Vec<(String, V
     // The name comes from a file.
     let stem = format!("table_{}", format::file_stem(run.table.as_deref().unwrap_or("updates")).replace('-', "_"));
     let csv = format!("{stem}.csv");
-    let rows = to_csv(&csv, rows(run, updates))?;
-    Ok(vec![(format!("{stem}.md"), page(run, updates).into_bytes()), (csv, rows)])
+    let walked = updates.scenes.iter().any(|scene| !scene.walked.is_empty());
+    let (page, rows) = if walked {
+        (walk::page(run, updates), walk::rows(run, updates))
+    } else {
+        (page(run, updates), rows(run, updates))
+    };
+    let rows = to_csv(&csv, rows)?;
+    Ok(vec![(format!("{stem}.md"), page.into_bytes()), (csv, rows)])
 }
 
 /// A scene that was followed, with its rows.
@@ -61,9 +68,9 @@ fn over_fresh(own: &Times, fresh: Option<&Times>) -> Option<f64> {
     time_ratio(own, fresh?)
 }
 
-fn page(run: &Run, updates: &UpdatesRecord) -> String {
-    let mut text =
-        format!("# Table {}: structures that follow animations\n\n", inline(run.table.as_deref().unwrap_or_default()));
+/// The title, and where it was measured.
+fn head(run: &Run, title: &str) -> String {
+    let mut text = format!("# Table {}: {title}\n\n", inline(run.table.as_deref().unwrap_or_default()));
     let mut item = |name: &str, value: &str| {
         let _ = writeln!(text, "- {name}: {}", inline(value));
     };
@@ -72,6 +79,11 @@ fn page(run: &Run, updates: &UpdatesRecord) -> String {
     let smoke = if run.preset == "smoke" { " (smoke run: figures only show that things work)" } else { "" };
     item("Preset", &format!("{}{smoke}", run.preset));
     item("Started", &run.provenance.started);
+    text
+}
+
+fn page(run: &Run, updates: &UpdatesRecord) -> String {
+    let mut text = head(run, "structures that follow animations");
     let _ = writeln!(
         text,
         "\nEvery structure is built over the first frame and follows {} frames, evenly over the animation (to its \

@@ -1,7 +1,11 @@
-//! Structures that follow animations: how long each way of following takes, and what quality it leaves.
+//! Structures that follow animations, and the camera's path: how long each way of following takes, and what it leaves.
 //!
-//! Every tracer and way has a structure of its own, built over the first frame; then all follow frame by frame, in turn. At
-//! the last frame they trace the same rays beside fresh builds over it, by the same measure, judge and controls as a run.
+//! Over an animation every tracer and way has a structure of its own, built over the first frame; then all follow frame by frame, in
+//! turn. At the last frame they trace the same rays beside fresh builds over it, by the same measure, judge and controls as a run.
+//! Along the camera's path ([`walk`]) they trace at every frame.
+
+mod totals;
+mod walk;
 
 use std::cell::RefCell;
 
@@ -10,9 +14,11 @@ use tracebench_api::Update;
 use tracebench_scenes::Scene;
 
 use crate::measure::{self, Context, Effort, Film, Place, Placed, Request, RunError, records};
-use crate::peers::Table;
+use crate::peers::{Subject, Table};
 use crate::plan::{Plan, TracerRequest};
 use crate::results::{FRESH_BUILD, Run, SceneFollowed, Skipped, TracerRecord, TracerRun, UpdatesRecord, WayRecord};
+
+pub use totals::{Total, Walker, walkers};
 
 /// An animation whose vertices all end within so many scene diagonals of where they began comes back to its start.
 const RETURNED_DIAGONALS: f64 = 1e-3;
@@ -31,13 +37,20 @@ pub struct Way {
     pub setting: Option<(&'static str, &'static str)>,
 }
 
-/// Every way.
+const REBUILD: Way = Way { name: "rebuild", update: Update::Rebuild, setting: None };
+const REFIT: Way = Way { name: "refit", update: Update::Refit, setting: None };
+
+/// Every way to follow an animation.
 pub const WAYS: &[Way] = &[
-    Way { name: "rebuild", update: Update::Rebuild, setting: None },
-    Way { name: "refit", update: Update::Refit, setting: None },
+    REBUILD,
+    REFIT,
     // At 8 frames the last two are refits after a rebuild.
     Way { name: "refit, rebuild every 3", update: Update::Refit, setting: Some(("rebuild_every", "3")) },
 ];
+
+/// Every way to another frame of the camera's path. What comes of each depends on the first frame and this one alone, whatever lies
+/// between them.
+pub const WALKED: &[Way] = &[Way { name: "reuse", update: Update::Reuse, setting: None }, REFIT, REBUILD];
 
 impl Way {
     /// The tracer as it goes this way, if it can.
@@ -50,17 +63,24 @@ impl Way {
     }
 }
 
-/// Measures every scene of a plan that moves.
+/// Measures every scene of a plan that moves, or that the camera moves through.
 ///
 /// # Errors
 /// [`RunError`] as its variants say.
 pub fn execute(table: &Table, plan: &Plan, frames: u32, context: &Context<'_>) -> Result<Run, RunError> {
     let mut run = measure::begin(std::slice::from_ref(plan), context);
     run.table = Some(table.name.to_owned());
-    let passes = plan.preset.sampling.least_rounds.div_ceil(frames);
+    let walked = table.subject == Subject::Walked;
+    let samples = plan.preset.sampling.least_rounds;
+    // Every frame of a film is counted, of a walk one frame at a time.
+    let passes = if walked { samples } else { samples.div_ceil(frames) };
     let mut updates = UpdatesRecord { frames, passes, scenes: Vec::new() };
     for (index, scene) in measure::load(plan, context.progress)?.into_iter().enumerate() {
         if !context.takes(index) {
+            continue;
+        }
+        if walked {
+            updates.scenes.extend(walk::measure(index, plan, scene, frames, passes, &mut run, context)?);
             continue;
         }
         if scene.animation.is_none() {
@@ -70,7 +90,7 @@ pub fn execute(table: &Table, plan: &Plan, frames: u32, context: &Context<'_>) -
         }
         let film = Followed::new(scene, frames)?;
         updates.scenes.push(film.record());
-        measure_scene(index, plan, film, passes, &mut run, context)?;
+        measure_film(index, plan, film, passes, &mut run, context)?;
     }
     if run.runs.is_empty() && context.shard.is_none() {
         let reason = |skipped: &Skipped| format!("{}: {}", skipped.scene, skipped.reason);
@@ -108,7 +128,7 @@ impl Followed {
 
     fn record(&self) -> SceneFollowed {
         let (scene, scene_sha256) = (self.scene.name.clone(), self.scene.sha256.clone());
-        SceneFollowed { scene, scene_sha256, times_s: self.times_s.clone() }
+        SceneFollowed { scene, scene_sha256, times_s: self.times_s.clone(), walked: Vec::new() }
     }
 }
 
@@ -119,20 +139,58 @@ fn farthest(from: &[[f32; 3]], to: &[[f32; 3]]) -> f64 {
 }
 
 /// A tracer as it stands in the table, and the way that it goes.
+#[derive(Clone)]
 struct Role<'a> {
     /// Without what the way sets.
     request: &'a TracerRequest,
-    /// None for a build over the last frame.
+    /// None for a build over the frame that is traced.
     way: Option<&'static Way>,
+    /// The frame, where rays are traced at every one.
+    frame: Option<u32>,
+    /// What makes its structure stale there.
+    stale_by: Vec<String>,
 }
 
 impl Role<'_> {
     fn way(&self) -> &'static str {
         self.way.map_or(FRESH_BUILD, |way| way.name)
     }
+
+    /// The way, and the frame where there are several.
+    fn said(&self) -> String {
+        self.frame.map_or_else(|| self.way().to_owned(), |frame| format!("{}, frame {frame}", self.way()))
+    }
+
+    /// What is asked for, if the tracer can go the way. Not being able to measure one is no error.
+    fn asked(&self) -> Option<Request> {
+        let going = self.way.map_or_else(|| Some(self.request.clone()), |way| way.taken_by(self.request))?;
+        let tracer = TracerRequest { required: false, ..going };
+        Some(Request { tracer, follows: self.way.map(|way| way.update) })
+    }
 }
 
-fn measure_scene(
+/// Every tracer of a plan with the ways that it can go; in the run, what their methods do not have. `None` is a fresh build.
+fn roles<'a>(plan: &'a Plan, scene: &str, ways: &[Option<&'static Way>], run: &mut Run) -> Vec<Role<'a>> {
+    let mut roles = Vec::new();
+    // A tracer's ways stand together.
+    for request in &plan.tracers {
+        for way in ways.iter().copied() {
+            let role = Role { request, way, frame: None, stale_by: Vec::new() };
+            let Some(asked) = role.asked() else { continue };
+            let served = asked.follows.map_or(Ok(()), |update| (request.registration.describe)().serves(update));
+            match served {
+                Ok(()) => roles.push(role),
+                Err(error) => {
+                    let (tracer, reason) = (Some(format!("{} ({})", request.name(), role.way())), error.to_string());
+                    run.skipped.push(Skipped { tracer, scene: scene.to_owned(), rays: None, reason });
+                }
+            }
+        }
+    }
+    roles
+}
+
+fn measure_film(
     index: usize,
     plan: &Plan,
     film: Followed,
@@ -140,51 +198,43 @@ fn measure_scene(
     run: &mut Run,
     context: &Context<'_>,
 ) -> Result<(), RunError> {
-    let plan = Plan { time_s: film.scene.time_s, ..plan.clone() };
-    let (mut requests, mut roles, mut unserved) = (Vec::new(), Vec::new(), Vec::new());
-    // A tracer's ways stand together.
-    for request in &plan.tracers {
-        // Not being able to measure one is no error.
-        let optional = |request: TracerRequest| TracerRequest { required: false, ..request };
-        requests.push(Request::of(&optional(request.clone())));
-        roles.push(Role { request, way: None });
-        for way in WAYS {
-            let Some(going) = way.taken_by(request) else { continue };
-            if let Err(error) = (request.registration.describe)().serves(way.update) {
-                unserved.push((request.name(), way.name, error.to_string()));
-                continue;
-            }
-            requests.push(Request { tracer: optional(going), follows: Some(way.update) });
-            roles.push(Role { request, way: Some(way) });
-        }
-    }
-    let sha256 = film.scene.sha256.clone();
-    let film = RefCell::new(Some(film));
-    let prepare = || match film.take() {
-        Some(film) => {
-            let (triangles, materials) =
-                (film.scene.mesh.triangles.clone(), film.scene.mesh.triangle_materials.clone());
-            let placed = measure::placed(&plan, film.scene, context)?;
-            let film = Film { positions: film.positions, triangles, materials, passes };
-            Ok(Placed { film: Some(film), ..placed })
-        }
+    let Followed { scene, positions, .. } = film;
+    let plan = Plan { time_s: scene.time_s, ..plan.clone() };
+    let ways: Vec<_> = std::iter::once(None).chain(WAYS.iter().map(Some)).collect();
+    let roles = roles(&plan, &scene.name, &ways, run);
+    let film = Film::new(&scene, positions, None, passes);
+    measure_roles(index, &plan, scene, Some(film), &roles, run, context)
+}
+
+/// Measures roles in a scene, which is the last frame of the film, if there is one.
+fn measure_roles(
+    index: usize,
+    plan: &Plan,
+    scene: Scene,
+    film: Option<Film>,
+    roles: &[Role<'_>],
+    run: &mut Run,
+    context: &Context<'_>,
+) -> Result<(), RunError> {
+    let asked = roles.iter().filter_map(|role| Some((role, role.asked()?)));
+    let (roles, requests): (Vec<&Role<'_>>, Vec<Request>) = asked.unzip();
+    let sha256 = scene.sha256.clone();
+    let frame = RefCell::new(Some((scene, film)));
+    let prepare = || match frame.take() {
+        Some((scene, film)) => Ok(Placed { film, ..measure::placed(plan, scene, context)? }),
         None => Err(RunError::Nothing("a scene was prepared twice".to_owned())),
     };
-    let effort = Effort::timed(&plan);
+    let effort = Effort::timed(plan);
     let place =
         Place { index, scene_sha256: Some(&sha256), prepare: &prepare, requests: &requests, effort, hook: None };
     let mut found = measure::measure(&place, context)?;
-    for (row, role) in found.rows.iter_mut().zip(&roles) {
+    for (row, role) in found.rows.iter_mut().zip(roles.iter().copied()) {
         if let Ok(row) = row {
             *row = row_of(row.clone(), role);
         }
     }
-    for (tracer, way, reason) in unserved {
-        let (tracer, scene) = (Some(format!("{tracer} ({way})")), found.scene.name.clone());
-        run.skipped.push(Skipped { tracer, scene, rays: None, reason });
-    }
     for (place, refused) in measure::add(run, found) {
-        measure::refuse(run, roles[place].request.name(), Some(roles[place].way()), refused);
+        measure::refuse(run, roles[place].request.name(), Some(&roles[place].said()), refused);
     }
     Ok(())
 }
@@ -194,8 +244,9 @@ fn row_of(run: TracerRun, role: &Role<'_>) -> TracerRun {
     let parameters = records::json_values(&role.request.parameters);
     let mut of_way = run.tracer.parameters.clone();
     of_way.retain(|name, value| parameters.get(name) != Some(value));
+    let (frame, stale_by) = (role.frame, role.stale_by.clone());
     TracerRun {
-        way: Some(WayRecord { name: role.way().to_owned(), parameters: of_way }),
+        way: Some(WayRecord { name: role.way().to_owned(), parameters: of_way, frame, stale_by }),
         tracer: TracerRecord { parameters, changed: role.request.changed.clone(), ..run.tracer },
         ..run
     }

@@ -1,0 +1,92 @@
+//! Cases about what uniform grids over a scene are made of: voxels, as many along every axis.
+
+use glam::{DQuat, DVec3, Vec3};
+use tracebench_api::{Query, TracerError};
+
+use super::sketch::{Camera, RAYS, Shots, Sketch};
+use super::{Case, Feature, Knob, Setup};
+
+/// Edge of a voxel where the scene spans 1 and a grid has 64 of them along it, as in HHZ14.
+pub(super) const VOXEL_EDGE: f64 = 1.0 / 64.0;
+
+pub(super) const THIN_WALLS: Case = Case {
+    name: "thin-walls",
+    summary: "a closed room whose walls are ever thinner than a voxel of a 64-cubed grid; any hit is asked between its inside and \
+              what lies outside",
+    knob: Knob { name: "wall", unit: "64ths of the scene", values: &[4.0, 1.0, 0.25, 0.06, 0.015] },
+    make: thin_walls,
+    feature: Feature {
+        what: "meet both sides of a wall within a fifth of a voxel",
+        least: 0.5,
+        has: |probe, index| probe.surfaces(index, 0.2 * VOXEL_EDGE, 2) == 2,
+    },
+};
+
+fn thin_walls(wall: f64) -> Result<Setup, TracerError> {
+    /// Half of the room's edge: it fills what its turn leaves it of the scene.
+    const HALF: f64 = 0.25;
+    let mut sketch = Sketch::default();
+    for corner in [DVec3::ZERO, DVec3::ONE] {
+        sketch.speck(corner);
+    }
+    // Off the axes, so that no wall is a special one to a grid or to a projection along an axis.
+    let turn = DQuat::from_rotation_y(0.35) * DQuat::from_rotation_x(0.2);
+    let edges = |half: f64| [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| turn * axis * half);
+    let centre = DVec3::splat(0.5);
+    sketch.block(centre, edges(HALF + wall * VOXEL_EDGE));
+    // A wall is a solid: its inner side shows its front to the room.
+    let [x, y, z] = edges(HALF);
+    sketch.block(centre, [x, y, -z]);
+    let camera = Camera { eye: Vec3::new(0.5, 0.5, 0.6), target: Vec3::new(0.5, 0.5, 0.0), ..Camera::default() };
+    let stage = sketch.seen_by(camera)?;
+    let mut shots = Shots::new(28);
+    for index in 0..RAYS {
+        // In view, before the wall that is seen.
+        let mut at = |depth: f64| stage.view.eye + depth * DVec3::new(0.4 * shots.signed(), 0.4 * shots.signed(), -1.0);
+        let start = at(0.05 + 0.1 * (index % 7) as f64 / 7.0);
+        // A quarter ends in the room; the others end at lamps outside.
+        let target = if index % 4 == 0 { at(0.2) } else { at(1.0) };
+        shots.until(start, target);
+    }
+    Ok(stage.with(shots, Query::Any))
+}
+
+pub(super) const LONG_SCENE: Case = Case {
+    name: "long-scene",
+    summary: "blocks along a passage, at last a hundred times as long as it is wide, seen from its end",
+    knob: Knob { name: "length", unit: "widths", values: &[1.0, 4.0, 16.0, 50.0, 100.0] },
+    make: long_scene,
+    feature: Feature {
+        what: "hit a block smaller than a 64th of the scene's diagonal",
+        least: 0.2,
+        has: |probe, index| {
+            probe.triangle(index).is_some_and(|(longest, _)| longest < VOXEL_EDGE * probe.truth.diagonal())
+        },
+    },
+};
+
+fn long_scene(length: f64) -> Result<Setup, TracerError> {
+    /// Blocks stand apart in so many columns, rows and slices a width.
+    const CELLS: [u32; 3] = [2, 2, 2];
+    const HALF_EDGE: f64 = 0.12;
+    let mut sketch = Sketch::default();
+    let mut shots = Shots::new(29);
+    // The passage is 1 by 1 and begins before the eye, which near does not cut.
+    let (low, high) = (DVec3::new(-0.5, -0.5, -0.5 - length), DVec3::new(0.5, 0.5, -0.5));
+    for corner in [low, high] {
+        sketch.speck(corner);
+    }
+    let cell = DVec3::ONE / DVec3::from(CELLS.map(f64::from));
+    let slices = (length * f64::from(CELLS[2])).round() as u32;
+    for slice in 0..slices {
+        for place in 0..CELLS[0] * CELLS[1] {
+            let steps = [place % CELLS[0], place / CELLS[0], slice].map(|step| f64::from(step) + 0.5);
+            let centre = low + cell * DVec3::from(steps) + 0.04 * shots.point();
+            let (x, y) = shots.direction().any_orthonormal_pair();
+            sketch.block(centre, [x, y, x.cross(y)].map(|axis| axis * HALF_EDGE));
+        }
+    }
+    let stage = sketch.seen_by(Camera::default())?;
+    shots.through_centres(&stage.view, RAYS);
+    Ok(stage.with(shots, Query::Closest))
+}

@@ -1,0 +1,233 @@
+//! Walks of a tracer that the eye's moves leave valid, and of one that they do not.
+
+use tracebench_api::{
+    Counter, Description, EndPoint, Hit, HitBuffer, MemoryReport, Parameters, PhaseClock, Preset, Ray, Status,
+    Structure, TraceJob, Tracer, TracerError, Viewpoint,
+};
+use tracebench_bvh::BvhCpu;
+
+use super::*;
+use crate::measure::Journal;
+use crate::peers;
+use crate::plan::{RunPreset, SceneSource};
+use crate::progress::Progress;
+use crate::rays::{RAY_SETS, default_parameters};
+use crate::registry::{Family, Registration};
+use crate::report;
+use crate::results::{Judgement, Sampling, TracerRun};
+use crate::studies::updates::{Walker, execute, walkers};
+use crate::truth::Cache;
+
+/// `bvh-cpu` that finds nothing but what is seen from the eye that it was built for.
+struct Onlooker;
+
+struct Looking {
+    built: Box<dyn Structure>,
+    eye: Vec3,
+}
+
+impl Tracer for Onlooker {
+    fn build(
+        &self,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Box<dyn Structure>, TracerError> {
+        Ok(Box::new(Looking { built: BvhCpu.build(geometry, viewpoint, parameters, clock)?, eye: viewpoint.eye }))
+    }
+}
+
+impl Looking {
+    fn forget(&self, rays: &[Ray], hits: &mut HitBuffer) -> Result<(), TracerError> {
+        for (ray, hit) in rays.iter().zip(hits.host_mut(rays.len())?) {
+            if Vec3::from(ray.origin) != self.eye {
+                *hit = Hit::miss(Status::LeftViews);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Structure for Looking {
+    fn update(
+        &mut self,
+        update: Update,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        if update == Update::Rebuild {
+            self.eye = viewpoint.eye;
+        }
+        self.built.update(update, geometry, viewpoint, parameters, clock)
+    }
+
+    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        self.built.trace(job, hits, clock)?;
+        self.forget(&job.rays.host, hits)
+    }
+
+    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        let counters = self.built.trace_counted(job, hits)?;
+        self.forget(&job.rays.host, hits)?;
+        Ok(counters)
+    }
+
+    fn memory(&self) -> MemoryReport {
+        self.built.memory()
+    }
+
+    fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        self.built.validate(geometry)
+    }
+}
+
+fn onlooker() -> Description {
+    const BOTH: &[Invalidation] = &[Invalidation::Geometry, Invalidation::Viewpoint];
+    let no_refit = Some("it has to look again");
+    Description { name: "onlooker", invalidated_by: BOTH, no_refit, ..tracebench_bvh::description() }
+}
+
+/// Two frames after the first, through a scene that stands still and one that moves.
+fn walked() -> Run {
+    let bvh = Registration::analytic(tracebench_bvh::description, Family::Bvh, |_| Ok(Box::new(BvhCpu)));
+    let onlooker = Registration::sampled(onlooker, Family::Image, |_| Ok(Box::new(Onlooker)));
+    let smoke = RunPreset::named("smoke").unwrap();
+    let plan = Plan {
+        scenes: ["room", "cloth"].map(|name| SceneSource::Catalogue(name.to_owned())).to_vec(),
+        tracers: [bvh, onlooker].map(|each| TracerRequest::of(&each, Preset::Published)).to_vec(),
+        ray_sets: RAY_SETS[..1].to_vec(),
+        ray_parameters: default_parameters(),
+        preset: RunPreset { ray_image: [16, 8], sampling: Sampling::rounds(2), ..smoke },
+        view: ViewRequest::Default,
+        time_s: 0.0,
+        seed: 1,
+        end: EndPoint::Hit,
+        table: Some("view-updates"),
+    };
+    let none = Err(TracerError::Unavailable("none is needed".to_owned()));
+    let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
+    let table = peers::find("view-updates").unwrap();
+    execute(table, &plan, 2, &Context::new(&none, &cache, &quiet, &journal)).unwrap()
+}
+
+fn agreement(row: &TracerRun) -> f64 {
+    let Judgement::Closest(closest) = &row.traces[0].judgement else { panic!("they are closest hits") };
+    closest.agreement.tight.unwrap()
+}
+
+fn rows<'a>(run: &'a Run, scene: &str, tracer: &str, way: &str) -> Vec<&'a TracerRun> {
+    let is = |row: &&TracerRun| {
+        row.scene.name == scene && row.tracer.name == tracer && row.way.as_ref().is_some_and(|of| of.name == way)
+    };
+    run.runs.iter().filter(is).collect()
+}
+
+/// Proves that every frame has its own rays, the same for all ways; that what is reused where nothing invalidates it answers as what
+/// is rebuilt, while what the eye's move invalidates is marked and answers as before (the negative control); that a scene which
+/// moves makes stale what the eye does not.
+#[test]
+fn frames_are_walked_through() {
+    let run = walked();
+    let updates = run.updates.as_ref().unwrap();
+    assert_eq!((updates.frames, updates.passes, updates.scenes.len()), (2, 2, 2));
+    for (scene, moves) in [("room", false), ("cloth", true)] {
+        let followed = updates.scenes.iter().find(|each| each.scene == scene).unwrap();
+        assert_eq!(followed.walked.len(), 3);
+        assert_eq!(followed.walked[0] != followed.walked[1], moves);
+        let [reuse, refit, rebuild] = ["reuse", "refit", "rebuild"].map(|way| rows(&run, scene, "bvh-cpu", way));
+        assert_eq!([reuse.len(), refit.len(), rebuild.len()], [2; 3], "{scene}");
+        let fresh = rows(&run, scene, "bvh-cpu", "fresh build");
+        let mut rays = vec![&fresh[0].traces[0].rays_sha256];
+        for frame in 0..2 {
+            let of = |row: &TracerRun| row.traces[0].rays_sha256.clone();
+            assert_eq!([of(refit[frame]), of(rebuild[frame])], [of(reuse[frame]), of(reuse[frame])]);
+            rays.push(&reuse[frame].traces[0].rays_sha256);
+            let hits = |row: &TracerRun| row.traces[0].hits_sha256.clone();
+            assert_eq!(hits(refit[frame]), hits(rebuild[frame]), "{scene}");
+            assert_eq!(hits(reuse[frame]) == hits(rebuild[frame]), !moves, "{scene}");
+            let stale: &[&str] = if moves { &["geometry"] } else { &[] };
+            assert_eq!(reuse[frame].way.as_ref().unwrap().stale_by, stale);
+            let samples = [reuse[frame], refit[frame], rebuild[frame]].map(|row| row.build.times.samples_ms.len());
+            assert_eq!(samples, [0, 2, 2]);
+            assert!(agreement(rebuild[frame]) > 0.99);
+            let [reused, rebuilt] = ["reuse", "rebuild"].map(|way| rows(&run, scene, "onlooker", way)[frame]);
+            assert!(reused.way.as_ref().unwrap().stale_by.contains(&"viewpoint".to_owned()));
+            assert!(rebuilt.way.as_ref().unwrap().stale_by.is_empty());
+            assert!(agreement(reused) < 0.5 && agreement(rebuilt) > 0.99, "{scene} {}", agreement(reused));
+        }
+        rays.sort_unstable();
+        rays.dedup();
+        assert_eq!(rays.len(), 3, "{scene}: the same rays at two frames");
+        assert!(rows(&run, scene, "onlooker", "refit").is_empty());
+    }
+    let said: Vec<_> = run.skipped.iter().map(|each| (each.tracer.as_deref(), each.reason.as_str())).collect();
+    // Once a scene, not once a frame.
+    assert_eq!(said.len(), 2, "{said:?}");
+    assert!(said.iter().all(|(tracer, reason)| *tracer == Some("onlooker (refit)") && reason.contains("look again")));
+}
+
+/// Proves that the time of all frames is that of the first build, of the updates that there were, and of the traces, that a frame
+/// which could not be measured leaves none, and that the page and the rows show walks, what is stale marked.
+#[test]
+fn all_frames_are_summed_and_shown() {
+    let mut run = walked();
+    let scene = run.updates.as_ref().unwrap().scenes[0].clone();
+    let find = |walkers: &[Walker<'_>], tracer: &str, way: &str| -> (f64, Vec<String>) {
+        let of = |walker: &&Walker<'_>| walker.way == way && walker.frames[0].unwrap().0.tracer.name == tracer;
+        let walker = walkers.iter().find(of).unwrap();
+        (walker.total().unwrap().ms, walker.stale_by.iter().map(|&change| change.to_owned()).collect())
+    };
+    let summed = |way: &str, updated: bool| -> f64 {
+        let fresh = rows(&run, "room", "bvh-cpu", "fresh build")[0];
+        let later = rows(&run, "room", "bvh-cpu", way);
+        let update = |row: &TracerRun| if updated { row.build.times.median_ms } else { 0.0 };
+        let each = later.iter().map(|row| update(row) + row.traces[0].times.median_ms);
+        fresh.build.times.median_ms + fresh.traces[0].times.median_ms + each.sum::<f64>()
+    };
+    let all = walkers(&run, &scene, "primary");
+    assert_eq!(all.len(), 5);
+    for (way, updated) in [("reuse", false), ("refit", true), ("rebuild", true)] {
+        let (ms, stale) = find(&all, "bvh-cpu", way);
+        assert!((ms / summed(way, updated) - 1.0).abs() < 1e-9 && stale.is_empty(), "{way}");
+    }
+    assert_eq!(find(&all, "onlooker", "reuse").1, ["viewpoint"]);
+    let files = report::of_updates(&run).unwrap();
+    let text = |end: &str| {
+        let (_, contents) = files.iter().find(|(name, _)| name == &format!("table_view_updates.{end}")).unwrap();
+        String::from_utf8(contents.clone()).unwrap()
+    };
+    let page = text("md");
+    assert!(page.contains("| onlooker | reuse (**stale**: moved viewpoint) |"), "{page}");
+    assert!(page.contains("| bvh-cpu | reuse |") && page.contains("| bvh-cpu | reuse (**stale**: moved geometry) |"));
+    // Two scenes, five ways, three frames.
+    assert_eq!(text("csv").lines().count(), 1 + 2 * 5 * 3);
+    let lost = run.runs.iter().position(|row| {
+        row.scene.name == "room" && row.way.as_ref().is_some_and(|way| way.name == "rebuild" && way.frame == Some(1))
+    });
+    run.runs.remove(lost.unwrap());
+    let all = walkers(&run, &scene, "primary");
+    let rebuilt = all.iter().find(|walker| walker.way == "rebuild").unwrap();
+    assert!(rebuilt.total().is_none() && rebuilt.frames[1].is_none());
+}
+
+/// Proves that the camera takes the scene's path from begin to end, and that in a scene without one it goes from its viewpoint to
+/// another one.
+#[test]
+fn cameras_move() {
+    let mut scene = tracebench_scenes::procedural("room", 0.05).unwrap();
+    let geometry = Geometry::new(scene.mesh.positions.clone(), scene.mesh.triangles.clone(), None).unwrap();
+    let path = scene.camera_path.clone().unwrap();
+    let along = poses(&scene, &geometry, 4).unwrap();
+    let (first, last) = (path.keys[0], path.keys[path.keys.len() - 1]);
+    assert_eq!([along[0].eye, along[4].eye], [first.eye, last.eye].map(Vec3::from));
+    scene.camera_path = None;
+    let across = poses(&scene, &geometry, 4).unwrap();
+    let own = Pose::from(&scene.cameras[0]);
+    let truth = Truth::new(&geometry, &scene.sha256);
+    let other = crate::viewpoint::other(&own, &scene.cameras, &truth).unwrap();
+    assert_eq!([across[0].eye, across[4].eye], [own.eye, other.eye]);
+    assert!(across[2].eye.distance(own.eye.midpoint(other.eye)) < 1e-6 && across[2].name.contains("0.5"));
+}
