@@ -2,7 +2,7 @@
 //!
 //! Over an animation every tracer and way has a structure of its own, built over the first frame; then all follow frame by frame, in
 //! turn. At the last frame they trace the same rays beside fresh builds over it, by the same measure, judge and controls as a run.
-//! Along the camera's path ([`walk`]) they trace at every frame.
+//! Along the camera's path (`walk`) they trace at every frame.
 
 mod totals;
 mod walk;
