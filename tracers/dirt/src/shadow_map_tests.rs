@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    EndPoint, Geometry, Gpu, Hit, HitBuffer, PhaseClock, Query, Ray, RayBuffer, Residency, Structure, TraceJob, View,
+    EndPoint, Geometry, Gpu, Hit, HitBuffer, PhaseClock, Query, Ray, RayBuffer, Residency, Structure, TraceJob, Update,
+    View,
 };
 use tracebench_tests::{Numbers, gpu, soup};
 
@@ -126,7 +127,7 @@ fn rays_to_the_light_are_looked_up() {
 }
 
 /// Sets that the map cannot answer are traced, hit for hit as without one: closest hits, and a set of which one ray ends
-/// elsewhere.
+/// elsewhere. A rebuild over a scene that has moved draws the map again, from where the light is then.
 #[test]
 fn other_sets_are_traced() {
     let gpu = gpu();
@@ -144,4 +145,14 @@ fn other_sets_are_traced() {
     let [looked_up, traced] = [&with, &without].map(|structure| answer(&gpu, structure, &rays, Query::Any, "2"));
     let agree = looked_up.iter().zip(&traced).filter(|(one, other)| one.is_hit() == other.is_hit()).count();
     assert!(looked_up != traced && agree > rays.len() / 2, "{agree} of {}", rays.len());
+    let moved: Vec<_> = corners.iter().map(|corners| corners.map(|[x, y, z]| [1.5 * x + 2.0, y, z])).collect();
+    let moved = soup(&moved, Some(&gpu));
+    let (mut rebuilt, fresh) = (with, built(&gpu, &moved, &[("shadow_map", "on")]));
+    let mut clock = PhaseClock::new(Some(&gpu));
+    let on = parameters(&[("shadow_map", "on")]);
+    rebuilt.update(Update::Rebuild, &moved, &viewpoint(), &on, &mut clock).unwrap();
+    clock.finish().unwrap();
+    let maps = [&rebuilt, &fresh].map(|structure| structure.shadow_map.as_ref().unwrap());
+    assert!(maps[0].view == maps[1].view && maps[0].view != light_view(&geometry, 63).unwrap());
+    assert!(maps[0].read(&gpu).unwrap() == maps[1].read(&gpu).unwrap());
 }
