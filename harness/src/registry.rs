@@ -11,6 +11,7 @@ pub const TRACERS: &[Registration] = &[
     contenders::ray_query::ROOM,
     contenders::dirt::ROOM,
     contenders::fragment_abuffer::ROOM,
+    contenders::voxel_abuffer::ROOM,
     contenders::screen_dda::ROOM,
 ];
 

@@ -3,11 +3,12 @@
 // in which fragments came.
 
 #import tracebench::dispatch::linear_invocation
+#import tracebench::list_order::{ids, node_words, open, depth_bits, in_order, next_of, ordered_list}
 #import tracebench::fragment_layout::{Storage, word_index}
 
 @group(0) @binding(0) var<uniform> shape: Storage;
 @group(0) @binding(1) var<storage, read_write> pixels: array<u32>;
-@group(0) @binding(2) var<storage, read_write> ids: array<u32>;
+// Binding 2: the nodes.
 // Fragments, and lists that could not be ordered.
 @group(0) @binding(3) var<storage, read_write> taken: array<atomic<u32>>;
 #ifdef DECOUPLED
@@ -15,18 +16,6 @@
 #endif
 
 const WORKGROUP_SIZE: u32 = 64u;
-
-// Nodes of a list that are ordered by insertion; longer lists are merged, which is less work.
-const MOST_INSERTED: u32 = 16u;
-
-// Loops that were begun and not ended by themselves: Mesa's software driver ends the loops of eight lanes together after
-// 65,535 rounds in all.
-var<private> open: u32;
-
-// Depths are positive, so that their bits are in their order.
-fn depth_bits(node: u32) -> u32 {
-    return ids[node * shape.node_words];
-}
 
 // Where what shading needs of a fragment begins.
 fn payload_at(node: u32) -> u32 {
@@ -76,11 +65,6 @@ fn swap_payloads(a: u32, b: u32) {
         ids[second + word] = kept;
 #endif
     }
-}
-
-// Whether a node may stand before another.
-fn in_order(a: u32, b: u32) -> bool {
-    return depth_bits(a) <= depth_bits(b);
 }
 
 // Nodes of equal depth, one after the other: the first of them, and the one of the least payload.
@@ -156,130 +140,6 @@ fn sort_piece(begin: u32, count: u32) {
     }
     finish(tie);
 }
-#else
-fn next_of(link: u32) -> u32 {
-    return ids[(link - 1u) * shape.node_words + 1u];
-}
-
-fn set_next(link: u32, next: u32) {
-    ids[(link - 1u) * shape.node_words + 1u] = next;
-}
-
-// A list of which the first nodes are in order, and whether those are all.
-struct Sorted {
-    list: u32,
-    whole: bool,
-}
-
-// The first nodes of a list by insertion (section 3.3), up to as many as are no work: each stays where it is if it is not before
-// the last, else it goes to its place from the front. Whatever follows them stays linked behind them. Of equal depths the order stays.
-fn insert_first(first: u32) -> Sorted {
-    var list = first;
-    var last = first;
-    var last_bits = depth_bits(first - 1u);
-    var link = next_of(first);
-    var count = 1u;
-    open += 1u;
-    loop {
-        if (link == 0u || count == MOST_INSERTED) {
-            open -= 1u;
-            break;
-        }
-        count += 1u;
-        let next = next_of(link);
-        let bits = depth_bits(link - 1u);
-        if (bits >= last_bits) {
-            last = link;
-            last_bits = bits;
-        } else {
-            set_next(last, next);
-            var before = 0u;
-            var after = list;
-            open += 1u;
-            loop {
-                if (bits < depth_bits(after - 1u)) {
-                    open -= 1u;
-                    break;
-                }
-                before = after;
-                after = next_of(after);
-            }
-            set_next(link, after);
-            if (before == 0u) {
-                list = link;
-            } else {
-                set_next(before, link);
-            }
-        }
-        link = next;
-    }
-    return Sorted(list, link == 0u);
-}
-
-// Merge sort from the bottom up: runs of 1, 2, 4, ... nodes, relinked in place. Its n log n rounds stay within the driver's limit
-// for some thousand fragments, insertion alone for some hundred.
-fn sort_list(first: u32) -> u32 {
-    var list = first;
-    var run = 1u;
-    open += 1u;
-    loop {
-        var left = list;
-        list = 0u;
-        var tail = 0u;
-        var merges = 0u;
-        open += 1u;
-        loop {
-            if (left == 0u) {
-                open -= 1u;
-                break;
-            }
-            merges += 1u;
-            var right = left;
-            var left_size = 0u;
-            open += 1u;
-            loop {
-                if (left_size == run || right == 0u) {
-                    open -= 1u;
-                    break;
-                }
-                left_size += 1u;
-                right = next_of(right);
-            }
-            var right_size = run;
-            open += 1u;
-            loop {
-                let no_right = right_size == 0u || right == 0u;
-                if (left_size == 0u && no_right) {
-                    open -= 1u;
-                    break;
-                }
-                var taken_link = left;
-                if (left_size > 0u && (no_right || in_order(left - 1u, right - 1u))) {
-                    left = next_of(left);
-                    left_size -= 1u;
-                } else {
-                    taken_link = right;
-                    right = next_of(right);
-                    right_size -= 1u;
-                }
-                if (tail == 0u) {
-                    list = taken_link;
-                } else {
-                    set_next(tail, taken_link);
-                }
-                tail = taken_link;
-            }
-            left = right;
-        }
-        set_next(tail, 0u);
-        if (merges <= 1u) {
-            open -= 1u;
-            break;
-        }
-        run *= 2u;
-    }
-    return list;
-}
 #endif
 
 @compute @workgroup_size(WORKGROUP_SIZE)
@@ -292,6 +152,7 @@ fn reorder(
     if (index >= shape.pixel_count * shape.buckets) {
         return;
     }
+    node_words = shape.node_words;
 #ifdef CONTIGUOUS
     let begin = pixels[word_index(shape, index, 0u)];
     let count = pixels[word_index(shape, index, 1u)];
@@ -314,11 +175,7 @@ fn reorder(
         }
         return;
     }
-    let inserted = insert_first(first);
-    var link = inserted.list;
-    if (!inserted.whole) {
-        link = sort_list(link);
-    }
+    var link = ordered_list(first);
     pixels[index] = link;
     var tie = Tie(link - 1u, link - 1u);
     var previous = 0u;

@@ -17,12 +17,17 @@ fn size_of(vector: vec3<f32>) -> f32 {
     return max(abs(vector.x), max(abs(vector.y), abs(vector.z)));
 }
 
-// Of corners in the scene's own coordinates: their differences lose the least there.
-fn flat_triangle(view: View, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> FlatTriangle {
+// A triangle's plane in the scene's own coordinates, where differences of corners lose the least: a normal of any length, and a corner.
+struct Facet {
+    across: vec3<f32>,
+    at: vec3<f32>,
+}
+
+// By the two shorter edges: of a thin triangle the longer ones are nearly one line, and their product is noise.
+fn facet(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Facet {
     let ab = b - a;
     let bc = c - b;
     let ca = a - c;
-    // The normal of the two shorter edges: of a thin triangle the longer ones are nearly one line, and their product is noise.
     var first = ab;
     var second = bc;
     var at = b;
@@ -37,13 +42,17 @@ fn flat_triangle(view: View, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> FlatTr
         at = a;
     }
     // Of edges of size 1 no product underflows in tiny scenes or overflows in huge ones.
-    let across = cross(first / size_of(first), second / size_of(second));
-    let normal = direction_to_eye_space(view, across);
+    return Facet(cross(first / size_of(first), second / size_of(second)), at);
+}
+
+fn flat_triangle(view: View, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> FlatTriangle {
+    let plane = facet(a, b, c);
+    let normal = direction_to_eye_space(view, plane.across);
     let depths = vec3<f32>(
         dot(a - view.eye, view.forward), dot(b - view.eye, view.forward), dot(c - view.eye, view.forward),
     );
     return FlatTriangle(
-        vec4<f32>(normal, dot(across, at - view.eye)),
+        vec4<f32>(normal, dot(plane.across, plane.at - view.eye)),
         vec2<f32>(min(depths.x, min(depths.y, depths.z)), max(depths.x, max(depths.y, depths.z))),
     );
 }

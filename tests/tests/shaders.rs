@@ -153,12 +153,17 @@ fn entry_points_exist() {
             ("shared/fixed_work.wgsl", _) => compute(&["work"], 64),
             ("shared/means_probe.wgsl", _) => compute(&["gather", "search"], 64),
             ("dirt/setup.wgsl", _) => compute(&["see", "list"], 64),
-            ("dirt/trace.wgsl", _) => compute(&["trace", "trace_in_turns", "trace_unanswered"], 64),
+            ("dirt/trace.wgsl" | "voxel-abuffer/trace.wgsl", _) => {
+                compute(&["trace", "trace_in_turns", "trace_unanswered"], 64)
+            }
             ("dirt/store.wgsl", _) => compute(&["store"], 64),
             ("dirt/visibility.wgsl", _) => compute(&["resolve"], 64),
             ("dirt/shadow_map.wgsl", _) => compute(&["look_up"], 64),
             ("dirt/mipmap.wgsl" | "fragment-abuffer/mipmap.wgsl", _) => compute(&["mipmap"], 64),
             ("fragment-abuffer/reorder.wgsl", _) => compute(&["reorder"], 64),
+            ("voxel-abuffer/average.wgsl", _) => compute(&["average"], 64),
+            ("voxel-abuffer/order.wgsl", _) => compute(&["order"], 64),
+            ("voxel-abuffer/voxels.wgsl", _) => compute(&["trace"], 64),
             ("test/triangle_functions.wgsl", _) => compute(&["cross_pairs"], 64),
             ("test/view_functions.wgsl", _) => compute(&["project"], 64),
             ("test/walk_functions.wgsl", _) => compute(&["enter", "walk", "follow", "choose"], 64),

@@ -9,6 +9,7 @@ pub(crate) mod fragment_abuffer;
 pub(crate) mod lbvh_gpu;
 pub(crate) mod ray_query;
 pub(crate) mod screen_dda;
+pub(crate) mod voxel_abuffer;
 
 use std::sync::Arc;
 

@@ -255,7 +255,10 @@ fn without_an_adapter() {
     assert_eq!(result["runs"][0]["tracer"]["name"], "bvh-cpu");
     let skipped = result["skipped"].as_array().unwrap();
     let names_of_skipped: Vec<&str> = skipped.iter().map(|each| each["tracer"].as_str().unwrap()).collect();
-    assert_eq!(names_of_skipped, ["bvh-gpu", "lbvh-gpu", "ray-query", "dirt", "fragment-abuffer", "screen-dda"]);
+    assert_eq!(
+        names_of_skipped,
+        ["bvh-gpu", "lbvh-gpu", "ray-query", "dirt", "fragment-abuffer", "voxel-abuffer", "screen-dda"]
+    );
     assert!(skipped.iter().all(|each| each["reason"].as_str().unwrap().contains("adapter")));
     assert!(result["machine"]["adapter"].is_null());
     assert!(all.stderr.contains("no graphics adapter was found"), "{all:?}");

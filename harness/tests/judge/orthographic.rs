@@ -1,6 +1,7 @@
 //! Causes of methods that see the scene along an axis, each from the smallest scene that shows it.
 
 use super::*;
+use glam::DVec2;
 use tracebench_api::Orthographic;
 
 /// Looks down from z = 2 at |x|, |y| < 2, of 64 x 64 pixels, 1/16 wide, as deep as z = -2.
@@ -10,7 +11,7 @@ fn image() -> Orthographic {
         right: DVec3::X,
         up: DVec3::Y,
         axis: DVec3::NEG_Z,
-        texel: 1.0 / 16.0,
+        texel: DVec2::splat(1.0 / 16.0),
         far: 4.0,
         size: [64, 64],
     }

@@ -1,6 +1,6 @@
 //! How a structure samples the scene: through which images, perspective or orthographic, and how much it keeps at a pixel.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::{Projected, View};
 
@@ -55,8 +55,8 @@ pub struct Orthographic {
     pub up: DVec3,
     /// Unit vector along which pixels look.
     pub axis: DVec3,
-    /// Edge of a pixel, scene units.
-    pub texel: f64,
+    /// Width and height of a pixel, scene units.
+    pub texel: DVec2,
     /// How deep the image reaches, scene units.
     pub far: f64,
     /// Width and height, pixels.
@@ -80,12 +80,12 @@ impl Orthographic {
     /// Projects a point.
     pub fn project(&self, point: DVec3) -> Projected {
         let offset = point - self.origin;
-        let along = |direction: DVec3| offset.dot(direction) / self.texel;
-        Projected { x: along(self.right), y: -along(self.up), depth: offset.dot(self.axis) }
+        let (x, y) = (offset.dot(self.right) / self.texel.x, -offset.dot(self.up) / self.texel.y);
+        Projected { x, y, depth: offset.dot(self.axis) }
     }
 
     fn begin(&self, x: f64, y: f64) -> DVec3 {
-        self.origin + (self.right * x - self.up * y) * self.texel
+        self.origin + self.right * (x * self.texel.x) - self.up * (y * self.texel.y)
     }
 }
 
@@ -155,7 +155,7 @@ mod tests {
             right: DVec3::X,
             up: DVec3::Z,
             axis: DVec3::Y,
-            texel: 0.5,
+            texel: DVec2::splat(0.5),
             far: 8.0,
             size: [10, 6],
         }
@@ -168,7 +168,14 @@ mod tests {
         let projection = Projection::Orthographic(image());
         let at = projection.project(DVec3::new(2.25, 1.0, 0.5)).unwrap();
         assert_eq!((at.x, at.y, at.depth), (2.5, 3.0, 4.0));
-        for (x, y, depth) in [(0.5, 0.5, 1.0), (9.75, 5.25, 7.5), (3.0, 2.0, 0.25)] {
+        let flat = Projection::Orthographic(Orthographic { texel: DVec2::new(0.5, 0.25), ..image() });
+        assert_eq!(flat.project(DVec3::new(2.25, 1.0, 0.5)).map(|at| (at.x, at.y)), Some((2.5, 6.0)));
+        for (projection, (x, y, depth)) in [
+            (projection, (0.5, 0.5, 1.0)),
+            (projection, (9.75, 5.25, 7.5)),
+            (projection, (3.0, 2.0, 0.25)),
+            (flat, (3.0, 2.0, 0.25)),
+        ] {
             let line = projection.line_through(x, y);
             let point = line.origin + line.direction * depth;
             let at = projection.project_inside(point).unwrap();

@@ -1,0 +1,144 @@
+//! The room of `voxel-abuffer`: layers at texels' centres along three axes of the scene's bounds, inside told from outside.
+
+use super::expectation::fails;
+use super::{Column, Expectation, Family, Registration, Remedy, Rule};
+
+pub(crate) const ROOM: Registration = Registration {
+    expectations: EXPECTATIONS,
+    ladder: LADDER,
+    sweep: &["abuffer", "grid"],
+    tune: Some("start_bias"),
+    ..Registration::sampled(tracebench_voxel_abuffer::description, Family::Image, |gpu| {
+        Ok(Box::new(tracebench_voxel_abuffer::VoxelAbuffer::new(gpu?)?))
+    })
+};
+
+const fn few(rule: Rule, most_wrong: f64, reason: &'static str) -> Expectation {
+    Expectation::Bounded { rule, most_wrong, reason }
+}
+
+const OPEN: &str = "nothing is inside of an open surface, but layers say so of all that lies behind it, each image of another part: rays end \
+                    where they leave that, beside the surface and before others";
+const OPEN_SOURCE: &str = "HHZ14, section 6: watertight objects are required for tracing rays accurately";
+const COARSE: &str = "a texel is a part of the scene's bounds, whatever of them is seen: what is small beside the whole, or near the eye, is \
+                      told by few texels and voxels, or by none";
+const COARSE_SOURCE: &str =
+    "HHZ14, section 6: large and complex scenes need large grids and A-buffers; small objects may be missed in those";
+const NEAR_START: &str = "a ray leaves out the first two texels of its way, so as not to meet the surface that it starts on, and with them \
+                          what lies as near";
+const NEAR_START_SOURCE: &str =
+    "HHZ14, section 3.2, which says nothing of rays that start on surfaces; texels follow from section 3.1";
+const BETWEEN: &str =
+    "what covers no texel's centre in any of three images is not stored, and what covers one fills its texel";
+const RIMS: &str = "no axis is without an image that shows the surface from before; what is left is a texel more or less at the rims of open \
+                    plates";
+
+/// Plates that cover many texels, with rims.
+const PLATES: Expectation = few(Rule::HitMiss, 0.04, RIMS);
+
+const EXPECTATIONS: Column = &[
+    (
+        "edge-on",
+        few(
+            Rule::Footprint,
+            0.02,
+            "three projections show every surface from before in one of them (section 3.1), and the average normal chooses it",
+        ),
+    ),
+    ("wires", fails(Rule::HitMiss, 0.2, 0.07, 0.35, BETWEEN, COARSE_SOURCE)),
+    ("leaves", fails(Rule::HitMiss, 16.0, 0.06, 0.3, OPEN, OPEN_SOURCE)),
+    ("close-sheets", fails(Rule::HitMiss, 1e-3, 0.02, 0.4, NEAR_START, NEAR_START_SOURCE)),
+    ("voxel-stack", fails(Rule::HitMiss, 1.0, 0.1, 0.11, OPEN, OPEN_SOURCE)),
+    ("open-mesh", fails(Rule::Footprint, 0.05, 0.03, 0.14, OPEN, OPEN_SOURCE)),
+    ("huge-triangle", fails(Rule::HitMiss, 1e3, 0.08, 0.6, COARSE, COARSE_SOURCE)),
+    (
+        "needles",
+        few(
+            Rule::Footprint,
+            0.01,
+            "needles that tile a plate leave no texel's centre uncovered, and neighbours have one depth",
+        ),
+    ),
+    // As many layers at every texel are more than what one binding, or WebGPU's limits, hold.
+    ("coplanar-copies", Expectation::Refusable { from: 16.0, otherwise: &PLATES }),
+    ("eye-inside-object", fails(Rule::Footprint, 0.05, 0.15, 0.35, COARSE, COARSE_SOURCE)),
+    ("eye-on-surface", fails(Rule::HitMiss, 1e-3, 0.06, 0.4, NEAR_START, NEAR_START_SOURCE)),
+    (
+        "plane-through-eye",
+        few(
+            Rule::Footprint,
+            0.08,
+            "images do not hang on the eye: a plane that holds it is seen like others; what is left is at the ground's rim, which is open",
+        ),
+    ),
+    ("eye-at-vertex", fails(Rule::HitMiss, 1e-3, 0.03, 0.4, COARSE, COARSE_SOURCE)),
+    ("before-near", fails(Rule::HitMiss, 1.5, 0.06, 0.15, NEAR_START, NEAR_START_SOURCE)),
+    ("cube-borders", fails(Rule::HitMiss, 0.1, 0.04, 0.05, OPEN, OPEN_SOURCE)),
+    ("depth-range", fails(Rule::HitMiss, 2.0, 0.1, 0.4, COARSE, COARSE_SOURCE)),
+    ("secondary-depth-ratio", fails(Rule::HitMiss, 6.0, 0.1, 0.4, COARSE, COARSE_SOURCE)),
+    // The images have two and a half texels by a pixel of the faces, and these go with the frame.
+    ("coarse-frame", fails(Rule::HitMiss, 65.0, 0.06, 0.3, COARSE, COARSE_SOURCE)),
+    ("wide-frame", fails(Rule::HitMiss, 1.0, 0.1, 0.25, COARSE, COARSE_SOURCE)),
+    (
+        "surface-starts",
+        few(
+            Rule::HitMiss,
+            0.07,
+            "however close a ray starts, it leaves out the same part of its way; at a grazing angle it is still within the steps that \
+             layers as deep as at their texels' centres make of a slanted floor",
+        ),
+    ),
+    ("cell-borders", PLATES),
+    ("face-cell-borders", few(Rule::HitMiss, 0.06, RIMS)),
+    (
+        "through-view-centre",
+        few(Rule::HitMiss, 0.06, "there are no views; what is left is at the holes of the sphere, which is open"),
+    ),
+    ("flat-tile", PLATES),
+    ("equal-triangles", Expectation::Refusable { from: 256.0, otherwise: &PLATES }),
+    ("stacked-layers", Expectation::Refusable { from: 32.0, otherwise: &PLATES }),
+    ("crowded-pixel", fails(Rule::HitMiss, 8.0, 0.1, 0.15, OPEN, OPEN_SOURCE)),
+    (
+        "thin-walls",
+        few(
+            Rule::HitMiss,
+            0.06,
+            "the layers that a ray passes within a texel are both seen, however near to each other; any hit leaks where the ray comes \
+             from one texel to the next within the wall's steps",
+        ),
+    ),
+    ("long-scene", fails(Rule::Footprint, 4.0, 0.03, 0.5, COARSE, COARSE_SOURCE)),
+];
+
+const LADDER: &[Remedy] = &[
+    Remedy {
+        cause: "one_scale_for_all_axes",
+        parameter: "fit",
+        value: "box",
+        source: "HHZ14, section 3.1, says nothing of the bounds: a cube wastes texels of long and flat scenes",
+    },
+    Remedy {
+        cause: "opposite_normals_cancel",
+        parameter: "average",
+        value: "lines",
+        source: "HHZ14, section 3.1: normals are averaged, and opposite ones choose no image",
+    },
+    Remedy {
+        cause: "steps_of_layers",
+        parameter: "depths",
+        value: "plane",
+        source: "HHZ14, section 3.2: depths of the texel's list are compared, which are those at its centre",
+    },
+    Remedy {
+        cause: "few_halvings",
+        parameter: "binary_steps",
+        value: "24",
+        source: "HHZ14, section 3.2: a binary search of some steps places the hit",
+    },
+    Remedy {
+        cause: "left_out_at_the_start",
+        parameter: "start_bias",
+        value: "1",
+        source: "HHZ14, section 3.2, says nothing of rays that start on surfaces: two texels of their way are left out",
+    },
+];

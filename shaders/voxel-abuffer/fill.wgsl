@@ -1,0 +1,160 @@
+// The pass over the geometry (section 3.1), of one of its three orthographic projections: every fragment goes into its texel's list
+// and its normal into its voxel's sums. By the rasterizer's own sample rule; depth is not tested.
+
+#import tracebench::plane_depth::facet
+#import tracebench::surface::{greatest_of, unit_normal}
+#import tracebench::voxel_space::{DrawnAxis, to_unit, on_image, from_image, dominant_axis, voxel_at, voxel_index, layer_code}
+
+@group(0) @binding(0) var<uniform> drawn: DrawnAxis;
+@group(0) @binding(1) var<storage, read> positions: array<f32>;
+@group(0) @binding(2) var<storage, read> indices: array<u32>;
+#ifdef STORE
+@group(0) @binding(3) var<storage, read> materials: array<u32>;
+@group(0) @binding(4) var<storage, read_write> heads: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> nodes: array<vec2<u32>>;
+@group(0) @binding(7) var<storage, read_write> data: array<vec4<u32>>;
+#ifdef HALVES
+@group(0) @binding(8) var<storage, read_write> further_data: array<vec4<u32>>;
+#endif
+@group(0) @binding(9) var<storage, read_write> sums_x: array<atomic<i32>>;
+@group(0) @binding(10) var<storage, read_write> sums_y: array<atomic<i32>>;
+@group(0) @binding(11) var<storage, read_write> sums_z: array<atomic<i32>>;
+// The fragments that fed a voxel's sums; the last bit: any fragment at all.
+@group(0) @binding(12) var<storage, read_write> fragments: array<atomic<u32>>;
+#endif
+#ifdef VOXELS
+// A bit a voxel.
+@group(0) @binding(9) var<storage, read_write> occupied: array<atomic<u32>>;
+#else
+// Fragments of every axis.
+@group(0) @binding(5) var<storage, read_write> taken: array<atomic<u32>>;
+#endif
+
+// As `NORMAL_UNIT` in tracers/voxel-abuffer/src/grid.rs: sums of normals are integers, so that they do not hang on the order of atomics.
+const NORMAL_UNIT: f32 = 256.0;
+const ANY_FRAGMENT: u32 = 0x80000000u;
+
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+#ifndef TALLY
+    // Depth by place across and down, and a place on the plane.
+    @location(0) @interpolate(flat) plane: vec4<f32>,
+    // The depth there, and the least and greatest of the corners.
+    @location(1) @interpolate(flat) depths: vec3<f32>,
+#endif
+#ifdef STORE
+    @location(2) @interpolate(flat) normal: vec3<f32>,
+    // What is added to the sums, and 1 where it is.
+    @location(3) @interpolate(flat) fed: vec4<i32>,
+    // Material; 1 where the normal points along the axis.
+    @location(4) @interpolate(flat) words: vec2<u32>,
+#endif
+}
+
+fn load_position(corner: u32) -> vec3<f32> {
+    let vertex = indices[corner] * 3u;
+    return vec3<f32>(positions[vertex], positions[vertex + 1u], positions[vertex + 2u]);
+}
+
+fn drawn_place(point: vec3<f32>) -> vec3<f32> {
+    return on_image(drawn.axis, to_unit(drawn.space, point));
+}
+
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> Corner {
+    let a = load_position(index);
+    let place = drawn_place(a);
+    var corner: Corner;
+    corner.position = vec4<f32>(place.x * 2.0 - 1.0, 1.0 - place.y * 2.0, 0.5, 1.0);
+#ifndef TALLY
+    // A triangle's first corner speaks for it.
+    if (index % 3u == 0u) {
+        let b = load_position(index + 1u);
+        let c = load_position(index + 2u);
+        let plane = facet(a, b, c);
+        // In the cube, whose axes may be scaled differently.
+        let across = plane.across / drawn.space.scale;
+        let normal = across / max(greatest_of(across), 1e-30);
+        let on_plane = drawn_place(plane.at);
+        let tilt = on_image(drawn.axis, normal);
+        // Edge-on nothing is drawn but by what corners are snapped.
+        let slope = select(vec2<f32>(0.0), -tilt.xy / tilt.z, (abs(tilt.z) > 1e-12));
+        corner.plane = vec4<f32>(slope, on_plane.xy);
+        let other = drawn_place(b).z;
+        let third = drawn_place(c).z;
+        corner.depths = vec3<f32>(on_plane.z, min(place.z, min(other, third)), max(place.z, max(other, third)));
+#ifdef STORE
+        corner.normal = unit_normal(b - a, c - a);
+        let axis = dominant_axis(normal);
+        // Of corners in a line there is none, and what a rasterizer may draw of them adds nothing.
+        var unit = vec3<f32>(0.0);
+        if (greatest_of(across) > 0.0) {
+            unit = normalize(normal);
+        }
+        if (drawn.as_lines == 1u && unit[axis] < 0.0) {
+            unit = -unit;
+        }
+        let feeds = drawn.fed_by == 0u || axis == drawn.axis;
+        corner.fed = vec4<i32>(vec3<i32>(round(unit * NORMAL_UNIT)), select(0, 1, feeds));
+        corner.words = vec2<u32>(materials[index / 3u], select(0u, 1u, (tilt.z > 0.0)));
+#endif
+    }
+#endif
+    return corner;
+}
+
+#ifdef STORE
+fn store_fragment(texel: vec2<u32>, depth: f32, in: Corner) {
+    // Beyond the capacity nothing is stored and the count goes on: the host sees what is missing.
+    let node = atomicAdd(&taken[drawn.axis], 1u);
+    if (node >= drawn.capacity) {
+        return;
+    }
+    let link = atomicExchange(&heads[texel.y * drawn.space.image + texel.x], node + 1u);
+    nodes[node] = vec2<u32>(layer_code(depth, in.words.y == 1u), link);
+    let record = vec4<u32>(bitcast<vec3<u32>>(in.normal), in.words.x);
+#ifdef HALVES
+    if (node >= drawn.half_nodes) {
+        further_data[node - drawn.half_nodes] = record;
+        return;
+    }
+#endif
+    data[node] = record;
+}
+
+fn feed(voxel: u32, fed: vec4<i32>) {
+    if (fed.w == 0) {
+        atomicOr(&fragments[voxel], ANY_FRAGMENT);
+        return;
+    }
+    atomicAdd(&sums_x[voxel], fed.x);
+    atomicAdd(&sums_y[voxel], fed.y);
+    atomicAdd(&sums_z[voxel], fed.z);
+    atomicAdd(&fragments[voxel], 1u);
+}
+#endif
+
+#ifdef TALLY
+// How many fragments an axis has, before there is room for any.
+@fragment
+fn fragment(in: Corner) -> @location(0) vec4<f32> {
+    atomicAdd(&taken[drawn.axis], 1u);
+    return vec4<f32>(0.0);
+}
+#else
+@fragment
+fn fragment(in: Corner) -> @location(0) vec4<f32> {
+    // By the plane at the texel's centre: what a rasterizer interpolates is the driver's own.
+    let place = in.position.xy / f32(drawn.space.image);
+    let on_plane = in.depths.x + dot(in.plane.xy, place - in.plane.zw);
+    let depth = clamp(clamp(on_plane, in.depths.y, in.depths.z), 1e-30, 0.9999999);
+    let voxel = voxel_index(drawn.space, voxel_at(drawn.space, from_image(drawn.axis, vec3<f32>(place, depth))));
+#ifdef VOXELS
+    atomicOr(&occupied[voxel >> 5u], 1u << (voxel & 31u));
+#else
+    store_fragment(vec2<u32>(in.position.xy), depth, in);
+    feed(voxel, in.fed);
+#endif
+    return vec4<f32>(0.0);
+}
+#endif

@@ -1,0 +1,265 @@
+// The trace through voxels and A-buffers (section 3.2): a ray goes through the grid voxel by voxel; in one that has anything its
+// points are told inside or outside by the layers of one of three images, and where that changes it has met a surface.
+
+#import tracebench::types::{Ray, Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP, SURFACE_NO_HIT, SURFACE_WRITTEN, SURFACE_LOST}
+#import tracebench::dispatch::linear_invocation
+#import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
+#import tracebench::image_walk::Span
+#import tracebench::voxel_space::{to_unit, on_image, from_image, dominant_axis, voxel_at}
+#import tracebench::voxel_walk::{span_in_cube, leaves_voxel, next_voxel, is_in_grid}
+#import tracebench::voxel_store::{search, ray, origin, direction, open, work, counted, code_of, head_of, load_node, load_data, COUNTS, STEPPED, STARTS_INSIDE, EMPTY, CANCELLED}
+#import tracebench::voxel_search::{found, found_t, found_axis, found_texel, start_t, texel_t, start_side, run_axis, NO_AXIS, take_image, side_at, search_voxel}
+
+@group(0) @binding(1) var<storage, read> rays: array<Ray>;
+@group(0) @binding(2) var<storage, read_write> hits: array<Hit>;
+#ifdef SURFACES
+@group(0) @binding(3) var<storage, read_write> surfaces: array<Surface>;
+#endif
+
+// The voxel that the ray has hit something in.
+var<private> found_voxel: vec3<i32>;
+
+// The image that a voxel's code chooses; where normals have cancelled, or there are none, that along which the ray goes most.
+fn chosen_axis(code: u32) -> u32 {
+    return select(code - 1u, dominant_axis(direction), (code == EMPTY || code == CANCELLED));
+}
+
+fn find_hit(given: Ray) {
+    // Nothing is left of the ray before.
+    found = false;
+    open = 0u;
+    run_axis = NO_AXIS;
+#ifdef COUNTERS
+    work = array<u32, 6>();
+#endif
+    ray = given;
+    let space = search.space;
+    origin = to_unit(space, ray.origin);
+    direction = ray.direction * space.scale;
+    var span = span_in_cube(origin, direction, Span(ray.t_min, ray.t_max));
+    if (!(span.begin <= span.end)) {
+        return;
+    }
+    texel_t = 1.0 / (f32(space.image) * length(direction));
+    if (span.begin <= ray.t_min) {
+        span.begin = ray.t_min + search.start_bias * texel_t;
+        if (!(span.begin <= span.end)) {
+            return;
+        }
+    }
+    let edge = f32(space.grid);
+    let heading = vec3<i32>(sign(direction));
+    var voxel = voxel_at(space, origin + direction * span.begin);
+    var t = span.begin;
+    start_t = t;
+#ifdef COUNTERS
+    let tells_start = true;
+#else
+    let tells_start = search.by_change == 0u;
+#endif
+    if (tells_start) {
+        let axis = chosen_axis(code_of(voxel));
+        take_image(axis);
+        start_side = side_at(axis, t);
+    }
+#ifdef COUNTERS
+    work[STARTS_INSIDE] = select(0u, 1u, (start_side != 0));
+#endif
+    open += 1u;
+    loop {
+#ifdef COUNTERS
+        work[STEPPED] += 1u;
+#endif
+        let leaves = leaves_voxel(origin, direction, heading, voxel, edge);
+        let exit = clamp(min(leaves.x, min(leaves.y, leaves.z)), t, span.end);
+        let code = code_of(voxel);
+        if (code == EMPTY) {
+            run_axis = NO_AXIS;
+        } else {
+            search_voxel(chosen_axis(code), t, exit);
+        }
+        if (found || exit >= span.end) {
+            found_voxel = voxel;
+            open -= 1u;
+            break;
+        }
+        voxel = next_voxel(voxel, heading, leaves);
+        if (!is_in_grid(voxel, space.grid)) {
+            open -= 1u;
+            break;
+        }
+        t = exit;
+    }
+    found_t = clamp(found_t, ray.t_min, ray.t_max);
+}
+
+#ifdef SURFACES
+// The layer that is nearest to where the ray has hit: texels from there, squared, its axis and its node.
+struct Nearest {
+    distance: f32,
+    axis: u32,
+    node: u32,
+    any: bool,
+}
+
+// The nearest of what is known and the layers of a texel. `place`: texels across and down, depth in texels.
+fn nearest_in(known: Nearest, axis: u32, texel: vec2<u32>, place: vec3<f32>) -> Nearest {
+    var nearest = known;
+    let edge = f32(search.space.image);
+    let aside = vec2<f32>(texel) + 0.5 - place.xy;
+    var link = head_of(axis, texel);
+    open += 1u;
+    loop {
+        if (link == 0u) {
+            open -= 1u;
+            break;
+        }
+        let node = load_node(axis, link - 1u);
+        let along = bitcast<f32>(node.x) * edge - place.z;
+        let distance = dot(aside, aside) + along * along;
+        if (!nearest.any || distance < nearest.distance) {
+            nearest = Nearest(distance, axis, link - 1u, true);
+        }
+        link = node.y;
+    }
+    return nearest;
+}
+
+// The layer of the hit's own texel that is nearest in depth. Where it has none, as the ray has come out of the others' layers there, the
+// nearest of those in the images of the hit's voxel, which has one at least.
+fn surface_of_hit() -> Surface {
+    let edge = f32(search.space.image);
+    let unit = origin + direction * found_t;
+    var nearest = Nearest(0.0, 0u, 0u, false);
+    nearest = nearest_in(nearest, found_axis, found_texel, on_image(found_axis, unit) * edge);
+    if (!nearest.any) {
+        let voxel = vec3<f32>(found_voxel);
+        let texels = edge / f32(search.space.grid);
+        var axis = 0u;
+        open += 1u;
+        loop {
+            if (axis == 3u) {
+                open -= 1u;
+                break;
+            }
+            let corner = on_image(axis, voxel).xy * texels;
+            let low = vec2<u32>(clamp(floor(corner), vec2<f32>(0.0), vec2<f32>(edge - 1.0)));
+            let high = vec2<u32>(clamp(floor(corner + texels), vec2<f32>(0.0), vec2<f32>(edge - 1.0)));
+            let width = high.x + 1u - low.x;
+            let count = width * (high.y + 1u - low.y);
+            var index = 0u;
+            open += 1u;
+            loop {
+                if (index >= count) {
+                    open -= 1u;
+                    break;
+                }
+                let texel = low + vec2<u32>(index % width, index / width);
+                nearest = nearest_in(nearest, axis, texel, on_image(axis, unit) * edge);
+                index += 1u;
+            }
+            axis += 1u;
+        }
+    }
+    if (!nearest.any) {
+        return no_surface(SURFACE_LOST);
+    }
+    let data = load_data(nearest.axis, nearest.node);
+    let position = ray.origin + ray.direction * found_t;
+    return Surface(position, data.w, bitcast<vec3<f32>>(data.xyz), SURFACE_WRITTEN);
+}
+#endif
+
+#ifdef SURFACES
+var<private> found_surface: Surface;
+#endif
+
+// What is found of a ray; with open loops the driver has cut its search off.
+fn search_ray(index: u32) {
+    find_hit(rays[index]);
+#ifdef SURFACES
+    found_surface = no_surface(SURFACE_NO_HIT);
+    if (found && open == 0u) {
+        found_surface = surface_of_hit();
+    }
+#endif
+}
+
+fn write_answer(index: u32) {
+    if (open > 0u) {
+        hits[index] = miss(STATUS_STEP_CAP);
+    } else if (found) {
+        hits[index] = Hit(found_t, NO_PRIMITIVE, 0.0, 0.0, STATUS_HIT);
+    } else {
+        // Nothing is outside of the cube: who leaves it has missed.
+        hits[index] = miss(STATUS_MISS);
+    }
+#ifdef SURFACES
+    if (open > 0u) {
+        found_surface = no_surface(SURFACE_NO_HIT);
+    }
+    surfaces[index] = found_surface;
+#endif
+#ifdef COUNTERS
+    for (var count = 0u; count < COUNTS; count++) {
+        atomicStore(&counted[2u * search.touched_words + index * COUNTS + count], work[count]);
+    }
+#endif
+}
+
+// A ray a lane.
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    if (index < search.ray_count) {
+        search_ray(index);
+        write_answer(index);
+    }
+}
+
+// Several rays a lane, one after the other. Rays that are cut off, and those behind them, are left unanswered.
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace_in_turns(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    var turns = turns_of(workgroup, workgroups, local, 0u, search.ray_count, search.rays_per_lane);
+    loop {
+        if (turns.ray >= turns.end) {
+            break;
+        }
+        search_ray(turns.ray);
+        if (open > 0u) {
+            break;
+        }
+        write_answer(turns.ray);
+        turns.ray += WORKGROUP_SIZE;
+    }
+}
+
+// Whether a ray of the workgroup has no answer.
+var<workgroup> unanswered: atomic<u32>;
+
+// After that: a ray a lane in every workgroup that has one without an answer. All of its rays are answered again, so that the same
+// ones run together, and are cut off, as where a lane has one ray from the first.
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace_unanswered(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    if (index < search.ray_count && hits[index].status == STATUS_UNWRITTEN) {
+        atomicStore(&unanswered, 1u);
+    }
+    workgroupBarrier();
+    if (atomicLoad(&unanswered) == 1u && index < search.ray_count) {
+        search_ray(index);
+        write_answer(index);
+    }
+}

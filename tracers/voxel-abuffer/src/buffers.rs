@@ -1,0 +1,137 @@
+//! What a build fills: the grid, the heads of lists, and nodes.
+
+use std::num::NonZeroU64;
+
+use tracebench_api::wgpu::{BindingResource, Buffer, BufferBinding};
+use tracebench_api::{Gpu, Ledger, TracerError};
+use tracebench_kit::{EmptyTarget, storage_buffer};
+
+use crate::layout::{AXES, AXIS_NAMES, Layout};
+use crate::nodes::{Nodes, TURN_DOWN};
+
+const TURN_GRID_DOWN: &str = "voxel-abuffer.grid (or voxel-abuffer.abuffer and --face, where that is 0)";
+
+const HEADS: &str = "heads";
+const TAKEN: &str = "fragment counts";
+const FRAGMENTS: &str = "fragments of voxels";
+const TARGET: &str = "attachment of the axes' images";
+
+/// What a build left in the counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Taken {
+    /// Fragments that were drawn, by axis.
+    pub fragments: [u32; AXES],
+    /// Lists that the driver did not let be ordered.
+    pub unordered: u32,
+    /// Layers that were left out as copies of others.
+    pub copies: u32,
+    /// Voxels with more fragments than their sums hold.
+    pub crowded: u32,
+}
+
+/// Words of the counts, in the order of [`Taken`].
+pub(crate) const TAKEN_WORDS: u64 = 6;
+
+/// The A-buffers, and what averages are made of.
+#[derive(Debug)]
+pub(crate) struct Lists {
+    pub heads: Buffer,
+    pub taken: Buffer,
+    pub nodes: Nodes,
+    /// Sums of normals, a component each.
+    pub sums: [Buffer; AXES],
+    /// Fragments of every voxel.
+    pub fragments: Buffer,
+    head_stride: u32,
+}
+
+/// All buffers.
+#[derive(Debug)]
+pub(crate) struct Buffers {
+    pub target: EmptyTarget,
+    /// What searches read of the grid.
+    pub cells: Buffer,
+    /// None where there are voxels only.
+    pub lists: Option<Lists>,
+}
+
+fn sum_name(axis: usize) -> String {
+    format!("sums of normals, {}", AXIS_NAMES[axis])
+}
+
+impl Buffers {
+    /// Buffers with room for so many nodes of every axis.
+    ///
+    /// # Errors
+    /// [`TracerError::TooLarge`] beyond the device's limits.
+    pub(crate) fn new(gpu: &Gpu, layout: &Layout, nodes: [u32; AXES]) -> Result<Self, TracerError> {
+        check_image(gpu, layout)?;
+        let cells = storage_buffer(gpu, cells_name(layout), u64::from(layout.cell_words()) * 4, TURN_GRID_DOWN)?;
+        let lists = if layout.voxels_only { None } else { Some(Lists::new(gpu, layout, nodes)?) };
+        let target = EmptyTarget::new(gpu, TARGET, [layout.image(); 2])?;
+        Ok(Self { target, cells, lists })
+    }
+
+    /// What the last build left.
+    pub(crate) fn taken(&self, gpu: &Gpu) -> Result<Taken, TracerError> {
+        let Some(lists) = &self.lists else { return Ok(Taken::default()) };
+        let read: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&lists.taken, TAKEN_WORDS * 4)?);
+        let [x, y, z, unordered, copies, crowded] = read[..] else {
+            return Err(TracerError::Failed("the counts were not read whole".to_owned()));
+        };
+        Ok(Taken { fragments: [x, y, z], unordered, copies, crowded })
+    }
+
+    /// Enters every buffer; `taken` is what the last build left.
+    pub(crate) fn enter(&self, layout: &Layout, taken: &Taken, ledger: &mut Ledger) {
+        let mut keep = |name: &str, buffer: &Buffer| ledger.keep(name, buffer.size(), buffer.size());
+        keep(cells_name(layout), &self.cells);
+        if let Some(lists) = &self.lists {
+            keep(HEADS, &lists.heads);
+            keep(TAKEN, &lists.taken);
+            keep(FRAGMENTS, &lists.fragments);
+            for (axis, sum) in lists.sums.iter().enumerate() {
+                keep(&sum_name(axis), sum);
+            }
+            lists.nodes.enter(taken.fragments, ledger);
+        }
+        self.target.enter(ledger);
+    }
+}
+
+fn cells_name(layout: &Layout) -> &'static str {
+    if layout.voxels_only { "occupied voxels" } else { "axes of voxels" }
+}
+
+/// That the device can draw an image of that edge; drivers would say so in words of their own.
+pub(crate) fn check_image(gpu: &Gpu, layout: &Layout) -> Result<(), TracerError> {
+    let (edge, limit) = (layout.image(), gpu.limits.max_texture_dimension_2d);
+    if edge <= limit {
+        return Ok(());
+    }
+    let (bytes, limit) = (u64::from(edge), u64::from(limit));
+    Err(TracerError::TooLarge { name: TARGET.to_owned(), bytes, limit, turn_down: TURN_DOWN.to_owned() })
+}
+
+impl Lists {
+    fn new(gpu: &Gpu, layout: &Layout, nodes: [u32; AXES]) -> Result<Self, TracerError> {
+        let head_stride = layout.head_stride();
+        let heads = storage_buffer(gpu, HEADS, u64::from(head_stride) * 4 * AXES as u64, TURN_DOWN)?;
+        let grid = |name: &str| storage_buffer(gpu, name, u64::from(layout.voxels()) * 4, TURN_GRID_DOWN);
+        Ok(Self {
+            heads,
+            taken: storage_buffer(gpu, TAKEN, TAKEN_WORDS * 4, "nothing")?,
+            sums: [grid(&sum_name(0))?, grid(&sum_name(1))?, grid(&sum_name(2))?],
+            fragments: grid(FRAGMENTS)?,
+            nodes: Nodes::new(gpu, nodes)?,
+            head_stride,
+        })
+    }
+
+    /// An axis' own of the heads.
+    pub(crate) fn heads_of(&self, axis: usize) -> BindingResource<'_> {
+        let bytes = u64::from(self.head_stride) * 4;
+        let offset = bytes * axis as u64;
+        BindingResource::Buffer(BufferBinding { buffer: &self.heads, offset, size: NonZeroU64::new(bytes) })
+    }
+}

@@ -1,0 +1,182 @@
+//! The parameters of `voxel-abuffer`.
+
+use tracebench_api::ParameterScope::{Build, Trace};
+use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
+use tracebench_kit::{Reads, rays_per_lane_parameter, reads_parameter};
+
+use crate::layout::layouts;
+
+choice! {
+    /// What there is beside the grid.
+    pub(crate) enum Held { TwoLevel = "two-level", VoxelsOnly = "voxels-only" }
+}
+
+choice! {
+    /// What the scene's bounds are mapped to.
+    pub(crate) enum Fit { Cube = "cube", Box = "box" }
+}
+
+choice! {
+    /// Which fragments feed the average normals; in the order of the shader's codes.
+    pub(crate) enum Fed { All = "all", Dominant = "dominant" }
+}
+
+choice! {
+    /// What is averaged; in the order of the shader's codes.
+    pub(crate) enum Averaged { Normals = "normals", Lines = "lines" }
+}
+
+choice! {
+    /// Where a voxel's A-buffer is looked at.
+    pub(crate) enum Looked { Dda2d = "dda2d", ThreeStep = "three-step", OneStep = "one-step" }
+}
+
+choice! {
+    /// What is asked of a texel that a ray crosses.
+    pub(crate) enum InTexel { Layers = "layers", Exit = "exit" }
+}
+
+choice! {
+    /// Where in its texel a layer is how deep.
+    pub(crate) enum Depths { Centre = "centre", Plane = "plane" }
+}
+
+choice! {
+    /// How inside is told; in the order of the shader's codes.
+    pub(crate) enum Inside { Parity = "parity", Nesting = "nesting" }
+}
+
+choice! {
+    /// What ends a ray; in the order of the shader's codes.
+    pub(crate) enum Crossing { State = "state", Change = "change" }
+}
+
+parameters! {
+    /// What `voxel-abuffer` is told.
+    pub(crate) struct VoxelParameters {
+        abuffer: u32 = Parameter::integer(
+            Build,
+            0..=16_384,
+            0,
+            "edge of each of the three images: more are nearer to the surfaces and take memory by the square; 0: two and a half faces of the \
+             viewpoint, which is the paper's 1280 at faces of 512 (section 5)",
+        )
+        .unit("texels")
+        .sweep([160, 320, 640, 1280]),
+        grid: u32 = Parameter::integer(
+            Build,
+            0..=1024,
+            0,
+            "edge of the grid: coarse ones have several surfaces in a voxel, fine ones take steps and memory by the cube; 0: the root of three \
+             times the edge of an image (section 5), rounded up to a multiple of 8, which is the paper's 64 at 1280",
+        )
+        .unit("voxels")
+        .sweep([16, 32, 64, 128]),
+        structure: Held = Parameter::choice(
+            Build,
+            Held::TwoLevel,
+            "grid and A-buffers, or a bit a voxel alone, where a ray ends as it enters a voxel that has anything (Figure 9); that has no \
+             surfaces to give",
+        ),
+        fit: Fit = Parameter::choice(
+            Build,
+            Fit::Cube,
+            "what the scene's bounds are mapped to: a cube, by one scale, or the whole of it by a scale an axis, which wastes nothing of long \
+             and flat scenes and makes texels oblong",
+        )
+        .improved(Fit::Box),
+        average_from: Fed = Parameter::choice(
+            Build,
+            Fed::All,
+            "which fragments feed a voxel's average normal: those of all three projections, or each triangle's own by the axis along which its \
+             normal is longest, which count area alike",
+        ),
+        average: Averaged = Parameter::choice(
+            Build,
+            Averaged::Normals,
+            "what a voxel averages: normals (section 3.1), of which opposite ones cancel, or normals as lines, turned so that their longest \
+             component is positive, of which they do not",
+        )
+        .improved(Averaged::Lines),
+        cancelled_below: f64 = Parameter::real(
+            Build,
+            0.0..=1.0,
+            0.1,
+            "length of an average normal below which it says nothing, as opposite normals have cancelled: the image is then that along which \
+             the ray goes most",
+        )
+        .sweep([0.0, 0.1, 0.25, 0.5]),
+        search: Looked = Parameter::choice(
+            Trace,
+            Looked::Dda2d,
+            "where in a voxel a ray's side is asked: in every texel that it crosses, at three points or at one (section 3.2), which is faster \
+             and misses what lies between",
+        ),
+        in_texel: InTexel = Parameter::choice(
+            Trace,
+            InTexel::Layers,
+            "what dda2d asks of a texel that a ray crosses: the layers that it passes there and the side on which it enters, or the side on \
+             which it leaves alone, which does not see what it crosses twice in a texel: thin walls, and gaps between solids",
+        ),
+        depths: Depths = Parameter::choice(
+            Trace,
+            Depths::Centre,
+            "how deep a layer is where it is compared with a ray: as at its texel's centre, so that slanted surfaces have steps, or as \
+             its plane is there, which reads the normal of every layer",
+        )
+        .improved(Depths::Plane),
+        binary_steps: u32 = Parameter::integer(
+            Trace,
+            0..=32,
+            8,
+            "halvings between the last two points of a search; none for any hit (section 3.2)",
+        )
+        .unit("halvings")
+        .sweep([0, 2, 4, 8, 16]),
+        inside: Inside = Parameter::choice(
+            Trace,
+            Inside::Parity,
+            "how the layers before a point tell whether it is inside: by their number's parity, or by their facings, an object entered where \
+             one faces the image and left where it does not, which takes objects in one another and asks for normals that point outwards",
+        ),
+        crossing: Crossing = Parameter::choice(
+            Trace,
+            Crossing::Change,
+            "where a ray ends: at the first point that is not on the side on which it enters the voxels that are searched by one image \
+             (section 3.2 asks of the entry point), or not on the one on which it starts, so that a wrong start and what lies behind an \
+             open mesh end it",
+        ),
+        start_bias: f64 = Parameter::real(
+            Trace,
+            0.0..=64.0,
+            2.0,
+            "texels of its way that a ray leaves out which starts within the scene's bounds: small tells starts on the wrong side of the \
+             surface that they lie on, large misses what lies close to it",
+        )
+        .unit("texels")
+        .improved(1.0)
+        .sweep([0.0, 0.5, 1.0, 2.0, 4.0]),
+        reads: Reads = reads_parameter(),
+        rays_per_lane: u32 = rays_per_lane_parameter(),
+    }
+}
+
+/// Why there is no refit.
+pub(crate) const NO_REFIT: &str = "voxel-abuffer has no shape to keep: its fragments are drawn again or reused";
+
+/// What `voxel-abuffer` is and takes.
+pub fn description() -> Description {
+    Description {
+        name: "voxel-abuffer",
+        citation: "Hu, Huang, Zhang, Yuan, Li: Ray tracing via GPU rasterization, The Visual Computer 2014",
+        summary: "a grid of averaged normals over every fragment of three orthographic images, rays told inside from outside",
+        residency: Residency::Device,
+        invalidated_by: &[Invalidation::Geometry, Invalidation::Resolution],
+        names_primitives: false,
+        ends: &EndPoint::ALL,
+        queries: &Query::ALL,
+        no_refit: Some(NO_REFIT),
+        parameters: VoxelParameters::describe(),
+        layouts: layouts(),
+    }
+}

@@ -1,0 +1,189 @@
+//! The structure of one scene.
+
+use std::sync::Arc;
+
+use tracebench_api::{
+    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, Structure,
+    TraceJob, Tracer, TracerError, Update, Viewpoint,
+};
+use tracebench_kit::{LastCount, grow};
+
+use crate::arrays::Arrays;
+use crate::buffers::{Buffers, Taken};
+use crate::build::{Pipelines, build_uniform_bytes};
+use crate::description::{NO_REFIT, VoxelParameters};
+use crate::layout::{AXES, Layout};
+use crate::nodes::Nodes;
+use crate::search::VoxelSearch;
+
+/// The tracer.
+pub struct VoxelAbuffer {
+    pipelines: Arc<Pipelines>,
+    /// How many fragments each axis of the last scene has that was counted.
+    counted: LastCount<Layout, [u32; AXES]>,
+}
+
+/// Grid and A-buffers.
+pub(crate) struct VoxelStructure {
+    pub pipelines: Arc<Pipelines>,
+    pub layout: Layout,
+    pub buffers: Buffers,
+    pub arrays: Arrays,
+}
+
+impl VoxelAbuffer {
+    /// Makes it for a device.
+    ///
+    /// # Errors
+    /// [`TracerError::Unavailable`] if the device's limits forbid it.
+    pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        Ok(Self { pipelines: Arc::new(Pipelines::new(gpu)?), counted: LastCount::default() })
+    }
+
+    pub(crate) fn build_structure(
+        &self,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<VoxelStructure, TracerError> {
+        let gpu = &*self.pipelines.gpu;
+        let parameters = VoxelParameters::try_from(parameters)?;
+        let layout = Layout::new(geometry, viewpoint, &parameters);
+        let nodes = match layout.voxels_only {
+            true => [0; AXES],
+            false => self.counted.of(geometry, layout.clone(), || self.pipelines.tally(&layout, geometry))?,
+        };
+        let buffers = Buffers::new(gpu, &layout, nodes)?;
+        let arrays = Arrays::new(gpu, parameters.reads, &buffers, None)?;
+        self.pipelines.build(&layout, &buffers, geometry, clock)?;
+        arrays.record_copies(clock)?;
+        Ok(VoxelStructure { pipelines: Arc::clone(&self.pipelines), layout, buffers, arrays })
+    }
+}
+
+impl Tracer for VoxelAbuffer {
+    fn build(
+        &self,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Box<dyn Structure>, TracerError> {
+        Ok(Box::new(self.build_structure(geometry, viewpoint, parameters, clock)?))
+    }
+}
+
+impl VoxelStructure {
+    fn rebuild(&mut self, geometry: &Geometry, layout: Layout, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        let gpu = &*self.pipelines.gpu;
+        let sizes = |layout: &Layout| (layout.voxels_only, layout.image(), layout.space.grid);
+        let new = match sizes(&layout) == sizes(&self.layout) {
+            true => None,
+            false => {
+                let capacities = self.buffers.lists.as_ref().map_or([0; AXES], |lists| lists.nodes.capacities);
+                Some(Buffers::new(gpu, &layout, capacities)?)
+            }
+        };
+        let buffers = new.as_ref().unwrap_or(&self.buffers);
+        let arrays = Arrays::new(gpu, self.arrays.reads(), buffers, Some(&self.arrays))?;
+        self.pipelines.build(&layout, buffers, geometry, clock)?;
+        arrays.record_copies(clock)?;
+        (self.arrays, self.layout) = (arrays, layout);
+        if let Some(buffers) = new {
+            self.buffers = buffers;
+        }
+        Ok(())
+    }
+}
+
+impl Structure for VoxelStructure {
+    fn update(
+        &mut self,
+        update: Update,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        match update {
+            Update::Rebuild => {
+                let layout = Layout::new(geometry, viewpoint, &VoxelParameters::try_from(parameters)?);
+                self.rebuild(geometry, layout, clock)
+            }
+            Update::Refit => Err(TracerError::Unsupported(NO_REFIT.to_owned())),
+            // Nothing of it hangs on the eye.
+            Update::Reuse => Ok(()),
+        }
+    }
+
+    fn make_room(&mut self) -> Result<bool, TracerError> {
+        let gpu = &*self.pipelines.gpu;
+        let taken = self.buffers.taken(gpu)?;
+        let Some(lists) = &mut self.buffers.lists else { return Ok(false) };
+        let fits = taken.fragments.iter().zip(&lists.nodes.capacities).all(|(count, capacity)| count <= capacity);
+        if fits {
+            return check(&taken).map(|()| false);
+        }
+        let reads = self.arrays.reads();
+        let there = lists.nodes.capacities;
+        grow(&taken.fragments, |counts| {
+            // An axis that fits keeps what it has.
+            lists.nodes = Nodes::new(gpu, std::array::from_fn(|axis| counts[axis].max(there[axis])))?;
+            Ok(())
+        })?;
+        self.arrays = Arrays::new(gpu, reads, &self.buffers, Some(&self.arrays))?;
+        Ok(true)
+    }
+
+    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        self.record(&job, hits, None, clock)
+    }
+
+    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        self.count(&job, hits)
+    }
+
+    fn memory(&self) -> MemoryReport {
+        let mut ledger = Ledger::new();
+        // Of a lost device nothing is known to be used.
+        let taken = self.buffers.taken(&self.pipelines.gpu).unwrap_or_default();
+        self.buffers.enter(&self.layout, &taken, &mut ledger);
+        self.arrays.enter(&mut ledger);
+        ledger.borrow_transient(build_uniform_bytes(&self.layout));
+        // Fragments have all that hits and surfaces need.
+        ledger.report(0)
+    }
+
+    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+        VoxelParameters::try_from(job.parameters)?;
+        Ok(vec![MemoryEntry::whole("search", size_of::<VoxelSearch>() as u64)])
+    }
+
+    fn samplings(&self) -> Vec<Sampling> {
+        self.layout.samplings()
+    }
+
+    fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        self.validate_against(geometry)
+    }
+}
+
+/// Whether the driver let every list be ordered, and the grid's sums hold.
+pub(crate) fn check(taken: &Taken) -> Result<(), TracerError> {
+    if taken.unordered > 0 {
+        return Err(TracerError::Failed(format!(
+            "{} lists have more layers than this driver's limit of loops lets be ordered: nothing of voxel-abuffer makes them shorter; take \
+             a scene with fewer surfaces behind one another, or another --adapter",
+            taken.unordered
+        )));
+    }
+    if taken.crowded > 0 {
+        return Err(TracerError::Failed(format!(
+            "{} voxels have more fragments than the sums of their normals hold: turn up voxel-abuffer.grid, or turn down \
+             voxel-abuffer.abuffer",
+            taken.crowded
+        )));
+    }
+    Ok(())
+}

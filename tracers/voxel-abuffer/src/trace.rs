@@ -1,0 +1,158 @@
+//! Tracing on the device.
+
+use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, ComputePipeline};
+use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, TraceJob, TracerError};
+use tracebench_kit::{
+    RayCounts, Reads, bind_arrays, bind_group, bind_group_at, dispatch_rays, rays_within_rounds, uniform_buffer,
+};
+use tracebench_shaders::voxel_abuffer::{Trace, Voxels};
+
+use crate::buffers::Lists;
+use crate::build::Entry;
+use crate::counting::Counting;
+use crate::description::{Depths, VoxelParameters};
+use crate::layout::AXES;
+use crate::search::VoxelSearch;
+use crate::structure::VoxelStructure;
+
+/// Why voxels alone have no surfaces.
+const NO_SURFACES: &str =
+    "voxels alone have no normals and materials to give: choose voxel-abuffer.structure=two-level, or --end hit";
+
+/// A search with its groups, and how many rays a lane of it answers.
+type Dispatch = (ComputePipeline, Vec<BindGroup>, u32);
+
+impl VoxelStructure {
+    fn search(
+        &self,
+        job: &TraceJob<'_>,
+        parameters: &VoxelParameters,
+        counting: Option<&Counting>,
+    ) -> Result<VoxelSearch, TracerError> {
+        let mut search = VoxelSearch::of(&self.layout, job, parameters);
+        search.touched_words = counting.map_or(0, |counting| counting.touched_words);
+        let Some(lists) = &self.buffers.lists else { return Ok(search) };
+        search.half_nodes = lists.nodes.half_nodes;
+        for (axis, placed) in self.arrays.placed(&self.buffers).into_iter().enumerate() {
+            search.first_bits[axis] = lists.nodes.before(axis);
+            search.first_nodes[axis] = placed.first_node;
+            search.first_data[axis] = placed.first_data;
+            search.first_further_data[axis] = placed.first_further_data;
+        }
+        Ok(search)
+    }
+
+    /// Records a trace, by the counting variant where there is something to count into.
+    pub(crate) fn record(
+        &self,
+        job: &TraceJob<'_>,
+        hits: &HitBuffer,
+        counting: Option<&Counting>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        let Some(lists) = &self.buffers.lists else { return self.record_voxels(job, hits, None, clock) };
+        let pipelines = &*self.pipelines;
+        let gpu = &*pipelines.gpu;
+        let count = job.rays.host.len();
+        let textures = self.arrays.reads() == Reads::Texture;
+        let parameters = VoxelParameters::try_from(job.parameters)?;
+        let (surfaces, counters) = (job.end == EndPoint::Surface, counting.is_some());
+        let planes = parameters.depths == Depths::Plane;
+        let reads_data = surfaces || planes;
+        let split = lists.nodes.is_by_axis() && !textures;
+        let variant = match split {
+            true => Trace::Split { planes, surfaces, counters },
+            false => Trace::Plain { textures, planes, surfaces, counters },
+        };
+        let search = self.search(job, &parameters, counting)?;
+        let settings = uniform_buffer(gpu, "search", &search)?;
+        let hit_buffer = hits.on_device(count)?;
+        let mut bound = vec![(0, &settings), (1, job.rays.on_device()?), (2, hit_buffer)];
+        if surfaces {
+            bound.push((3, hits.surfaces_on_device(count)?));
+        }
+        bound.extend(counting.map(|counting| (4, &counting.buffer)));
+        let bound: Vec<_> = bound.into_iter().map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
+        let dispatch = |entry, rays_per_lane| -> Result<Dispatch, TracerError> {
+            let pipeline = pipelines.trace(variant, entry)?;
+            let mut groups = vec![bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &bound)];
+            groups.push(bind_arrays(gpu, &pipeline, &self.arrays.bound(reads_data)));
+            if split {
+                groups.push(bind_group(gpu, &pipeline.get_bind_group_layout(2), &further_axes(lists, reads_data)));
+            }
+            Ok((pipeline, groups, rays_per_lane))
+        };
+        let turns = match search.rays_per_lane {
+            1 => vec![dispatch(Entry::OneRay, 1)?],
+            many => vec![dispatch(Entry::InTurns, many)?, dispatch(Entry::Unanswered, 1)?],
+        };
+        clock.device_phase("trace", |encoder| {
+            if turns.len() > 1 {
+                // No status is 0.
+                encoder.clear_buffer(hit_buffer, 0, None);
+            }
+            for (pipeline, groups, rays_per_lane) in &turns {
+                let groups: Vec<&BindGroup> = groups.iter().collect();
+                dispatch_rays(encoder, pipeline, &groups, search.ray_count, *rays_per_lane);
+            }
+        })
+    }
+
+    /// The same through voxels alone.
+    fn record_voxels(
+        &self,
+        job: &TraceJob<'_>,
+        hits: &HitBuffer,
+        counts: Option<&Buffer>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        if job.end == EndPoint::Surface {
+            return Err(TracerError::Unsupported(NO_SURFACES.to_owned()));
+        }
+        let gpu = &*self.pipelines.gpu;
+        let mut search = self.search(job, &VoxelParameters::try_from(job.parameters)?, None)?;
+        // Through the grid along every axis, and the turn itself.
+        let most_rounds = u64::from(3 * search.space.grid + 2);
+        search.rays_per_lane = rays_within_rounds(search.rays_per_lane, most_rounds);
+        let textures = self.arrays.reads() == Reads::Texture;
+        let pipeline = self.pipelines.voxels.of(gpu, Voxels { textures, counters: counts.is_some() })?;
+        let settings = uniform_buffer(gpu, "search", &search)?;
+        let mut bound = vec![(0, &settings), (1, job.rays.on_device()?), (2, hits.on_device(job.rays.host.len())?)];
+        bound.extend(counts.map(|counts| (4, counts)));
+        let bound: Vec<_> = bound.into_iter().map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
+        let own = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &bound);
+        let arrays = bind_arrays(gpu, &pipeline, &self.arrays.bound(false));
+        clock.device_phase("trace", |encoder| {
+            dispatch_rays(encoder, &pipeline, &[&own, &arrays], search.ray_count, search.rays_per_lane);
+        })
+    }
+
+    pub(crate) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        let gpu = &*self.pipelines.gpu;
+        let mut clock = PhaseClock::new(Some(gpu));
+        let Some(lists) = &self.buffers.lists else {
+            let counts = RayCounts::new(gpu, "counts", job.rays.host.len())?;
+            self.record_voxels(job, hits, Some(counts.buffer()), &mut clock)?;
+            clock.finish()?;
+            return counts.counters(gpu, ["voxels_stepped"]);
+        };
+        let counting = Counting::new(gpu, lists.nodes.capacity(), job.rays.host.len())?;
+        self.record(job, hits, Some(&counting), &mut clock)?;
+        clock.finish()?;
+        let reads_data =
+            job.end == EndPoint::Surface || VoxelParameters::try_from(job.parameters)?.depths == Depths::Plane;
+        counting.counters(gpu, reads_data)
+    }
+}
+
+/// The buffers of all axes but the first's, for variants that bind each axis'; a second half that does not exist is replaced by the
+/// first, which nothing asks it for.
+fn further_axes(lists: &Lists, reads_data: bool) -> Vec<BindingResource<'_>> {
+    let [nodes, _] = lists.nodes.buffers();
+    let mut all: Vec<&Buffer> = nodes[1..].to_vec();
+    if reads_data {
+        let data = (0..AXES).flat_map(|axis| [false, true].map(|further| lists.nodes.data_buffer(axis, further)));
+        all.extend(data.skip(1));
+    }
+    all.into_iter().map(Buffer::as_entire_binding).collect()
+}
