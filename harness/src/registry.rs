@@ -12,6 +12,7 @@ pub const TRACERS: &[Registration] = &[
     contenders::dirt::ROOM,
     contenders::fragment_abuffer::ROOM,
     contenders::voxel_abuffer::ROOM,
+    contenders::voxel_octree::ROOM,
     contenders::screen_dda::ROOM,
 ];
 

@@ -2,7 +2,7 @@
 // Eight voxels a word, an invocation a word.
 
 #import tracebench::dispatch::linear_invocation
-#import tracebench::voxel_space::dominant_axis
+#import tracebench::unit_space::dominant_axis
 
 struct AveragedGrid {
     voxels: u32,

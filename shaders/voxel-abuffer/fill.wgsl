@@ -3,7 +3,8 @@
 
 #import tracebench::plane_depth::facet
 #import tracebench::surface::{greatest_of, unit_normal}
-#import tracebench::voxel_space::{DrawnAxis, to_unit, on_image, from_image, dominant_axis, voxel_at, voxel_index, layer_code}
+#import tracebench::unit_space::{to_unit, on_image, from_image, dominant_axis, voxel_at, voxel_index}
+#import tracebench::voxel_space::{DrawnAxis, layer_code}
 
 @group(0) @binding(0) var<uniform> drawn: DrawnAxis;
 @group(0) @binding(1) var<storage, read> positions: array<f32>;

@@ -3,7 +3,8 @@
 // The search for a crossing in the part of the ray that lies in one voxel, by the image that the voxel chooses (section 3.2).
 
 #import tracebench::image_walk::NEVER
-#import tracebench::voxel_space::{on_image, depth_code}
+#import tracebench::unit_space::on_image
+#import tracebench::voxel_space::depth_code
 #import tracebench::voxel_store::{search, origin, direction, open, work, head_of, load_node, load_data, OPENED, SEARCHES, COMPARED}
 
 // No axis, where nothing was searched just before.

@@ -2,7 +2,7 @@
 
 // What searches are told.
 
-#import tracebench::voxel_space::UnitSpace
+#import tracebench::unit_space::UnitSpace
 
 struct VoxelSearch {
     space: UnitSpace,

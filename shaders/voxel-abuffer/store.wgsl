@@ -4,7 +4,7 @@
 
 #import tracebench::types::Ray
 #import tracebench::reads::{quad_0, pair_0, word_0, word_1}
-#import tracebench::voxel_space::voxel_index
+#import tracebench::unit_space::voxel_index
 #import tracebench::voxel_settings::VoxelSearch
 
 @group(0) @binding(0) var<uniform> search: VoxelSearch;

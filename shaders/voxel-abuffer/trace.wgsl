@@ -5,7 +5,7 @@
 #import tracebench::dispatch::linear_invocation
 #import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
 #import tracebench::image_walk::Span
-#import tracebench::voxel_space::{to_unit, on_image, from_image, dominant_axis, voxel_at}
+#import tracebench::unit_space::{to_unit, on_image, from_image, dominant_axis, voxel_at}
 #import tracebench::voxel_walk::{span_in_cube, leaves_voxel, next_voxel, is_in_grid}
 #import tracebench::voxel_store::{search, ray, origin, direction, open, work, counted, code_of, head_of, load_node, load_data, COUNTS, STEPPED, STARTS_INSIDE, EMPTY, CANCELLED}
 #import tracebench::voxel_search::{found, found_t, found_axis, found_texel, start_t, texel_t, start_side, run_axis, NO_AXIS, take_image, side_at, search_voxel}

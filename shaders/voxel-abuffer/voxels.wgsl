@@ -5,7 +5,7 @@
 #import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
 #import tracebench::reads::word_1
 #import tracebench::image_walk::Span
-#import tracebench::voxel_space::{to_unit, voxel_at, voxel_index}
+#import tracebench::unit_space::{to_unit, voxel_at, voxel_index}
 #import tracebench::voxel_settings::VoxelSearch
 #import tracebench::voxel_walk::{span_in_cube, leaves_voxel, next_voxel, is_in_grid}
 

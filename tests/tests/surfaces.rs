@@ -4,10 +4,15 @@ mod hostile;
 
 use hostile::{Subject, scenes, subjects};
 use tracebench_api::glam::{DVec3, Vec3};
-use tracebench_api::{EndPoint, Geometry, Hit, HitBuffer, Query, Ray, RayBuffer, Structure, Surface, SurfaceStatus};
+use tracebench_api::{
+    EndPoint, Geometry, Hit, HitBuffer, Projection, Query, Ray, RayBuffer, Structure, Surface, SurfaceStatus,
+};
 
 /// Tolerance of positions in units of f32's precision at the scene's and the ray's coordinates: sums of a few products.
 const POSITION_ROUNDINGS: f64 = 16.0;
+
+/// Tolerance of an average of normals, which stands in few bits, and of its length.
+const AVERAGE_TOLERANCE: f64 = 3e-4;
 
 /// Tolerance of a normal's direction, over the sine of the angle between the edges that it comes from.
 const NORMAL_TOLERANCE: f64 = 4e-6;
@@ -20,9 +25,32 @@ fn corners(geometry: &Geometry, primitive: u32) -> [DVec3; 3] {
     geometry.corners(primitive).map(Vec3::as_dvec3)
 }
 
+/// Whether a direction is an average of others, each counted as often as may be: the rest of it that none of them explains vanishes.
+fn is_average(normal: DVec3, others: &[DVec3], tolerance: f64) -> bool {
+    let (mut weights, mut rest) = (vec![0.0; others.len()], normal);
+    for _ in 0..2000 {
+        for (weight, other) in weights.iter_mut().zip(others) {
+            let step = f64::max(rest.dot(*other), -*weight);
+            *weight += step;
+            rest -= *other * step;
+        }
+        if rest.length() < tolerance {
+            break;
+        }
+    }
+    rest.length() < tolerance && (normal.length() - 1.0).abs() < AVERAGE_TOLERANCE
+}
+
 /// What is wrong with a surface, by f64 and the hit alone. A hit that names no triangle is held against the ray's own point,
-/// and its normal against all normals that the scene has.
-fn wrong(subject: &Subject, geometry: &Geometry, ray: &Ray, hit: &Hit, surface: &Surface) -> Option<String> {
+/// and its normal against all normals that the scene has, or against averages of those nearby where the structure keeps such.
+fn wrong(
+    subject: &Subject,
+    structure: &dyn Structure,
+    geometry: &Geometry,
+    ray: &Ray,
+    hit: &Hit,
+    surface: &Surface,
+) -> Option<String> {
     let expected = if hit.is_hit() { SurfaceStatus::Written } else { SurfaceStatus::NoHit };
     match SurfaceStatus::from_code(surface.status) {
         Some(SurfaceStatus::Lost) if hit.is_hit() && subject.may_lose() => return None,
@@ -61,6 +89,26 @@ fn wrong(subject: &Subject, geometry: &Geometry, ray: &Ray, hit: &Hit, surface: 
             off <= NORMAL_TOLERANCE / across.length().max(1e-30) || (across.length() < 1e-6 && normal == DVec3::ZERO);
         right_normal && surface.material == geometry.triangle_materials[*primitive as usize]
     };
+    if let Some(reach) = subject.averages_within(structure) {
+        let is_near = |primitive: &&u32| {
+            let [a, b, c] = corners(geometry, **primitive);
+            let (low, high) = (a.min(b).min(c) - reach, a.max(b).max(c) + reach);
+            position.clamp(low, high) == position
+        };
+        let near: Vec<u32> = candidates.iter().filter(is_near).copied().collect();
+        let across = |primitive: &u32| {
+            let [a, b, c] = corners(geometry, *primitive);
+            (b - a).normalize_or_zero().cross((c - a).normalize_or_zero())
+        };
+        let across: Vec<DVec3> = near.iter().map(across).collect();
+        let normals: Vec<DVec3> = across.iter().map(|across| across.normalize_or_zero()).collect();
+        // Of the thinnest, which may have been all that counted.
+        let noise = across.iter().map(|across| NORMAL_TOLERANCE / across.length().max(1e-30)).fold(0.0, f64::max);
+        let is_material = near.iter().any(|each| geometry.triangle_materials[*each as usize] == surface.material);
+        let right =
+            is_material && is_average(Vec3::from(surface.normal).as_dvec3(), &normals, AVERAGE_TOLERANCE + noise);
+        return (!right).then(|| format!("no triangles nearby average to that: {surface:?}"));
+    }
     (!candidates.iter().any(fits)).then(|| format!("no triangle has that normal and material: {surface:?}"))
 }
 
@@ -70,6 +118,16 @@ impl Subject {
         let mut hits = self.poisoned(rays.host.len());
         self.try_trace(structure, rays, &mut hits).unwrap_or_else(|error| panic!("{}: {error}", self.name));
         (hits.read(Some(&self.gpu)).unwrap(), hits.read_surfaces(Some(&self.gpu)).unwrap())
+    }
+
+    /// How far the triangles reach of which a surface is the average: twice the edge of a voxel, of a structure that keeps such.
+    fn averages_within(&self, structure: &dyn Structure) -> Option<f64> {
+        let has_voxels = self.parameters.iter().any(|(name, _)| name == "levels");
+        let edge = structure.samplings().iter().find_map(|sampling| match sampling.projection {
+            Projection::Orthographic(image) => Some(image.texel.max_element()),
+            Projection::Perspective(_) => None,
+        });
+        edge.filter(|_| has_voxels).map(|edge| 2.0 * edge)
     }
 
     /// Whether its way of fetching surfaces is one that may lose some.
@@ -96,7 +154,7 @@ fn surfaces_are_those_of_the_hits() {
                 assert_eq!(bytes(&same), bytes(&hits), "{context}");
                 assert_eq!(surfaces.len(), hits.len(), "{context}");
                 for (index, (hit, surface)) in hits.iter().zip(&surfaces).enumerate() {
-                    let wrong = wrong(&subject, &scene.geometry, &scene.rays[index], hit, surface);
+                    let wrong = wrong(&subject, &*structure, &scene.geometry, &scene.rays[index], hit, surface);
                     assert_eq!(wrong, None, "{context}: ray {index} {hit:?}");
                     fetched += usize::from(surface.status == SurfaceStatus::Written as u32);
                 }
@@ -126,8 +184,9 @@ fn wrong_surfaces_are_noticed() {
         let (hits, surfaces) = subject.surfaces(&*structure, &subject.rays(&scene.rays, Query::Closest));
         let written = |index: &usize| surfaces[*index].status == SurfaceStatus::Written as u32;
         let index = (0..hits.len()).find(written).unwrap();
-        let noticed =
-            |surface: Surface| wrong(&subject, &scene.geometry, &scene.rays[index], &hits[index], &surface).is_some();
+        let noticed = |surface: Surface| {
+            wrong(&subject, &*structure, &scene.geometry, &scene.rays[index], &hits[index], &surface).is_some()
+        };
         let right = surfaces[index];
         let [x, y, z] = right.position;
         let [nx, ny, nz] = right.normal;

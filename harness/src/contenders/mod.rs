@@ -10,6 +10,7 @@ pub(crate) mod lbvh_gpu;
 pub(crate) mod ray_query;
 pub(crate) mod screen_dda;
 pub(crate) mod voxel_abuffer;
+pub(crate) mod voxel_octree;
 
 use std::sync::Arc;
 

@@ -257,7 +257,7 @@ fn without_an_adapter() {
     let names_of_skipped: Vec<&str> = skipped.iter().map(|each| each["tracer"].as_str().unwrap()).collect();
     assert_eq!(
         names_of_skipped,
-        ["bvh-gpu", "lbvh-gpu", "ray-query", "dirt", "fragment-abuffer", "voxel-abuffer", "screen-dda"]
+        ["bvh-gpu", "lbvh-gpu", "ray-query", "dirt", "fragment-abuffer", "voxel-abuffer", "voxel-octree", "screen-dda"]
     );
     assert!(skipped.iter().all(|each| each["reason"].as_str().unwrap().contains("adapter")));
     assert!(result["machine"]["adapter"].is_null());

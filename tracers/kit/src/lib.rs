@@ -1,7 +1,7 @@
 //! Device parts that several tracers share: views as uniforms, pipelines and dispatches, buffers that are kept and grow,
 //! pyramids' levels, prefix sums and sorts, rasterized eye depth and triangles, surfaces of hits, counts of rays, bits for what
-//! is touched, how searches read and are launched, work that is the same every time; and clipping in f64, which what they
-//! rasterize is held against.
+//! is touched, the unit cube of methods that sample along axes, how searches read and are launched, work that is the same every
+//! time; and clipping in f64, which what they rasterize is held against.
 
 mod clip;
 mod compute;
@@ -24,6 +24,7 @@ mod raster_probe;
 mod reads;
 mod room;
 mod touched;
+mod unit_space;
 mod view_uniform;
 
 pub use clip::{TileBounds, clipped_depths, clipped_polygon, eye_space, touched_tiles};
@@ -50,6 +51,7 @@ pub use raster_probe::rasterizer;
 pub use reads::{READS_GROUP, ROW_BITS, ReadSlot, Readable, Reads, bind_arrays, reads_parameter, record_copies};
 pub use room::{Room, grow, storage_buffer, uniform_buffer};
 pub use touched::{TouchedBits, bits_on};
+pub use unit_space::{Fit, UnitSpace, across_and_down};
 pub use view_uniform::ViewUniform;
 
 use gather::GatherSettings;
@@ -63,6 +65,7 @@ pub fn layouts() -> Vec<SharedLayout> {
         ViewUniform as View {
             eye, tan_half_width, right, tan_half_height, up, near, forward, far, size, padding,
         }
+        UnitSpace { low, image, scale, grid, begin, padding }
         GatherSettings { ray_count, padding_a, padding_b, padding_c }
         SortPass { count, blocks, shift }
         ProbeSettings { count, rays_per_lane, last_record, reads }

@@ -2,18 +2,13 @@
 
 use tracebench_api::ParameterScope::{Build, Trace};
 use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
-use tracebench_kit::{Reads, rays_per_lane_parameter, reads_parameter};
+use tracebench_kit::{Fit, Reads, rays_per_lane_parameter, reads_parameter};
 
 use crate::layout::layouts;
 
 choice! {
     /// What there is beside the grid.
     pub(crate) enum Held { TwoLevel = "two-level", VoxelsOnly = "voxels-only" }
-}
-
-choice! {
-    /// What the scene's bounds are mapped to.
-    pub(crate) enum Fit { Cube = "cube", Box = "box" }
 }
 
 choice! {

@@ -1,0 +1,102 @@
+//! The room of `voxel-octree`: every voxel that a triangle touches, and hits as precise as one.
+
+use super::expectation::fails;
+use super::{Column, Expectation, Family, Registration, Remedy, Rule};
+
+pub(crate) const ROOM: Registration = Registration {
+    expectations: EXPECTATIONS,
+    ladder: LADDER,
+    sweep: &["levels"],
+    ..Registration::sampled(tracebench_voxel_octree::description, Family::Image, |gpu| {
+        Ok(Box::new(tracebench_voxel_octree::VoxelOctree::new(gpu?)?))
+    })
+};
+
+/// A voxel's extent, from its entry to its centre and then all of it.
+const LADDER: &[Remedy] = &[
+    Remedy {
+        cause: "entry_of_a_voxel",
+        parameter: "hit",
+        value: "centre",
+        source: "a ray is in a voxel before it is at its surface, by half of the voxel on average",
+    },
+    Remedy {
+        cause: "extent_of_a_voxel",
+        parameter: "levels",
+        value: "10",
+        source: "HHZ14, section 5.2: the precision of a ten-level octree is that of a grid of 1024 cubed",
+    },
+];
+
+/// Where a ray ends in a voxel is never right; what is stated is whether it ends at a surface.
+const fn few(most_wrong: f64, reason: &'static str) -> Expectation {
+    Expectation::Bounded { rule: Rule::HitMiss, most_wrong, reason }
+}
+
+const TOUCHED: &str = "every voxel is stored that a triangle touches, however thin it is and however it is seen; wrong are rays that pass a rim by \
+                       less than a voxel";
+const WIDER: &str = "surfaces are as wide as the voxels that they touch, and voxels are a share of the scene: what is little larger than a \
+                     voxel is hit beside it";
+const WIDER_SOURCE: &str = "HHZ14, section 5.2: voxels represent a scene as precisely as their resolution allows";
+const LEFT: &str = "a ray leaves the voxels that hold its start, and whatever else lies in them or in those that join them on its way: as \
+                    large as a voxel is in this scene";
+const LEFT_SOURCE: &str =
+    "no source says how rays leave the voxels that they start in; HHZ14, section 5.2, traces them to leaves";
+
+const AT_RIMS: Expectation = few(0.03, TOUCHED);
+
+const fn wide(from: f64, below: f64, least_wrong: f64) -> Expectation {
+    fails(Rule::HitMiss, from, below, least_wrong, WIDER, WIDER_SOURCE)
+}
+
+const fn left(from: f64, below: f64, least_wrong: f64) -> Expectation {
+    fails(Rule::HitMiss, from, below, least_wrong, LEFT, LEFT_SOURCE)
+}
+
+const EXPECTATIONS: Column = &[
+    ("edge-on", AT_RIMS),
+    ("wires", AT_RIMS),
+    ("leaves", few(0.15, WIDER)),
+    ("close-sheets", left(1e-3, 0.02, 0.4)),
+    ("voxel-stack", wide(1.0, 0.0, 0.2)),
+    ("open-mesh", few(0.06, TOUCHED)),
+    ("huge-triangle", wide(1e3, 0.03, 0.6)),
+    ("needles", AT_RIMS),
+    // A fragment a triangle and voxel, before those of one voxel are one.
+    ("coplanar-copies", Expectation::Refusable { from: 256.0, otherwise: &AT_RIMS }),
+    (
+        "eye-inside-object",
+        few(
+            0.05,
+            "nothing is hidden from a tree of the whole scene; wrong are rays that pass a rim by less than a voxel",
+        ),
+    ),
+    ("eye-on-surface", left(1e-3, 0.02, 0.45)),
+    ("plane-through-eye", few(0.02, "no eye and no face sees the plane edge-on: it is in the voxels that it touches")),
+    ("eye-at-vertex", left(1e-3, 0.04, 0.4)),
+    ("before-near", wide(10.0, 0.05, 0.15)),
+    (
+        "cube-borders",
+        few(
+            0.08,
+            "there are no faces, and no borders between them; wrong are rays that pass a rim by less than a voxel",
+        ),
+    ),
+    ("depth-range", wide(2.0, 0.05, 0.35)),
+    ("secondary-depth-ratio", left(4.0, 0.04, 0.2)),
+    ("coarse-frame", wide(17.0, 0.05, 0.35)),
+    ("wide-frame", wide(8.0, 0.15, 0.4)),
+    ("surface-starts", few(0.02, "a ray leaves the voxels of the surface that it starts on, from whatever height")),
+    ("cell-borders", AT_RIMS),
+    ("face-cell-borders", AT_RIMS),
+    ("through-view-centre", few(0.05, "there are no views; wrong are rays that pass a rim by less than a voxel")),
+    ("flat-tile", AT_RIMS),
+    ("equal-triangles", Expectation::Refusable { from: 256.0, otherwise: &AT_RIMS }),
+    ("stacked-layers", Expectation::Refusable { from: 256.0, otherwise: &AT_RIMS }),
+    ("crowded-pixel", wide(8.0, 0.0, 0.2)),
+    (
+        "thin-walls",
+        few(0.01, "a wall fills the voxels that it touches, however thin it is, and no ray gets between two of them"),
+    ),
+    ("long-scene", wide(16.0, 0.06, 0.3)),
+];

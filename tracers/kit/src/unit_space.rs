@@ -1,0 +1,164 @@
+//! The unit cube that a scene is mapped into by methods that sample it along its axes.
+
+use bytemuck::{Pod, Zeroable};
+use tracebench_api::glam::{DVec2, DVec3, Vec3};
+use tracebench_api::{Geometry, Layers, Orthographic, Projection, Sampling, choice};
+
+/// Axes, and images.
+const AXES: usize = 3;
+
+/// Texels between the scene and the borders of images, so that nothing lies on these.
+const MARGIN: f64 = 1.0;
+
+/// Least extent of an axis that is scaled by itself, as a share of the greatest: flat scenes have none.
+const LEAST_EXTENT: f64 = 1e-6;
+
+choice! {
+    /// What the scene's bounds are mapped to.
+    pub enum Fit { Cube = "cube", Box = "box" }
+}
+
+/// `UnitSpace` of shaders/shared/unit_space.wgsl.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct UnitSpace {
+    /// A point of the scene is at (point - low) * scale + begin.
+    pub low: [f32; 3],
+    /// Edge of an image, texels.
+    pub image: u32,
+    /// By axis.
+    pub scale: [f32; 3],
+    /// Edge of the grid, voxels.
+    pub grid: u32,
+    /// Where the least corner of the bounds lies.
+    pub begin: [f32; 3],
+    /// Nothing.
+    pub padding: u32,
+}
+
+impl UnitSpace {
+    /// The space of a scene's bounds, with images and a grid of such edges.
+    pub fn of(geometry: &Geometry, fit: Fit, image: u32, grid: u32) -> Self {
+        let (low, high) = (geometry.bounds_min.as_dvec3(), geometry.bounds_max.as_dvec3());
+        let extent = high - low;
+        // A scene in one point still has a cube about it.
+        let reach = f64::max(low.abs().max_element(), high.abs().max_element());
+        let least = (reach * f64::from(f32::EPSILON)).max(f64::from(f32::MIN_POSITIVE) * 1e6);
+        let edge = extent.max_element().max(least);
+        let inner = f64::max(1.0 - 2.0 * MARGIN / f64::from(image), 0.5);
+        let scale = match fit {
+            Fit::Cube => DVec3::splat(inner / edge),
+            Fit::Box => inner / extent.max(DVec3::splat(least.max(edge * LEAST_EXTENT))),
+        };
+        let begin = DVec3::splat(0.5) - 0.5 * extent * scale;
+        Self {
+            low: geometry.bounds_min.into(),
+            image,
+            scale: scale.as_vec3().into(),
+            grid,
+            begin: begin.as_vec3().into(),
+            padding: 0,
+        }
+    }
+
+    /// A point of the scene in the cube.
+    pub fn to_unit(self, point: DVec3) -> DVec3 {
+        let [low, scale, begin] = self.parts();
+        (point - low) * scale + begin
+    }
+
+    /// A point of the cube in the scene.
+    pub fn to_scene(self, point: DVec3) -> DVec3 {
+        let [low, scale, begin] = self.parts();
+        (point - begin) / scale + low
+    }
+
+    fn parts(self) -> [DVec3; 3] {
+        [self.low, self.scale, self.begin].map(|part| Vec3::from(part).as_dvec3())
+    }
+
+    /// The images along its axes, which keep every layer.
+    pub fn samplings(self) -> Vec<Sampling> {
+        let image = |axis| Projection::Orthographic(self.image_along(axis));
+        (0..AXES).map(|axis| Sampling { projection: image(axis), layers: Layers::All }).collect()
+    }
+
+    fn image_along(self, axis: usize) -> Orthographic {
+        let [across, down] = across_and_down(axis);
+        let edge = f64::from(self.image);
+        let texels = 1.0 / self.parts()[1];
+        let unit = |axis: usize| DVec3::AXES[axis];
+        Orthographic {
+            origin: self.to_scene(DVec3::ZERO),
+            right: unit(across),
+            // Rows count downwards.
+            up: -unit(down),
+            axis: unit(axis),
+            texel: DVec2::new(texels[across], texels[down]) / edge,
+            far: texels[axis],
+            size: [self.image; 2],
+        }
+    }
+}
+
+/// The axes along which the columns and rows of the image along an axis are counted.
+pub fn across_and_down(axis: usize) -> [usize; 2] {
+    [(axis + 1) % AXES, (axis + 2) % AXES]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The bounds lie within the cube, a texel from its borders, centred, by one scale or by one an axis; flat and single-point scenes do, too;
+    /// and points come back from where they are mapped to.
+    #[test]
+    fn bounds_are_mapped_into_the_cube() {
+        for (corner, extent) in [
+            (DVec3::new(-3.0, 2.0, 7.0), DVec3::new(4.0, 2.0, 1.0)),
+            (DVec3::new(-3.0, 2.0, 7.0), DVec3::new(4.0, 2.0, 0.0)),
+            (DVec3::new(1e6, -2e6, 3e6), DVec3::ZERO),
+            (DVec3::ZERO, DVec3::ZERO),
+            (DVec3::splat(-1e12), DVec3::new(2e12, 1e12, 1e9)),
+            (DVec3::splat(1e-7), DVec3::new(1e-9, 1e-8, 1e-8)),
+        ] {
+            let positions = [corner, corner + extent, corner].map(|corner| corner.as_vec3().into());
+            let geometry = Geometry::new(positions.to_vec(), vec![[0, 1, 2]], None).unwrap();
+            for (fit, image) in [(Fit::Cube, 1280), (Fit::Box, 1280), (Fit::Cube, 3)] {
+                let space = UnitSpace::of(&geometry, fit, image, 8);
+                let ends = [geometry.bounds_min, geometry.bounds_max].map(|end| space.to_unit(end.as_dvec3()));
+                let margin = f64::min(1.0 / f64::from(image), 0.25) - 1e-5;
+                assert!(ends[0].min_element() >= margin && ends[1].max_element() <= 1.0 - margin, "{ends:?} {space:?}");
+                assert!((ends[0] + ends[1] - DVec3::ONE).abs().max_element() < 1e-5, "{ends:?}");
+                let scale = Vec3::from(space.scale);
+                assert!(scale.is_finite() && (fit == Fit::Box || scale == Vec3::splat(scale.x)));
+                let there = space.to_scene(DVec3::new(0.25, 0.5, 0.75));
+                assert!((space.to_unit(there) - DVec3::new(0.25, 0.5, 0.75)).length() < 1e-6);
+            }
+            if extent.min_element() > 1e-8 {
+                let wide = UnitSpace::of(&geometry, Fit::Box, 1280, 8).to_unit(geometry.bounds_max.as_dvec3());
+                assert!(wide.min_element() > 0.99, "{wide}");
+            }
+        }
+    }
+
+    /// The images' pixels and depths are those of the cube, along every axis, of oblong texels, too.
+    #[test]
+    fn samplings_are_the_images() {
+        let positions = vec![[-3.0, 2.0, 7.0], [1.0, 4.0, 8.0], [0.0, 3.0, 7.5]];
+        let geometry = Geometry::new(positions, vec![[0, 1, 2]], None).unwrap();
+        for fit in [Fit::Cube, Fit::Box] {
+            let space = UnitSpace::of(&geometry, fit, 100, 8);
+            for axis in 0..AXES {
+                let image = space.image_along(axis);
+                let point = DVec3::new(-0.3, 2.7, 7.6);
+                let (at, unit) = (image.project(point), space.to_unit(point));
+                let [across, down] = across_and_down(axis);
+                assert!((at.x - unit[across] * 100.0).abs() < 1e-4 && (at.y - unit[down] * 100.0).abs() < 1e-4);
+                assert!((at.depth / image.far - unit[axis]).abs() < 1e-6);
+                // A right-handed image that looks along its axis has right x up against it; this one shows the scene mirrored.
+                assert_eq!(image.right.cross(-image.up), image.axis);
+            }
+        }
+    }
+}

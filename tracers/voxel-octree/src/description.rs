@@ -1,0 +1,66 @@
+//! The parameters of `voxel-octree`.
+
+use tracebench_api::ParameterScope::{Build, Trace};
+use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
+use tracebench_kit::{Reads, rays_per_lane_parameter, reads_parameter};
+
+use crate::layout::{MOST_LEVELS, layouts};
+
+choice! {
+    /// How the node that holds the next voxel is found.
+    pub(crate) enum Traversal { Restart = "restart", Stack = "stack" }
+}
+
+choice! {
+    /// Where a ray hits a voxel; in the order of the shader's codes.
+    pub(crate) enum HitPlace { Entry = "entry", Centre = "centre" }
+}
+
+parameters! {
+    /// What `voxel-octree` is told.
+    pub(crate) struct OctreeParameters {
+        levels: u32 = Parameter::integer(
+            Build,
+            0..=MOST_LEVELS,
+            0,
+            "levels of the tree, by which the grid has two to the power of it voxels an edge: each halves the error, and takes four times the \
+             memory; 0: two voxels a texel of a face at least, which is 10 (1024 an edge, as the peer of HHZ14's Table 1 has) at faces of 512",
+        )
+        .unit("levels")
+        .sweep([6, 7, 8, 9]),
+        traversal: Traversal = Parameter::choice(
+            Trace,
+            Traversal::Restart,
+            "how the node that holds the next voxel is found: from the root every time, or from the deepest node that holds both, off a stack; \
+             the hits are the same",
+        ),
+        hit: HitPlace = Parameter::choice(
+            Trace,
+            HitPlace::Entry,
+            "where a ray hits a voxel: where it enters it, always too early, or where it is nearest to its centre, too early as often as too late",
+        ),
+        reads: Reads = reads_parameter(),
+        rays_per_lane: u32 = rays_per_lane_parameter(),
+    }
+}
+
+/// Why there is no refit.
+pub(crate) const NO_REFIT: &str = "voxel-octree has no shape to keep: its voxels are made again or reused";
+
+/// What `voxel-octree` is and takes.
+pub fn description() -> Description {
+    Description {
+        name: "voxel-octree",
+        citation: "Crassin, Neyret, Sainz, Green, Eisemann: Interactive indirect illumination using voxel cone tracing, Computer Graphics \
+                   Forum 2011",
+        summary: "a sparse voxel octree over every voxel that a triangle touches, walked exactly to its leaves",
+        residency: Residency::Device,
+        invalidated_by: &[Invalidation::Geometry, Invalidation::Resolution],
+        names_primitives: false,
+        ends: &EndPoint::ALL,
+        queries: &Query::ALL,
+        no_refit: Some(NO_REFIT),
+        parameters: OctreeParameters::describe(),
+        layouts: layouts(),
+    }
+}

@@ -1,0 +1,57 @@
+//! The pipelines of builds and traces.
+
+use std::sync::Arc;
+
+use tracebench_api::wgpu::ComputePipeline;
+use tracebench_api::{Gpu, TracerError};
+use tracebench_kit::{PipelinesOnDemand, PrefixSum, RadixSort, check_limits, compute_pipeline};
+use tracebench_shaders::voxel_octree::{LEAVES, LEVELS, Trace, VOXELIZE};
+
+/// As `WORKGROUP_SIZE` in shaders/voxel-octree/settings.wgsl.
+pub(crate) const WORKGROUP_SIZE: u32 = 64;
+
+/// Every pipeline; those of traces are made when they are first needed.
+pub(crate) struct Kernels {
+    pub gpu: Arc<Gpu>,
+    pub sort: RadixSort,
+    pub prefix_sum: PrefixSum,
+    pub measure: ComputePipeline,
+    pub count: ComputePipeline,
+    pub emit: ComputePipeline,
+    pub pad: ComputePipeline,
+    pub mark_leaves: ComputePipeline,
+    pub gather: ComputePipeline,
+    pub sum: ComputePipeline,
+    pub finish: ComputePipeline,
+    pub mark_nodes: ComputePipeline,
+    pub join: ComputePipeline,
+    pub trace: PipelinesOnDemand<Trace>,
+}
+
+impl Kernels {
+    /// Compiles those of builds.
+    pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        for trace in <Trace as tracebench_shaders::Variant>::ALL {
+            check_limits(&gpu, (*trace).into())?;
+        }
+        let voxelize = |entry_point| compute_pipeline(&gpu, VOXELIZE, entry_point);
+        let leaves = |entry_point| compute_pipeline(&gpu, LEAVES, entry_point);
+        let levels = |entry_point| compute_pipeline(&gpu, LEVELS, entry_point);
+        Ok(Self {
+            sort: RadixSort::new(&gpu)?,
+            prefix_sum: PrefixSum::new(&gpu)?,
+            measure: voxelize("measure")?,
+            count: voxelize("count")?,
+            emit: voxelize("emit")?,
+            pad: voxelize("pad")?,
+            mark_leaves: leaves("mark")?,
+            gather: leaves("gather")?,
+            sum: leaves("sum")?,
+            finish: leaves("finish")?,
+            mark_nodes: levels("mark")?,
+            join: levels("join")?,
+            trace: PipelinesOnDemand::new("trace"),
+            gpu,
+        })
+    }
+}

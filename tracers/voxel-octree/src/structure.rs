@@ -1,0 +1,189 @@
+//! The structure of one scene.
+
+use std::sync::Arc;
+
+use tracebench_api::{
+    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, Structure,
+    TraceJob, Tracer, TracerError, Update, Viewpoint,
+};
+use tracebench_kit::{LastCount, ReadSlot, Readable, Reads, grow, record_copies};
+
+use crate::build::{LEAF_BYTES, LEAVES, NODE_BYTES, NODES, Scene, TAKEN, Tree};
+use crate::counts::{Counts, Taken};
+use crate::description::{NO_REFIT, OctreeParameters};
+use crate::kernels::Kernels;
+use crate::layout::{Layout, OctreeSearch, TURN_DOWN};
+
+/// The tracer.
+pub struct VoxelOctree {
+    kernels: Arc<Kernels>,
+    /// What the last scene has of each thing that was counted.
+    counted: LastCount<Layout, Counts>,
+}
+
+/// A tree.
+pub(crate) struct OctreeStructure {
+    pub kernels: Arc<Kernels>,
+    pub layout: Layout,
+    pub scene: Scene,
+    pub tree: Tree,
+    /// Nodes and leaves as searches read them.
+    pub arrays: [Readable; 2],
+    /// Bytes that the last build needed beside.
+    scratch_bytes: u64,
+}
+
+/// Nodes and leaves of a tree as searches read them, in the textures of `there` where these have room.
+fn readable(
+    kernels: &Kernels,
+    reads: Reads,
+    tree: &Tree,
+    there: Option<&[Readable; 2]>,
+) -> Result<[Readable; 2], TracerError> {
+    let array = |slot, buffer, name, place: usize| {
+        let there = there.map(|there| &there[place]);
+        Readable::built(&kernels.gpu, reads, slot, buffer, buffer.size(), name, there, TURN_DOWN)
+    };
+    Ok([
+        array(ReadSlot::Pairs0, &tree.nodes, "nodes (texture)", 0)?,
+        array(ReadSlot::Pairs1, &tree.leaves, "leaves (texture)", 1)?,
+    ])
+}
+
+impl VoxelOctree {
+    /// Makes it for a device.
+    ///
+    /// # Errors
+    /// [`TracerError::Unavailable`] if the device's limits forbid it.
+    pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        Ok(Self { kernels: Arc::new(Kernels::new(gpu)?), counted: LastCount::default() })
+    }
+
+    pub(crate) fn build_structure(
+        &self,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<OctreeStructure, TracerError> {
+        let kernels = &self.kernels;
+        let parameters = OctreeParameters::try_from(parameters)?;
+        let layout = Layout::new(geometry, viewpoint, &parameters);
+        let scene = Scene::of(kernels, geometry)?;
+        let room = self.counted.of(geometry, layout, || kernels.tally(&layout, &scene))?;
+        let tree = Tree::new(kernels, &layout, room)?;
+        let arrays = readable(kernels, parameters.reads, &tree, None)?;
+        let scratch_bytes = kernels.build(&layout, &scene, &tree, clock)?;
+        record_copies(&arrays, clock)?;
+        Ok(OctreeStructure { kernels: Arc::clone(kernels), layout, scene, tree, arrays, scratch_bytes })
+    }
+}
+
+impl Tracer for VoxelOctree {
+    fn build(
+        &self,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Box<dyn Structure>, TracerError> {
+        Ok(Box::new(self.build_structure(geometry, viewpoint, parameters, clock)?))
+    }
+}
+
+impl OctreeStructure {
+    fn rebuild(&mut self, geometry: &Geometry, layout: Layout, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        let kernels = Arc::clone(&self.kernels);
+        let scene = Scene::of(&kernels, geometry)?;
+        // Of another grid nothing is known; of moved triangles what there is may do.
+        let tree = match layout.levels == self.layout.levels {
+            true => self.tree.clone(),
+            false => Tree::new(&kernels, &layout, kernels.tally(&layout, &scene)?)?,
+        };
+        let arrays = readable(&kernels, self.arrays[0].reads(), &tree, Some(&self.arrays))?;
+        let scratch_bytes = kernels.build(&layout, &scene, &tree, clock)?;
+        record_copies(&arrays, clock)?;
+        *self = Self { kernels, layout, scene, tree, arrays, scratch_bytes };
+        Ok(())
+    }
+}
+
+impl Structure for OctreeStructure {
+    fn update(
+        &mut self,
+        update: Update,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        match update {
+            Update::Rebuild => {
+                let layout = Layout::new(geometry, viewpoint, &OctreeParameters::try_from(parameters)?);
+                self.rebuild(geometry, layout, clock)
+            }
+            Update::Refit => Err(TracerError::Unsupported(NO_REFIT.to_owned())),
+            // Nothing of it hangs on the eye.
+            Update::Reuse => Ok(()),
+        }
+    }
+
+    fn make_room(&mut self) -> Result<bool, TracerError> {
+        let taken = Taken::read(&self.kernels.gpu, &self.tree.taken)?;
+        // Where one stage had no room, those behind it counted too few.
+        if self.tree.room.hold(&taken.counts(self.layout.levels)?) {
+            return Ok(false);
+        }
+        let needed = self.kernels.tally(&self.layout, &self.scene)?;
+        let mut made = None;
+        grow(&needed.list(), |counts| {
+            made = Some(Tree::new(&self.kernels, &self.layout, Counts::from_list(counts))?);
+            Ok(())
+        })?;
+        if let Some(tree) = made {
+            self.arrays = readable(&self.kernels, self.arrays[0].reads(), &tree, Some(&self.arrays))?;
+            self.tree = tree;
+        }
+        Ok(true)
+    }
+
+    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        self.record(&job, hits, None, clock)
+    }
+
+    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        self.count(&job, hits)
+    }
+
+    fn memory(&self) -> MemoryReport {
+        let mut ledger = Ledger::new();
+        let levels = self.layout.levels;
+        // Of a lost device nothing is known to be used.
+        let taken = Taken::read(&self.kernels.gpu, &self.tree.taken);
+        let used = |depths: std::ops::Range<u32>| {
+            taken.as_ref().map_or(0, |taken| depths.map(|depth| u64::from(taken.of_depth(depth))).sum())
+        };
+        let Tree { nodes, leaves, taken: counts, .. } = &self.tree;
+        ledger.keep(NODES, nodes.size(), (used(0..levels) * NODE_BYTES).min(nodes.size()));
+        ledger.keep(LEAVES, leaves.size(), (used(levels..levels + 1) * LEAF_BYTES).min(leaves.size()));
+        ledger.keep(TAKEN, counts.size(), counts.size());
+        self.arrays.iter().for_each(|array| array.enter(&mut ledger));
+        ledger.borrow_transient(self.scratch_bytes);
+        // Leaves have all that hits and surfaces need.
+        ledger.report(0)
+    }
+
+    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+        OctreeParameters::try_from(job.parameters)?;
+        Ok(vec![MemoryEntry::whole("search", size_of::<OctreeSearch>() as u64)])
+    }
+
+    fn samplings(&self) -> Vec<Sampling> {
+        // A voxel is a texel of the images along all three axes.
+        self.layout.space.samplings()
+    }
+
+    fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        self.validate_against(geometry)
+    }
+}

@@ -1,0 +1,75 @@
+//! Tracing on the device.
+
+use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, TraceJob, TracerError};
+use tracebench_kit::{Reads, bind_arrays, bind_group_at, dispatch_rays, rays_within_rounds, uniform_buffer};
+use tracebench_shaders::voxel_octree::Trace;
+
+use crate::counting::Counting;
+use crate::description::{OctreeParameters, Traversal};
+use crate::layout::Layout;
+use crate::structure::OctreeStructure;
+
+/// Rounds of the loop that a ray takes at most.
+fn most_rounds(layout: &Layout, traversal: Traversal) -> u64 {
+    let (edge, levels) = (u64::from(layout.edge()), u64::from(layout.levels));
+    // As many steps as there are voxels along all three axes, each with the way down from the root; or from the node that holds both voxels:
+    // a side of that of some depth is crossed two to its power times an axis, and the way down from there is the rest of the levels, so that all
+    // ways together are no more than twice the steps.
+    match traversal {
+        Traversal::Restart => 3 * edge * (levels + 1),
+        Traversal::Stack => 9 * edge + levels,
+    }
+}
+
+impl OctreeStructure {
+    /// Records a trace, by the counting variant where there is something to count into.
+    pub(crate) fn record(
+        &self,
+        job: &TraceJob<'_>,
+        hits: &HitBuffer,
+        counting: Option<&Counting>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        let gpu = &*self.kernels.gpu;
+        let parameters = OctreeParameters::try_from(job.parameters)?;
+        let count = job.rays.host.len();
+        let surfaces = job.end == EndPoint::Surface;
+        let variant = Trace {
+            textures: self.arrays[0].reads() == Reads::Texture,
+            stack: parameters.traversal == Traversal::Stack,
+            surfaces,
+            counters: counting.is_some(),
+        };
+        let rays_per_lane =
+            rays_within_rounds(parameters.rays_per_lane, most_rounds(&self.layout, parameters.traversal));
+        let mut search = self.layout.search(job, &parameters, rays_per_lane);
+        if let Some(counting) = counting {
+            (search.touched_words, search.first_leaf_bit) = (counting.touched_words, counting.first_leaf_bit);
+        }
+        let settings = uniform_buffer(gpu, "search", &search)?;
+        let mut bound = vec![(0, &settings), (1, job.rays.on_device()?), (2, hits.on_device(count)?)];
+        if surfaces {
+            bound.push((3, hits.surfaces_on_device(count)?));
+        }
+        bound.extend(counting.map(|counting| (4, &counting.buffer)));
+        let bound: Vec<_> = bound.into_iter().map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
+        let pipeline = self.kernels.trace.of(gpu, variant)?;
+        let own = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &bound);
+        let read = if surfaces { &self.arrays[..] } else { &self.arrays[..1] };
+        let arrays = bind_arrays(gpu, &pipeline, read);
+        clock.device_phase("trace", |encoder| {
+            dispatch_rays(encoder, &pipeline, &[&own, &arrays], search.ray_count, search.rays_per_lane);
+        })
+    }
+
+    pub(crate) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        let gpu = &*self.kernels.gpu;
+        let (nodes, leaves) =
+            (self.tree.room.nodes_before(self.layout.levels), self.tree.room.leaves(self.layout.levels));
+        let counting = Counting::new(gpu, nodes, leaves, job.rays.host.len())?;
+        let mut clock = PhaseClock::new(Some(gpu));
+        self.record(job, hits, Some(&counting), &mut clock)?;
+        clock.finish()?;
+        counting.counters(gpu)
+    }
+}
