@@ -179,6 +179,7 @@ fn errors(loaded: &LoadedScene, rays: &PreparedRays, hits: &[Hit]) -> (Vec<Rgb>,
         answers: &rays.answers,
         query: Query::Closest,
         samplings: &[],
+        voxels: None,
         names_primitives: false,
     };
     let classes: Vec<Option<Class>> = (0..hits.len())

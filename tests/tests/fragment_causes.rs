@@ -29,6 +29,7 @@ fn causes(geometry: &Geometry, rays: &[Ray], layers: Layers, names_primitives: b
         answers: &answers,
         query: Query::Closest,
         samplings: &samplings,
+        voxels: None,
         names_primitives,
     };
     let misses = vec![Hit::miss(Status::Miss); rays.len()];

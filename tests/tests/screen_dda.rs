@@ -219,6 +219,7 @@ fn primary_agreement(image: [u32; 2]) -> f64 {
         answers: &answers,
         query: Query::Closest,
         samplings: &samplings,
+        voxels: None,
         names_primitives: false,
     };
     match judge.judge(&hits).unwrap() {

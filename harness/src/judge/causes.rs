@@ -5,6 +5,7 @@
 use glam::DVec3;
 use tracebench_api::{Hit, Layers, LineOfSight, Projected, Projection, Sampling, Status};
 
+use super::voxels::Voxels;
 use super::{Class, Judge, Rule};
 use crate::truth::{Ray64, TrueHit, tight_tolerance};
 
@@ -32,7 +33,7 @@ pub const HIDDEN_LAYER: &str = "hidden_layer";
 /// answer is off by no more than two pixels of the view; or a surface that the pixel's centre shows was hit beside it.
 pub const BETWEEN_SAMPLES: &str = "between_samples";
 /// A view shows the true hit within two of its pixels from the ray's start, where sampled methods do not look so as not
-/// to find the surface that the ray starts on.
+/// to find the surface that the ray starts on; or it lies in what a ray through voxels leaves out of its way.
 pub const NEAR_START: &str = "near_start";
 /// The surface that the ray starts on was hit.
 pub const SELF_HIT: &str = "self_hit";
@@ -49,11 +50,17 @@ pub const THICKNESS_REJECTED: &str = "thickness_rejected";
 pub const UNEXPLAINED: &str = "unexplained";
 
 impl Judge<'_> {
-    /// The cause of a wrong answer.
-    pub(super) fn cause(&self, index: usize, hit: &Hit, class: Class) -> &'static str {
+    /// The cause of a wrong answer; `voxels`: what explains those through voxels.
+    pub(super) fn cause(&self, index: usize, hit: &Hit, class: Class, voxels: Option<&Voxels<'_>>) -> &'static str {
         let ray = Ray64::from(&self.rays[index]);
         if matches!(class, Class::Early | Class::Late) && self.class(Rule::Footprint, index, hit) == Class::TrueHit {
             return WITHIN_FOOTPRINT;
+        }
+        if hit.status == Status::StepCap as u32 && voxels.is_some() {
+            return STEP_CAP;
+        }
+        if let Some(voxels) = voxels {
+            return self.cause_by_voxels(voxels, &ray, index, hit, class);
         }
         match (class, self.answers[index].hit) {
             (Class::FalseMiss | Class::Late, Some(truth)) => self.cause_of_loss(&ray, truth, hit),
@@ -105,8 +112,7 @@ impl Judge<'_> {
     fn cause_of_invention(&self, ray: &Ray64, hit: &Hit) -> &'static str {
         let t = f64::from(hit.t);
         let point = ray.at(t);
-        let starts_on_surface = SELF_HIT_PIXELS * self.footprint(ray.origin);
-        if t * ray.direction.length() <= starts_on_surface.max(tight_tolerance(0.0, self.truth.diagonal())) {
+        if self.is_near_start(ray, t) {
             return SELF_HIT;
         }
         let containing = self.samplings.iter().filter_map(|Sampling { projection, .. }| {
@@ -117,6 +123,12 @@ impl Judge<'_> {
             return if depth > stored + self.footprint(point) { ASSUMED_THICKNESS } else { BETWEEN_SAMPLES };
         }
         UNEXPLAINED
+    }
+
+    /// Whether a wrong hit counts as one with the surface that the ray starts on.
+    pub(super) fn is_near_start(&self, ray: &Ray64, t: f64) -> bool {
+        let starts_on_surface = SELF_HIT_PIXELS * self.footprint(ray.origin);
+        t * ray.direction.length() <= starts_on_surface.max(tight_tolerance(0.0, self.truth.diagonal()))
     }
 
     /// Whether a view keeps what lies at a point: more layers than lie before it.

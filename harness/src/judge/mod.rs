@@ -1,20 +1,25 @@
 //! The judge: every ray one class, by the tracer's own t against the f64 truth.
 
 mod causes;
+mod distances;
 mod scores;
+mod sides;
 mod surfaces;
+mod voxels;
 
 use std::collections::BTreeMap;
 
 use glam::DVec3;
 use rayon::prelude::*;
-use tracebench_api::{Hit, NO_PRIMITIVE, Query, Ray, Sampling, Status, Surface};
+use tracebench_api::{Hit, NO_PRIMITIVE, Query, Ray, Sampling, Status, Surface, VoxelGrid};
 
+pub use distances::{COMMON_TEXELS, MOST_PIECES};
 pub use scores::CURVE_TOLERANCES;
 pub use surfaces::NORMAL_TOLERANCE_DEGREES;
 
 use crate::results::{Judgement, WrongRay};
 use crate::truth::{Answer, Ray64, Truth, tight_tolerance};
+use voxels::Voxels;
 
 /// Pixels of the common reference camera along its 90 degrees.
 pub const REFERENCE_PIXELS: f64 = 1024.0;
@@ -40,6 +45,8 @@ pub struct Judge<'a> {
     pub query: Query,
     /// The images that the tracer sees the scene through; empty if it holds the scene itself.
     pub samplings: &'a [Sampling],
+    /// The voxels that it knows the scene by.
+    pub voxels: Option<VoxelGrid>,
     /// Whether the tracer names the triangle that it hits.
     pub names_primitives: bool,
 }
@@ -83,6 +90,9 @@ impl Class {
         }
     }
 }
+
+/// A ray that was answered wrongly: its index, class and cause.
+type WrongAnswer = (usize, Class, &'static str);
 
 pub use crate::results::Rule;
 
@@ -215,17 +225,22 @@ impl Judge<'_> {
         (ties as u64, ties as f64 > MANY_TIES * self.rays.len() as f64)
     }
 
-    /// The causes of what is wrong under a rule: by ray, in ray order.
-    fn wrong(&self, rule: Rule, hits: &[Hit]) -> Vec<(usize, Class, &'static str)> {
+    /// The causes of what is wrong under a rule: by ray, in ray order. `known`: those under another rule, which are the same.
+    fn wrong(&self, rule: Rule, hits: &[Hit], known: &[WrongAnswer]) -> Vec<WrongAnswer> {
+        let voxels = Voxels::new(self);
+        let cause = |index: usize, class| match known.binary_search_by_key(&index, |(known, ..)| *known) {
+            Ok(place) => known[place].2,
+            Err(_) => self.cause(index, &hits[index], class, voxels.as_ref()),
+        };
         self.judged()
             .filter_map(|index| {
                 let class = self.class(rule, index, &hits[index]);
-                (!class.is_right()).then(|| (index, class, self.cause(index, &hits[index], class)))
+                (!class.is_right()).then(|| (index, class, cause(index, class)))
             })
             .collect()
     }
 
-    fn wrong_rays(&self, wrong: &[(usize, Class, &'static str)], hits: &[Hit]) -> Vec<WrongRay> {
+    fn wrong_rays(&self, wrong: &[WrongAnswer], hits: &[Hit]) -> Vec<WrongRay> {
         let kept = wrong.len().min(MOST_WRONG_RAYS);
         let record = |position: usize| {
             let (index, class, cause) = wrong[position * wrong.len() / kept];
@@ -250,7 +265,7 @@ impl Judge<'_> {
     }
 }
 
-fn count_causes(wrong: &[(usize, Class, &'static str)]) -> BTreeMap<String, u64> {
+fn count_causes(wrong: &[WrongAnswer]) -> BTreeMap<String, u64> {
     let mut counts = BTreeMap::new();
     for (_, _, cause) in wrong {
         *counts.entry((*cause).to_owned()).or_insert(0) += 1;

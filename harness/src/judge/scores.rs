@@ -17,10 +17,11 @@ impl Judge<'_> {
         let (ties, many_ties) = self.ties();
         let classes = |rule| self.count(rule, hits);
         let (hit_miss, tight, footprint) = (classes(Rule::HitMiss), classes(Rule::Tight), classes(Rule::Footprint));
-        let wrong_tight = self.wrong(Rule::Tight, hits);
+        let wrong_tight = self.wrong(Rule::Tight, hits, &[]);
+        let wrong_footprint = self.wrong(Rule::Footprint, hits, &wrong_tight);
         let causes = [
             ("tight".to_owned(), count_causes(&wrong_tight)),
-            ("footprint".to_owned(), count_causes(&self.wrong(Rule::Footprint, hits))),
+            ("footprint".to_owned(), count_causes(&wrong_footprint)),
         ];
         let errors = self.position_errors(hits);
         ClosestJudgement {
@@ -40,6 +41,7 @@ impl Judge<'_> {
                 p95: percentile(&errors, 95.0),
                 p99: percentile(&errors, 99.0),
             },
+            surface_distance: Some(self.surface_distance(hits)),
             identity: self.identity(hits),
             causes: causes.into_iter().collect(),
             wrong_rays: self.wrong_rays(&wrong_tight, hits),
@@ -52,7 +54,7 @@ impl Judge<'_> {
     pub(super) fn judge_any(&self, hits: &[Hit]) -> AnyJudgement {
         let (ties, many_ties) = self.ties();
         let classes = self.count(Rule::HitMiss, hits);
-        let wrong = self.wrong(Rule::HitMiss, hits);
+        let wrong = self.wrong(Rule::HitMiss, hits, &[]);
         AnyJudgement {
             occlusion: occlusion(&classes),
             ties,

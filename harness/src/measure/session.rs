@@ -291,9 +291,10 @@ impl Session {
     /// # Errors
     /// [`SessionError::Judge`] if they are no answers.
     pub fn judge(&self, contender: &Contender, rays: &PreparedRays, hits: &[Hit]) -> Result<Judgement, SessionError> {
-        let samplings = contender.structure()?.samplings();
+        let structure = contender.structure()?;
+        let (samplings, voxels) = (structure.samplings(), structure.voxels(&contender.parameters)?);
         let names_primitives = contender.description.names_primitives;
-        let judge = Judge { names_primitives, ..self.judge_of(rays, &samplings) };
+        let judge = Judge { names_primitives, voxels, ..self.judge_of(rays, &samplings) };
         judge.judge(hits).map_err(|error| no_answers(contender.description.name, rays, error))
     }
 
@@ -337,6 +338,7 @@ impl Session {
             answers: &rays.answers,
             query: rays.set.query,
             samplings,
+            voxels: None,
             names_primitives: false,
         }
     }

@@ -7,8 +7,8 @@ use tracebench_api::{AdapterListing, ClockKind, DeviceLimits, EndPoint, HitBuffe
 use crate::machine::Machine;
 use crate::results::{
     AnyJudgement, BuildRecord, ByRule, Classes, ClosestJudgement, CounterRecord, EndedBy, Headline, Judgement,
-    MemoryRecord, Occlusion, Percentiles, PhaseRecord, Provenance, RaceRecord, Run, SCHEMA, Sampling, SceneRecord,
-    Skipped, Times, TraceRecord, TracerRecord, TracerRun, ViewpointRecord, WrongRay,
+    MemoryRecord, Occlusion, Percentiles, PhaseRecord, PieceDistance, Provenance, RaceRecord, Run, SCHEMA, Sampling,
+    SceneRecord, Skipped, SurfaceDistance, Times, TraceRecord, TracerRecord, TracerRun, ViewpointRecord, WrongRay,
 };
 use crate::statistics::{median, median_interval, wilson};
 
@@ -376,6 +376,7 @@ fn closest(quality: Quality) -> ClosestJudgement {
             p95: Some(quality.blur * 5.0),
             p99: Some(quality.blur * 12.0),
         },
+        surface_distance: Some(surface_distance(quality)),
         identity: (quality.blur < 1e-6).then_some(1.0),
         causes: BTreeMap::new(),
         wrong_rays: wrong_rays(quality),
@@ -388,6 +389,35 @@ fn closest(quality: Quality) -> ClosestJudgement {
     let rules = [("tight", &judgement.classes.tight), ("footprint", &judgement.classes.footprint)];
     judgement.causes = rules.map(|(rule, classes)| (rule.to_owned(), counts(classes.false_miss + classes.late))).into();
     judgement
+}
+
+fn surface_distance(quality: Quality) -> SurfaceDistance {
+    let told = (1.0 - quality.missed) * within(1e-3, quality.blur);
+    // What samples has texels.
+    let own_texel = (quality.blur > 1e-6).then_some(2e-3);
+    SurfaceDistance {
+        rays: HITS,
+        common_texel: 1e-3,
+        within_common_texel: Some(told),
+        own_texel,
+        within_own_texel: own_texel.map(|texel| (1.0 - quality.missed) * within(texel, quality.blur)),
+        distance: Percentiles {
+            p50: Some(quality.blur / 2.0),
+            p95: Some(quality.blur * 2.0),
+            p99: Some(quality.blur * 6.0),
+        },
+        pieces: vec![PieceDistance {
+            piece: 0,
+            first_triangle: 0,
+            triangles: 12,
+            open: false,
+            mean_thickness: Some(0.25),
+            rays: HITS,
+            within_common_texel_rays: (told * HITS as f64) as u64,
+            within_own_texel_rays: own_texel
+                .map(|texel| ((1.0 - quality.missed) * within(texel, quality.blur) * HITS as f64) as u64),
+        }],
+    }
 }
 
 /// Fills in shares and intervals from the classes.

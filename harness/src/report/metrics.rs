@@ -1,6 +1,6 @@
 //! Every figure of a trace that tables and charts show: its name, unit, which way is better, and where it is found.
 
-use crate::results::{AnyJudgement, ClosestJudgement, Judgement, TraceRecord, TracerRun};
+use crate::results::{AnyJudgement, ClosestJudgement, Judgement, SurfaceDistance, TraceRecord, TracerRun};
 
 /// Which way is better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,6 +91,16 @@ pub(super) const POSITION_P50: Metric =
     metric("position_error_p50_scene_units", "position error p50", "scene units", Better::Lower, |_, trace| {
         closest(trace)?.position_error.p50
     });
+/// Told hits near the piece of mesh that is truly hit.
+pub(super) const WITHIN_TEXEL: Metric =
+    metric("within_common_texel_share", "within a common texel", "", Better::Higher, |_, trace| {
+        distance(trace)?.within_common_texel
+    });
+/// The same by the tracer's own texel.
+pub(super) const WITHIN_OWN_TEXEL: Metric =
+    metric("within_own_texel_share", "within a texel of its own", "", Better::Higher, |_, trace| {
+        distance(trace)?.within_own_texel
+    });
 /// The right triangle.
 pub(super) const IDENTITY: Metric =
     metric("identity_share", "identity", "", Better::Higher, |_, trace| closest(trace)?.identity);
@@ -147,6 +157,11 @@ pub(super) const COLUMNS: &[Column] = &[
     POSITION_P50.column,
     column("position_error_p95_scene_units", |_, trace| closest(trace)?.position_error.p95),
     column("position_error_p99_scene_units", |_, trace| closest(trace)?.position_error.p99),
+    WITHIN_TEXEL.column,
+    WITHIN_OWN_TEXEL.column,
+    column("surface_distance_p50_scene_units", |_, trace| distance(trace)?.distance.p50),
+    column("surface_distance_p95_scene_units", |_, trace| distance(trace)?.distance.p95),
+    column("surface_distance_p99_scene_units", |_, trace| distance(trace)?.distance.p99),
     IDENTITY.column,
     column("tight_true_hit_rays", |_, trace| Some(closest(trace)?.classes.tight.true_hit as f64)),
     column("tight_true_miss_rays", |_, trace| Some(closest(trace)?.classes.tight.true_miss as f64)),
@@ -189,6 +204,11 @@ pub(super) fn closest(trace: &TraceRecord) -> Option<&ClosestJudgement> {
         Judgement::Closest(judgement) => Some(judgement),
         Judgement::Any(_) => None,
     }
+}
+
+/// How far told hits are from the mesh; of any-hit sets, and of records from before it was told, nothing.
+pub(super) fn distance(trace: &TraceRecord) -> Option<&SurfaceDistance> {
+    closest(trace)?.surface_distance.as_ref()
 }
 
 /// The verdict, if it is one on an any-hit set.

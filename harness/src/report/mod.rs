@@ -6,6 +6,7 @@
 pub(crate) mod cells;
 pub(crate) mod chart;
 mod compare;
+mod distances;
 mod error;
 mod explain;
 #[cfg(test)]

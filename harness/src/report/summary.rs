@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use tracebench_api::{Query, Rasterizer};
 
 use super::cells::{Row, accuracies, coverage, label, speed_cells, touched};
+use super::distances;
 use super::format::{self, NONE, clock_of, mib, optional, percent, significant, statistic, thousands, with_interval};
 use super::group::{Group, RaySet, Role};
 use super::markdown::{Table, inline};
@@ -233,6 +234,7 @@ fn ray_set(group: &Group<'_>, set: &RaySet<'_>) -> String {
         Query::Closest => closest_tables(&mut text, &rows),
         Query::Any => any_tables(&mut text, &rows),
     }
+    text += &distances::tables(&rows);
     text += &surfaces::tables(&rows);
     text += &causes(&rows);
     text += &counters(&rows);

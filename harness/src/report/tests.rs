@@ -8,7 +8,7 @@ use tracebench_api::{ClockKind, Query};
 use super::*;
 use crate::files::FileError;
 use crate::measure::controls::Control;
-use crate::results::{Judgement, TraceRecord};
+use crate::results::{ClosestJudgement, Judgement, TraceRecord};
 
 fn write(run: &Run) -> (TempDir, BTreeMap<String, Vec<u8>>) {
     let folder = TempDir::new().unwrap();
@@ -76,6 +76,33 @@ fn the_summary_is_complete() {
     assert!(!summary.contains("smoke"));
     let smoke = Run { preset: "smoke".to_owned(), ..run };
     assert!(summary::summary(&smoke, &[]).contains("figures only show that things work"));
+}
+
+/// Where a tracer has texels of its own the summary says how far told hits are from the mesh, of all pieces together and of each; where
+/// none has, and of records from before it was told, it says nothing of it.
+#[test]
+fn distances_are_told_by_texels() {
+    let run = fixture::crowded();
+    let heading = "Told hits by their distance from the connected piece of mesh";
+    let summary_of = |run: &Run| summary::summary(run, &group::groups(run));
+    let told = summary_of(&run);
+    assert!(told.contains(heading) && told.contains("The pieces of mesh that most rays truly hit"));
+    let changed = |change: fn(&mut ClosestJudgement)| {
+        let mut run = run.clone();
+        for trace in run.runs.iter_mut().flat_map(|each| &mut each.traces) {
+            if let Judgement::Closest(judgement) = &mut trace.judgement {
+                change(judgement);
+            }
+        }
+        summary_of(&run)
+    };
+    assert!(!changed(|judgement| judgement.surface_distance = None).contains(heading));
+    let without = changed(|judgement| {
+        if let Some(distance) = &mut judgement.surface_distance {
+            distance.own_texel = None;
+        }
+    });
+    assert!(!without.contains(heading));
 }
 
 /// Every row of a table with speeds has its accuracy, with an interval; rows have as many cells as their heading.

@@ -71,12 +71,55 @@ pub struct ClosestJudgement {
     pub curve: Vec<[f64; 2]>,
     /// |t - t*| of the rays that are rightly said to hit, scene units.
     pub position_error: Percentiles,
+    /// How far told hits are from the piece of mesh that is truly hit; `None` in records from before it was told.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface_distance: Option<SurfaceDistance>,
     /// Share of `tight` true hits that name the right triangle; `None` if the method names none.
     pub identity: Option<f64>,
     /// Why rays are wrong, under `tight` and `footprint`.
     pub causes: Causes,
     /// Wrong rays under `tight`, at most 128, evenly spaced among all of them; none of a control.
     pub wrong_rays: Vec<WrongRay>,
+}
+
+/// How far told hits are from the nearest point of the connected piece of mesh that the true hit lies on.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SurfaceDistance {
+    /// Rays with a true hit, without ties.
+    pub rays: u64,
+    /// The longest edge of the scene's bounds over 1280, scene units.
+    pub common_texel: f64,
+    /// Share of the rays that are told a hit within a common texel of the piece; a miss is not. `None` without rays.
+    pub within_common_texel: Option<f64>,
+    /// The greatest edge of a texel of the tracer's images along axes, scene units; `None` of tracers without.
+    pub own_texel: Option<f64>,
+    /// The share within such a texel.
+    pub within_own_texel: Option<f64>,
+    /// Of the rays that are told a hit, scene units.
+    pub distance: Percentiles,
+    /// The pieces with the most rays, at most 16.
+    pub pieces: Vec<PieceDistance>,
+}
+
+/// The same of one piece of mesh.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PieceDistance {
+    /// Its number, by lowest triangles.
+    pub piece: u32,
+    /// Its lowest triangle.
+    pub first_triangle: u32,
+    /// Its triangles.
+    pub triangles: u64,
+    /// Whether it has an edge of an odd number of triangles, so that it bounds no inside.
+    pub open: bool,
+    /// Of closed pieces twice the volume over the area, scene units: the thickness of a wall.
+    pub mean_thickness: Option<f64>,
+    /// Rays whose true hit lies on it.
+    pub rays: u64,
+    /// Those that are told a hit within a common texel of it.
+    pub within_common_texel_rays: u64,
+    /// Those within a texel of the tracer's own.
+    pub within_own_texel_rays: Option<u64>,
 }
 
 /// The verdict on an any-hit set.

@@ -33,8 +33,8 @@ pub use cases::{
 };
 pub use explanation::{Explained, ExplanationRecord, GIVEN_UP, RemedyRecord, SceneExplained, UNEXPLAINED};
 pub use judgement::{
-    AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Headline, Judgement, Occlusion, Percentiles, Rule,
-    SurfaceJudgement, WrongRay,
+    AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Headline, Judgement, Occlusion, Percentiles,
+    PieceDistance, Rule, SurfaceDistance, SurfaceJudgement, WrongRay,
 };
 pub use key::{same_place, same_pose, same_rays, same_work};
 pub use means::{AtMeans, MARGIN, Means, MeansRecord, ProbeRecord, RAYS_PER_LANE, READS, at_means};

@@ -20,8 +20,8 @@ const LEAST_COMPONENT: f64 = 1e-200;
 
 /// The hierarchy.
 pub struct Hierarchy {
-    bvh: Bvh2,
-    padding: f64,
+    pub(super) bvh: Bvh2,
+    pub(super) padding: f64,
 }
 
 impl Hierarchy {
@@ -80,7 +80,7 @@ impl Hierarchy {
 }
 
 /// A ray against padded boxes.
-struct Slabs {
+pub(super) struct Slabs {
     origin: DVec3,
     inverse: DVec3,
     t_min: f64,
@@ -88,7 +88,7 @@ struct Slabs {
 }
 
 impl Slabs {
-    fn new(ray: &Ray64, padding: f64) -> Self {
+    pub(super) fn new(ray: &Ray64, padding: f64) -> Self {
         let invert = |component: f64| {
             if component.abs() < LEAST_COMPONENT {
                 1.0_f64.copysign(component) / LEAST_COMPONENT
@@ -103,7 +103,7 @@ impl Slabs {
     }
 
     /// Where the ray enters a box, if it does so before `nearest`.
-    fn entry(&self, node: &Bvh2Node, nearest: f64) -> Option<f64> {
+    pub(super) fn entry(&self, node: &Bvh2Node, nearest: f64) -> Option<f64> {
         let aabb = node.aabb();
         let low = (aabb.min.as_dvec3() - self.padding - self.origin) * self.inverse;
         let high = (aabb.max.as_dvec3() + self.padding - self.origin) * self.inverse;

@@ -4,10 +4,13 @@
 //! f64. A sample of the rays is audited by brute force over all triangles.
 
 mod cache;
+mod crossings;
 mod hierarchy;
+mod nearest;
+mod pieces;
 mod triangle;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -15,7 +18,10 @@ use sha2::{Digest, Sha256};
 use tracebench_api::{Geometry, Query, Ray};
 
 pub use cache::Cache;
+pub use crossings::Crossing;
 pub use hierarchy::Hierarchy;
+pub use nearest::{Nearest, area_in_box, nearest_point};
+pub use pieces::{Piece, Pieces};
 pub use triangle::{RayFrame, intersect};
 
 use crate::progress::Progress;
@@ -119,6 +125,7 @@ pub struct Truth {
     scene_sha256: String,
     hierarchy: Hierarchy,
     diagonal: f64,
+    pieces: OnceLock<Pieces>,
 }
 
 impl Truth {
@@ -129,6 +136,7 @@ impl Truth {
             scene_sha256: scene_sha256.to_owned(),
             hierarchy: Hierarchy::new(geometry),
             diagonal: geometry.diagonal(),
+            pieces: OnceLock::new(),
         }
     }
 
@@ -145,6 +153,31 @@ impl Truth {
     /// The nearest hit of one ray.
     pub fn closest(&self, ray: &Ray64) -> Option<TrueHit> {
         self.hierarchy.closest(&self.geometry, ray)
+    }
+
+    /// Every surface along a ray, the nearest first.
+    pub fn crossings(&self, ray: &Ray64) -> Vec<Crossing> {
+        self.hierarchy.crossings(&self.geometry, ray, self.diagonal)
+    }
+
+    /// The connected pieces of the mesh; found out when they are first asked for.
+    pub fn pieces(&self) -> &Pieces {
+        self.pieces.get_or_init(|| Pieces::new(&self.geometry, &self.hierarchy))
+    }
+
+    /// The triangle nearest to a point, if one is within a distance.
+    pub fn nearest(&self, point: DVec3, within: f64) -> Option<Nearest> {
+        self.hierarchy.nearest(&self.geometry, point, within, None)
+    }
+
+    /// The same of one piece's triangles alone.
+    pub fn nearest_of_piece(&self, point: DVec3, within: f64, piece: u32) -> Option<Nearest> {
+        self.hierarchy.nearest(&self.geometry, point, within, Some((self.pieces(), piece)))
+    }
+
+    /// Shows every triangle whose bounds overlap a box.
+    pub fn in_box(&self, low: DVec3, high: DVec3, show: impl FnMut(u32)) {
+        self.hierarchy.in_box(&self.geometry, low, high, show);
     }
 
     /// The nearest hit of one ray by trying every triangle.

@@ -4,13 +4,17 @@
 mod causes;
 mod classes;
 mod controls;
+mod distances;
 mod orthographic;
 mod surfaces;
+mod voxels;
 
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use tracebench_api::{Geometry, Hit, Layers, NO_PRIMITIVE, Projection, Query, Ray, Sampling, Status, View, Viewpoint};
+use tracebench_api::{
+    Geometry, Hit, Layers, NO_PRIMITIVE, Projection, Query, Ray, Sampling, Status, View, Viewpoint, VoxelGrid,
+};
 use tracebench_harness::judge::{CURVE_TOLERANCES, Class, Judge, JudgeError, MOST_WRONG_RAYS, Rule};
 use tracebench_harness::measure::controls::{Control, corrupted};
 use tracebench_harness::progress::Progress;
@@ -56,13 +60,14 @@ struct Case {
     answers: Vec<Answer>,
     query: Query,
     samplings: Vec<Sampling>,
+    voxels: Option<VoxelGrid>,
 }
 
 impl Case {
     fn new(truth: Truth, rays: Vec<Ray>, query: Query) -> Self {
         let rays = Arc::new(rays);
         let answers = truth.answer(&rays, query, &Cache::none(), &Progress::new(true)).unwrap();
-        Self { truth, eye: DVec3::new(0.0, 0.0, 2.0), rays, answers, query, samplings: Vec::new() }
+        Self { truth, eye: DVec3::new(0.0, 0.0, 2.0), rays, answers, query, samplings: Vec::new(), voxels: None }
     }
 
     fn judge(&self) -> Judge<'_> {
@@ -73,6 +78,7 @@ impl Case {
             answers: &self.answers,
             query: self.query,
             samplings: &self.samplings,
+            voxels: self.voxels,
             names_primitives: true,
         }
     }

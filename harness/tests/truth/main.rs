@@ -4,6 +4,7 @@
 mod caching;
 mod exact;
 mod hits;
+mod pieces;
 mod ties;
 
 use std::path::{Path, PathBuf};

@@ -35,6 +35,55 @@ impl Layers {
     }
 }
 
+/// A grid of voxels by which a structure knows where the scene is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VoxelGrid {
+    /// The grid's least corner.
+    pub low: DVec3,
+    /// Edges of a voxel, scene units.
+    pub voxel: DVec3,
+    /// Voxels along each edge of the grid.
+    pub size: u32,
+    /// How a voxel is looked into; none by methods that know no more of it than that it has anything.
+    pub images: Option<ImageChoice>,
+}
+
+/// How a voxel is looked into by methods that keep an image along each axis and tell on which side of the surfaces a point lies by
+/// the number of layers before it. The image is that along which the average of the normals in the voxel is longest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImageChoice {
+    /// Whether a triangle feeds averages by its area along its dominant axis alone, and not by those along all three.
+    pub by_dominant_axis: bool,
+    /// Whether normals are averaged as lines, turned so that their longest component is positive.
+    pub as_lines: bool,
+    /// Length of an average below which it says nothing: the image is then that along which the ray goes most.
+    pub cancelled_below: f64,
+    /// At how many points of a ray's way through a voxel its side is asked; none: wherever it leaves a texel.
+    pub points: Option<u32>,
+    /// Whether, besides, the layers are seen that a ray passes within a texel.
+    pub layers_passed: bool,
+    /// Whether a ray ends where its side is not that of its start; if not, where it is not that on which it was a texel before the
+    /// voxels that it goes through by one image, one after the other.
+    pub from_start: bool,
+    /// Texels of its way that a ray leaves out which starts within the scene's bounds; its side is told after them.
+    pub start_texels: f64,
+}
+
+impl VoxelGrid {
+    /// The voxel that a point lies in, if it is inside of the grid.
+    pub fn voxel_of(&self, point: DVec3) -> Option<[u32; 3]> {
+        let place = ((point - self.low) / self.voxel).floor();
+        let inside = place.cmpge(DVec3::ZERO).all() && place.cmplt(DVec3::splat(f64::from(self.size))).all();
+        inside.then(|| place.to_array().map(|along| along as u32))
+    }
+
+    /// Least and greatest corner of a voxel.
+    pub fn bounds_of(&self, voxel: [u32; 3]) -> [DVec3; 2] {
+        let place = DVec3::from(voxel.map(f64::from));
+        [place, place + 1.0].map(|corner| self.low + corner * self.voxel)
+    }
+}
+
 /// How an image's pixels look at the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {

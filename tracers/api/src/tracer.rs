@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::{
     EndPoint, Geometry, HitBuffer, MemoryEntry, MemoryReport, ParameterDescription, Parameters, PhaseClock, Query,
-    RayBuffer, Sampling, SharedLayout, TracerError, Viewpoint,
+    RayBuffer, Sampling, SharedLayout, TracerError, Viewpoint, VoxelGrid,
 };
 
 /// Where a tracer's triangles, rays and hits live.
@@ -207,6 +207,16 @@ pub trait Structure {
     /// The images that the structure sees the scene through; empty for one that holds the scene itself.
     fn samplings(&self) -> Vec<Sampling> {
         Vec::new()
+    }
+
+    /// The voxels that the structure knows the scene by, and how a trace with these parameters looks into them; none for methods
+    /// without.
+    ///
+    /// # Errors
+    /// [`TracerError::Parameter`] for other parameters than the tracer's.
+    fn voxels(&self, parameters: &Parameters) -> Result<Option<VoxelGrid>, TracerError> {
+        let _ = parameters;
+        Ok(None)
     }
 
     /// Reads the structure back and checks it against the scene; gives printable statistics. `geometry` is what it was last

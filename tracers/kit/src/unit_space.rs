@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::glam::{DVec2, DVec3, Vec3};
-use tracebench_api::{Geometry, Layers, Orthographic, Projection, Sampling, choice};
+use tracebench_api::{Geometry, ImageChoice, Layers, Orthographic, Projection, Sampling, VoxelGrid, choice};
 
 /// Axes, and images.
 const AXES: usize = 3;
@@ -81,6 +81,12 @@ impl UnitSpace {
     pub fn samplings(self) -> Vec<Sampling> {
         let image = |axis| Projection::Orthographic(self.image_along(axis));
         (0..AXES).map(|axis| Sampling { projection: image(axis), layers: Layers::All }).collect()
+    }
+
+    /// Its grid, and how a trace looks into its voxels, which may be not at all.
+    pub fn voxels(self, images: Option<ImageChoice>) -> VoxelGrid {
+        let edge = f64::from(self.grid);
+        VoxelGrid { low: self.to_scene(DVec3::ZERO), voxel: 1.0 / (self.parts()[1] * edge), size: self.grid, images }
     }
 
     fn image_along(self, axis: usize) -> Orthographic {

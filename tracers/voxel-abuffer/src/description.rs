@@ -26,6 +26,17 @@ choice! {
     pub(crate) enum Looked { Dda2d = "dda2d", ThreeStep = "three-step", OneStep = "one-step" }
 }
 
+impl Looked {
+    /// At how many points of a voxel; 0: in every texel.
+    pub(crate) fn points(self) -> u32 {
+        match self {
+            Self::Dda2d => 0,
+            Self::ThreeStep => 3,
+            Self::OneStep => 1,
+        }
+    }
+}
+
 choice! {
     /// What is asked of a texel that a ray crosses.
     pub(crate) enum InTexel { Layers = "layers", Exit = "exit" }

@@ -1,10 +1,10 @@
 //! Where the scene lies in the unit cube, how fine its grid and images are, and the uniforms that tell shaders of it.
 
 use bytemuck::{Pod, Zeroable};
-use tracebench_api::{Geometry, Sampling, SharedLayout, Viewpoint};
+use tracebench_api::{Geometry, ImageChoice, Sampling, SharedLayout, Viewpoint, VoxelGrid};
 pub(crate) use tracebench_kit::{UnitSpace, across_and_down};
 
-use crate::description::{Averaged, Fed, Held, VoxelParameters};
+use crate::description::{Averaged, Crossing, Fed, Held, InTexel, VoxelParameters};
 use crate::search::VoxelSearch;
 
 /// Axes, and images.
@@ -163,6 +163,20 @@ impl Layout {
     /// The images that the scene is seen through.
     pub(crate) fn samplings(&self) -> Vec<Sampling> {
         self.space.samplings()
+    }
+
+    /// The grid, and how a trace by these parameters looks into its voxels.
+    pub(crate) fn voxel_grid(&self, parameters: &VoxelParameters) -> VoxelGrid {
+        let images = ImageChoice {
+            by_dominant_axis: self.fed == Fed::Dominant,
+            as_lines: self.averaged == Averaged::Lines,
+            cancelled_below: self.cancelled_below,
+            points: Some(parameters.search.points()).filter(|points| *points > 0),
+            layers_passed: parameters.search.points() == 0 && parameters.in_texel == InTexel::Layers,
+            from_start: parameters.crossing == Crossing::State,
+            start_texels: parameters.start_bias,
+        };
+        self.space.voxels((!self.voxels_only).then_some(images))
     }
 }
 

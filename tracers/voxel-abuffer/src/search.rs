@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::{Query, TraceJob};
 
-use crate::description::{Crossing, InTexel, Inside, Looked, VoxelParameters};
+use crate::description::{Crossing, InTexel, Inside, VoxelParameters};
 use crate::layout::{Layout, UnitSpace};
 
 /// `VoxelSearch` of shaders/voxel-abuffer/settings.wgsl.
@@ -53,11 +53,7 @@ impl VoxelSearch {
             space: layout.space,
             ray_count: job.rays.host.len() as u32,
             rays_per_lane: parameters.rays_per_lane,
-            points: match parameters.search {
-                Looked::Dda2d => 0,
-                Looked::ThreeStep => 3,
-                Looked::OneStep => 1,
-            },
+            points: parameters.search.points(),
             // Where a surface is does not matter to rays that ask whether there is any (section 3.2).
             binary_steps: if job.rays.query == Query::Any { 0 } else { parameters.binary_steps },
             nesting: u32::from(parameters.inside == Inside::Nesting),

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, Structure,
-    TraceJob, Tracer, TracerError, Update, Viewpoint,
+    TraceJob, Tracer, TracerError, Update, Viewpoint, VoxelGrid,
 };
 use tracebench_kit::{LastCount, grow};
 
@@ -162,6 +162,10 @@ impl Structure for VoxelStructure {
 
     fn samplings(&self) -> Vec<Sampling> {
         self.layout.samplings()
+    }
+
+    fn voxels(&self, parameters: &Parameters) -> Result<Option<VoxelGrid>, TracerError> {
+        Ok(Some(self.layout.voxel_grid(&VoxelParameters::try_from(parameters)?)))
     }
 
     fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, Structure,
-    TraceJob, Tracer, TracerError, Update, Viewpoint,
+    TraceJob, Tracer, TracerError, Update, Viewpoint, VoxelGrid,
 };
 use tracebench_kit::{LastCount, ReadSlot, Readable, Reads, grow, record_copies};
 
@@ -181,6 +181,11 @@ impl Structure for OctreeStructure {
     fn samplings(&self) -> Vec<Sampling> {
         // A voxel is a texel of the images along all three axes.
         self.layout.space.samplings()
+    }
+
+    fn voxels(&self, parameters: &Parameters) -> Result<Option<VoxelGrid>, TracerError> {
+        OctreeParameters::try_from(parameters)?;
+        Ok(Some(self.layout.space.voxels(None)))
     }
 
     fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
