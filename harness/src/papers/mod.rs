@@ -13,6 +13,7 @@ mod estimate;
 mod experiment;
 #[cfg(test)]
 mod fixture;
+mod hhz14;
 mod page;
 mod published;
 mod quantity;
@@ -38,7 +39,7 @@ pub use verdict::{JudgedClaim, MeasuredBy, SceneValue, Verdict, judge, judge_all
 use crate::results::TracerRun;
 
 /// Every paper, in the order of lists.
-pub const PAPERS: &[&Paper] = &[&dirt::PAPER, &vvp16::PAPER];
+pub const PAPERS: &[&Paper] = &[&dirt::PAPER, &vvp16::PAPER, &hhz14::PAPER];
 
 /// A paper: what its folder holds.
 #[derive(Debug)]

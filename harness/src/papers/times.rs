@@ -20,6 +20,13 @@ pub(super) fn traced<'a>(row: &'a TracerRun, rays: &str) -> Option<Timed<'a>> {
     Some(Timed::trace(row, trace(row, rays)?))
 }
 
+/// Traces of a row, one set after the other.
+fn traced_together<'a>(row: &'a TracerRun, sets: &[&str]) -> Option<Timed<'a>> {
+    let mut all = sets.iter().map(|rays| traced(row, rays));
+    let first = all.next()??;
+    all.try_fold(first, |sum, next| Some(sum.and(next?)))
+}
+
 /// Build and traces of a row, every set traced as often as said.
 fn total<'a>(row: &'a TracerRun, mix: &[(&str, f64)]) -> Option<Timed<'a>> {
     mix.iter().try_fold(Timed::build(row), |sum, (rays, often)| Some(sum.and(traced(row, rays)?.times(*often))))
@@ -78,15 +85,30 @@ impl SceneRows<'_> {
     pub(in crate::papers) fn trace_ratio(&self, one: &TracerRun, other: &TracerRun, rays: &str) -> Option<Estimate> {
         let found = self.layout_ratio(one, other, rays)?;
         if one.tracer.name != other.tracer.name {
-            return self.at_means(found, one, other, rays);
+            return self.at_means(found, one, other, &[rays]);
         }
         let [low, high] = found.interval;
         let unexplained = (low > 1.0 || high < 1.0) && same_work(trace(one, rays)?, trace(other, rays)?);
         Some(if unexplained { found.doubted(SAME_WORK.to_owned()) } else { found })
     }
 
+    /// The same of several ray sets together, of two methods.
+    pub(in crate::papers) fn traces_ratio(
+        &self,
+        one: &TracerRun,
+        other: &TracerRun,
+        sets: &[&str],
+    ) -> Option<Estimate> {
+        self.at_means(self.together(one, other, sets)?, one, other, sets)
+    }
+
+    /// How many times as long some ray sets together take in one row as in another, at the rows' means.
+    fn together(&self, one: &TracerRun, other: &TracerRun, sets: &[&str]) -> Option<Estimate> {
+        ratio(self.run, &traced_together(one, sets)?, &traced_together(other, sets)?)
+    }
+
     /// A ratio of two methods with those at other means.
-    fn at_means(&self, found: Estimate, one: &TracerRun, other: &TracerRun, rays: &str) -> Option<Estimate> {
+    fn at_means(&self, found: Estimate, one: &TracerRun, other: &TracerRun, sets: &[&str]) -> Option<Estimate> {
         let [ones, others] =
             [one, other].map(|row| self.runs.iter().copied().filter(|each| differ_in_means(row, each)));
         let (ones, others): (Vec<&TracerRun>, Vec<&TracerRun>) = (ones.collect(), others.collect());
@@ -96,8 +118,8 @@ impl SceneRows<'_> {
         if [one, other].iter().all(|row| row.tracer.means().is_none()) {
             return Some(found);
         }
-        let time = |row: &TracerRun| host_ms(&trace(row, rays)?.times);
-        let all = at_means(&ones, &others, time, |one, other| self.layout_ratio(one, other, rays));
+        let time = |row: &TracerRun| sets.iter().map(|rays| host_ms(&trace(row, rays)?.times)).sum::<Option<f64>>();
+        let all = at_means(&ones, &others, time, |one, other| self.together(one, other, sets));
         Some(found.spread_over(all.equal.into_iter().map(|(_, ratio)| ratio).chain(all.best.map(|(_, ratio)| ratio))))
     }
 

@@ -1,0 +1,154 @@
+//! HHZ14's tables and figures.
+
+use tracebench_api::EndPoint;
+
+use super::{abuffer, octree, sections};
+use crate::papers::experiment::{Experiment, Row, StandIn, at, stands_for};
+
+/// Every one, in the order of lists.
+pub(super) const EXPERIMENTS: &[Experiment] = &[TABLE1, FIGURE6, FIGURE7, FIGURE9, FIGURE11, TEXT];
+
+/// The images of Table 1, of closed objects that mirror, refract and cast shadows.
+const OF_TABLE_1: &[StandIn] = &[stands_for("solids", "Figure 8 top"), stands_for("candy", "Figure 1(b)")];
+
+/// Table 1.
+const TABLE1: Experiment = Experiment {
+    name: "hhz14-table1",
+    summary: "build and traces of mirrored, refracted and shadow rays beside a sparse voxel octree (HHZ14, Table 1)",
+    published: &["hhz14-table1"],
+    scenes: OF_TABLE_1,
+    rays: "specular,refraction,visibility",
+    settings: &[],
+    end: EndPoint::Surface,
+    steps: &[at(
+        1.0,
+        &[abuffer(&[("abuffer", &["1024"]), ("grid", &["64"])]), octree(&[("traversal", &["restart", "stack"])])],
+    )],
+    means: true,
+    sections: &[sections::octree],
+    charts: &[],
+    notes: &[
+        "The paper names neither the models of its images nor how many rays a frame has: ratios alone stand beside its own. Here a frame \
+         is the three ray sets once each; their times are added up.",
+        "A-buffers are 1024 square, as finely divided as the octree's ten levels, which is what the text sets against one another; the \
+         table itself may have the paper's usual 1280.",
+        "The octree is built from below on the device; how the paper builds its own is not stated.",
+    ],
+};
+
+const SEARCHES: &[&str] = &["dda2d", "three-step", "one-step"];
+/// Closed objects with fine parts, as the teapot's spout and the dragon's horns.
+const OF_FIGURE_6: &[StandIn] =
+    &[stands_for("solids", "Figure 6"), stands_for("room", "Figure 6"), stands_for("candy", "Figure 6")];
+
+/// Figure 6.
+const FIGURE6: Experiment = Experiment {
+    name: "hhz14-figure6",
+    summary: "search in every texel, in three steps and in one (HHZ14, Figure 6)",
+    published: &["hhz14-figure6"],
+    scenes: OF_FIGURE_6,
+    rays: "specular,refraction,visibility,ao",
+    settings: &[],
+    end: EndPoint::Hit,
+    steps: &[at(1.0, &[abuffer(&[("abuffer", &["1024"]), ("grid", &["64"]), ("search", SEARCHES)])])],
+    means: false,
+    sections: &[sections::rows],
+    charts: &[],
+    notes: &[
+        "The figure's frame rates are lost with its pictures. It has 128 rays a fragment of ambient occlusion, here is one.",
+    ],
+};
+
+const PLAIN: &[Row] = &[abuffer(&[])];
+
+/// Figure 7.
+const FIGURE7: Experiment = Experiment {
+    name: "hhz14-figure7",
+    summary: "the time of a ray of ambient occlusion, over the number of rays (HHZ14, Figure 7)",
+    published: &["hhz14-figure7"],
+    scenes: OF_FIGURE_6,
+    rays: "ao",
+    settings: &[],
+    end: EndPoint::Hit,
+    steps: &[at(0.5, PLAIN), at(1.0, PLAIN), at(2.0, PLAIN)],
+    means: false,
+    sections: &[sections::a_ray],
+    charts: &[],
+    notes: &[
+        "The structure does not depend on the resolution: rays of twice the image's edge are four times as many through the same one. \
+         `--size 800x600` has the paper's pixels.",
+    ],
+};
+
+const GRIDS: &[&str] = &["64", "128", "256", "512", "1024"];
+
+/// Figure 9.
+const FIGURE9: Experiment = Experiment {
+    name: "hhz14-figure9",
+    summary: "grid and A-buffers beside voxels alone (HHZ14, Figure 9)",
+    published: &["hhz14-figure9", "hhz14-voxels-alone"],
+    scenes: OF_FIGURE_6,
+    rays: "ao,diffuse",
+    settings: &[],
+    end: EndPoint::Hit,
+    steps: &[at(
+        1.0,
+        &[
+            abuffer(&[]),
+            abuffer(&[("abuffer", &["1024"])]),
+            abuffer(&[("structure", &["voxels-only"]), ("grid", GRIDS)]),
+        ],
+    )],
+    means: false,
+    sections: &[sections::rows],
+    charts: &[],
+    notes: &[
+        "Voxels alone go to 1024 along an edge here, a bit each; the paper says that 1280 would serve. How many rays a fragment each \
+         picture has is lost; here is one.",
+    ],
+};
+
+/// Figure 11.
+const FIGURE11: Experiment = Experiment {
+    name: "hhz14-figure11",
+    summary: "paths of two bounces in a complex scene, with a grid of 256 beside the usual one (HHZ14, Figure 11)",
+    published: &["hhz14-figure11"],
+    scenes: &[stands_for("atrium", "Sponza")],
+    rays: "diffuse,bounce2",
+    settings: &[],
+    end: EndPoint::Hit,
+    steps: &[at(1.0, &[abuffer(&[("grid", &["256", "64"])])])],
+    means: false,
+    sections: &[sections::rows],
+    charts: &[],
+    notes: &["The paper does not say how many rays its paths have, so that its times stand beside nothing here."],
+};
+
+/// What the text states.
+const TEXT: Experiment = Experiment {
+    name: "hhz14-text",
+    summary: "resolutions of A-buffers and grid, open and closed scenes (HHZ14, sections 3, 5 and 6)",
+    published: &[],
+    scenes: &[
+        stands_for("solids", "closed objects"),
+        stands_for("room", "a closed room"),
+        stands_for("cloth", "an open mesh"),
+        stands_for("foliage", "open leaves"),
+    ],
+    rays: "diffuse,specular",
+    settings: &[],
+    end: EndPoint::Hit,
+    steps: &[at(
+        1.0,
+        &[
+            abuffer(&[("abuffer", &["1024", "512", "2048"]), ("grid", &["64"]), ("search", SEARCHES)]),
+            abuffer(&[("grid", &["0", "32", "128", "256"])]),
+        ],
+    )],
+    means: false,
+    sections: &[sections::rows],
+    charts: &[],
+    notes: &[
+        "A grid of 0 is the one by the paper's rule. The second part has A-buffers of two and a half faces, as published: 1280 square where a face has 512 pixels.",
+    ],
+};

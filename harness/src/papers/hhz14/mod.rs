@@ -1,0 +1,70 @@
+//! Hu, Huang, Zhang, Yuan, Li: *Ray tracing via GPU rasterization*, The Visual Computer 30 (2014).
+
+mod experiments;
+mod quantities;
+mod sections;
+#[cfg(test)]
+mod tests;
+
+use super::experiment::Values;
+use super::{Experiment, Paper, Part, Row, SceneRows, Step};
+use crate::plan::TracerRequest;
+use crate::results::TracerRun;
+
+/// The paper.
+pub(super) const PAPER: Paper = Paper {
+    name: "hhz14",
+    experiments: experiments::EXPERIMENTS,
+    part: Part { rays: &["specular", "visibility", "ao", "diffuse"], step, row: in_part },
+    published: include_str!("published.json"),
+    claims: include_str!("claims.json"),
+    quantities: quantities::QUANTITIES,
+    counts: &[
+        ("fragments", "fragments"),
+        ("average_layers", "layers of a covered pixel"),
+        ("maximum_layers", "most layers"),
+        ("covered_texels", "covered texels"),
+        ("occupied_voxels", "occupied voxels"),
+        ("cancelled_voxels", "voxels whose normals cancel"),
+        ("nodes", "nodes"),
+        ("leaves", "leaves"),
+    ],
+    // It tells no bytes.
+    of_a_trace: &[],
+    by_formula: |_| None,
+};
+
+/// Its tracer.
+const ABUFFER: &str = "voxel-abuffer";
+/// The peer of its Table 1.
+const OCTREE: &str = "voxel-octree";
+
+/// Its tracer with every combination of values.
+const fn abuffer(values: Values) -> Row {
+    Row { tracer: ABUFFER, values }
+}
+
+/// Its peer with every combination of values.
+const fn octree(values: Values) -> Row {
+    Row { tracer: OCTREE, values }
+}
+
+/// Its tracer's row with these values, and else those of its first row.
+fn row<'a>(scene: &SceneRows<'a>, values: &[(&str, &str)]) -> Option<&'a TracerRun> {
+    scene.like_first(ABUFFER, values)
+}
+
+fn step(step: &Step) -> bool {
+    step.resolution == 1.0
+}
+
+/// The bench leaves out grids and A-buffers that are larger than the paper's, and what the text states but for its first row.
+fn in_part(experiment: &Experiment, request: &TracerRequest) -> bool {
+    let value = |name: &str| request.parameters.value(name).map(ToString::to_string).unwrap_or_default();
+    let set = |name: &str| request.changed.iter().any(|changed| changed == name);
+    match experiment.name {
+        "hhz14-figure9" => ["0", "64", "128"].contains(&&*value("grid")),
+        "hhz14-text" => set("abuffer") && value("abuffer") == "1024",
+        _ => true,
+    }
+}

@@ -1,0 +1,87 @@
+//! Figure 11 and the text: grids, and what scenes are like.
+
+use crate::papers::Scope;
+use crate::papers::estimate::Estimate;
+use crate::papers::hhz14::{ABUFFER, PAPER, row};
+use crate::papers::quantity::{IN_A_MILLION, Quantity, mean, of_scene, of_scenes, rank_correlation, timed_of_scene};
+use crate::papers::rows::{MILLION, SceneRows};
+use crate::results::{Judgement, TraceRecord, TracerRun};
+
+pub(super) const QUANTITIES: &[Quantity] = &[
+    timed_of_scene("large_grid_trace_over_usual", "", large_grid_trace_over_usual),
+    timed_of_scene("grid_by_rule_total_over_best", "", grid_by_rule_total_over_best),
+    of_scene("wrong_axis_rays", IN_A_MILLION, wrong_axis_rays),
+    of_scenes("open_wrong_over_closed", "", open_wrong_over_closed),
+    of_scenes("rank_of_bytes_by_triangles", "", rank_of_bytes_by_triangles),
+];
+
+/// What the judge says of rays that were searched in the A-buffer of an axis that does not resolve what they hit.
+const WRONG_AXIS: &str = "wrong_axis";
+
+/// Time of both bounces with a grid of 256 over that with one of 64, mean of the two.
+fn large_grid_trace_over_usual(scene: &SceneRows<'_>) -> Option<Estimate> {
+    let [large, usual] = ["256", "64"].map(|grid| row(scene, &[("grid", grid)]));
+    let (large, usual) = (large?, usual?);
+    let ratios = ["diffuse", "bounce2"].map(|rays| scene.trace_ratio(large, usual, rays));
+    Estimate::mean(ratios.into_iter().collect::<Option<Vec<_>>>()?)
+}
+
+/// The value of `abuffer` and of `grid` that stands for the paper's own rule.
+const BY_RULE: &str = "0";
+
+/// A row with the A-buffers of the published preset.
+fn gridded<'a>(scene: &SceneRows<'a>, grid: &str) -> Option<&'a TracerRun> {
+    scene.find(ABUFFER, &[("abuffer", BY_RULE), ("grid", grid)])
+}
+
+/// Time of the build and of a set of diffuse rays with the grid by the rule, over the least of other grids.
+fn grid_by_rule_total_over_best(scene: &SceneRows<'_>) -> Option<Estimate> {
+    let by_rule = gridded(scene, BY_RULE)?;
+    let over = |grid: &str| scene.total_ratio(by_rule, gridded(scene, grid)?, &[("diffuse", 1.0)]);
+    Estimate::greatest(["32", "128", "256"].map(over).into_iter().collect::<Option<Vec<_>>>()?)
+}
+
+/// Rays that count and those wrong under `footprint`; of closest-hit sets alone.
+fn wrong(trace: &TraceRecord) -> Option<[u64; 2]> {
+    let Judgement::Closest(closest) = &trace.judgement else { return None };
+    Some([trace.count.saturating_sub(closest.ties), closest.classes.footprint.wrong()])
+}
+
+/// The same of a cause.
+fn of_wrong_axis(trace: &TraceRecord) -> Option<[u64; 2]> {
+    let Judgement::Closest(closest) = &trace.judgement else { return None };
+    let rays = closest.causes.get("footprint")?.get(WRONG_AXIS).copied().unwrap_or(0);
+    Some([trace.count.saturating_sub(closest.ties), rays])
+}
+
+/// The share of all closest-hit rays of a row that are of a kind.
+fn share(run: &TracerRun, of: fn(&TraceRecord) -> Option<[u64; 2]>) -> Option<f64> {
+    let sums = run.traces.iter().filter_map(of).fold([0, 0], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
+    (sums[0] > 0).then(|| sums[1] as f64 / sums[0] as f64)
+}
+
+/// Rays in a million that are wrong because of the A-buffer that was searched.
+fn wrong_axis_rays(scene: &SceneRows<'_>) -> Option<f64> {
+    Some(share(row(scene, &[])?, of_wrong_axis)? * MILLION)
+}
+
+/// The mean share of wrong rays of the scenes whose surfaces are not all closed, over that of the others.
+fn open_wrong_over_closed(scenes: &[SceneRows<'_>]) -> Option<f64> {
+    let mut shares = [Vec::new(), Vec::new()];
+    for scene in scenes {
+        let run = row(scene, &[])?;
+        let entry = tracebench_scenes::catalogue().iter().find(|entry| entry.name == run.scene.name)?;
+        shares[usize::from(entry.watertight)].push(share(run, wrong)?);
+    }
+    let [open, closed] = shares.map(|shares| mean(&shares));
+    closed.filter(|closed| *closed > 0.0).and_then(|closed| Some(open? / closed))
+}
+
+/// How bytes are ranked by the triangles over the scenes.
+fn rank_of_bytes_by_triangles(scenes: &[SceneRows<'_>]) -> Option<f64> {
+    let point = |scene: &SceneRows<'_>| {
+        let run = row(scene, &[])?;
+        Some([run.scene.triangles as f64, PAPER.bytes(run, Scope::Structure)?])
+    };
+    rank_correlation(&scenes.iter().filter_map(point).collect::<Vec<_>>())
+}
