@@ -62,6 +62,7 @@ fn pieces(told: &[(&Row<'_>, &SurfaceDistance)]) -> String {
             "mean thickness (scene units)",
             "rays",
             "within its own texel ↑",
+            "rays that hit other pieces ↑",
         ]
         .map(str::to_owned),
     );
@@ -69,17 +70,24 @@ fn pieces(told: &[(&Row<'_>, &SurfaceDistance)]) -> String {
     for ((role, run, _), told) in own {
         let thickness =
             |piece: &PieceDistance| if piece.open { "open".to_owned() } else { optional(piece.mean_thickness, 3) };
+        let share = |within: Option<f64>, rays: u64| {
+            let share = within.filter(|_| rays > 0).map(|within| within / rays as f64);
+            share.map_or_else(|| NONE.to_owned(), |share| format!("{} %", percent(share, rays)))
+        };
+        let within_all = told.within_own_texel.map(|share| (share * told.rays as f64).round());
         for piece in told.pieces.iter().take(SHOWN_PIECES) {
-            let within = piece.within_own_texel_rays.map(|within| within as f64 / piece.rays as f64);
+            let within = piece.within_own_texel_rays.map(|within| within as f64);
+            let within_others = within_all.zip(within).map(|(all, within)| all - within);
             table.row(&[
                 label(*role, run),
                 thousands(u64::from(piece.first_triangle)),
                 thousands(piece.triangles),
                 thickness(piece),
                 thousands(piece.rays),
-                within.map_or_else(|| NONE.to_owned(), |share| format!("{} %", percent(share, piece.rays))),
+                share(within, piece.rays),
+                share(within_others, told.rays - piece.rays),
             ]);
         }
     }
-    format!("\nThe pieces of mesh that most rays truly hit:\n\n{}", table.text)
+    format!("\nThe pieces of mesh that most rays truly hit, and what is left without each:\n\n{}", table.text)
 }

@@ -94,10 +94,10 @@ fn figures(run: &Run) -> Vec<String> {
     run.controls.iter().chain(&run.runs).map(row).collect()
 }
 
-/// Proves the same of every eighth case, and that rays, truth and answers are the same on every run.
+/// Proves the same of every ninth case, and that rays, truth and answers are the same on every run.
 #[test]
 fn a_part_of_the_matrix_is_as_expected_and_repeatable() {
-    let cases: Vec<&Case> = CASES.iter().step_by(8).collect();
+    let cases: Vec<&Case> = CASES.iter().skip(1).step_by(9).collect();
     let found = run_cases(&cases);
     check(&cases, &found);
     let again = figures(&run_cases(&cases[2..]));

@@ -22,7 +22,10 @@ const TABLE1: Experiment = Experiment {
     end: EndPoint::Surface,
     steps: &[at(
         1.0,
-        &[abuffer(&[("abuffer", &["1024"]), ("grid", &["64"])]), octree(&[("traversal", &["restart", "stack"])])],
+        &[
+            abuffer(&[("abuffer", &["1024"]), ("grid", &["64"])]),
+            octree(&[("levels", &["10"]), ("traversal", &["restart", "stack"])]),
+        ],
     )],
     means: true,
     sections: &[sections::octree],
