@@ -152,9 +152,21 @@ impl<'a> Sides<'a> {
 
     /// The same by the layers that are stored where a ray is as it comes to t: those at the centre of its texel there.
     pub(super) fn stored_inside(&self, axis: usize, ray: &Ray64, t: f64) -> bool {
+        self.stored_inside_at(axis, ray, t, t - ON_BORDER * self.texel / ray.direction.length())
+    }
+
+    /// Whether the layers that are stored where a ray comes to t put it on another side than it should be: where layers are seen in every
+    /// texel, those of the texel that it enters there are asked, too.
+    pub(super) fn is_stored_otherwise(&self, axis: usize, ray: &Ray64, t: f64, should_be: bool) -> bool {
+        let just_behind = t + ON_BORDER * self.texel / ray.direction.length();
+        self.stored_inside(axis, ray, t) != should_be
+            || self.choice.layers_passed && self.stored_inside_at(axis, ray, t, just_behind) != should_be
+    }
+
+    /// By the layers of the texel where the ray is at a second parameter.
+    fn stored_inside_at(&self, axis: usize, ray: &Ray64, t: f64, in_texel_at: f64) -> bool {
         let image = Projection::Orthographic(self.images[axis]);
-        let just_before = t - ON_BORDER * self.texel / ray.direction.length();
-        let Some(at) = image.project(ray.at(just_before)) else { return false };
+        let Some(at) = image.project(ray.at(in_texel_at)) else { return false };
         let Some(depth) = image.project(ray.at(t)).map(|at| at.depth) else { return false };
         let line = image.line_through(at.x.floor() + 0.5, at.y.floor() + 0.5);
         self.is_odd(axis, LineOfSight { far: depth, ..line })
@@ -205,6 +217,24 @@ impl<'a> Sides<'a> {
         !has_anything(self.truth, low + margin, high - margin)
     }
 
+    /// Whether a texel's centre in any image shows anything in the voxel of a point: where none does the voxel is held to be empty.
+    pub(super) fn is_sampled(&self, point: DVec3) -> bool {
+        let Some(voxel) = self.grid.voxel_of(point) else { return false };
+        let [low, high] = self.grid.bounds_of(voxel);
+        self.images.iter().any(|image| {
+            let projection = Projection::Orthographic(*image);
+            let [one, other] = [low, high].map(|end| image.project(end));
+            let centres = |a: f64, b: f64| (a.min(b) - 0.5).ceil() as i64..=(a.max(b) - 0.5).floor() as i64;
+            let depths = [one.depth.min(other.depth), one.depth.max(other.depth)];
+            let shows = |column: i64, row: i64| {
+                let line = projection.line_through(column as f64 + 0.5, row as f64 + 0.5);
+                let [t_min, t_max] = depths;
+                self.truth.closest(&Ray64 { origin: line.origin, direction: line.direction, t_min, t_max }).is_some()
+            };
+            centres(one.x, other.x).any(|column| centres(one.y, other.y).any(|row| shows(column, row)))
+        })
+    }
+
     /// Where a ray leaves the grid.
     pub(super) fn leaves(&self, ray: &Ray64) -> f64 {
         self.span_in_grid(ray)[1].min(ray.t_max)
@@ -220,10 +250,13 @@ impl<'a> Sides<'a> {
     }
 }
 
+/// Share of a voxel within which a surface counts to the voxels on either side of a border: methods widen voxels, or round.
+const VOXEL_BORDER: f64 = 1.0 / 256.0;
+
 /// Whether a voxel has anything of the scene.
 pub(super) fn is_occupied(truth: &Truth, grid: &VoxelGrid, voxel: [u32; 3]) -> bool {
     let [low, high] = grid.bounds_of(voxel);
-    has_anything(truth, low, high)
+    has_anything(truth, low - VOXEL_BORDER * grid.voxel, high + VOXEL_BORDER * grid.voxel)
 }
 
 fn has_anything(truth: &Truth, low: DVec3, high: DVec3) -> bool {

@@ -96,16 +96,14 @@ impl Judge<'_> {
         // The stretch on which it could have been seen: up to the answer, or to where the ray comes out.
         let comes_out = next.unwrap_or(f64::INFINITY).min(sides.leaves(ray));
         let end = told.unwrap_or(f64::INFINITY).min(comes_out);
+        // What is not shown where it is asked has no sample.
+        let shown = |axis: usize| is_shown(sides, axis, ray, [behind, end], !start.inside);
         if told.is_some_and(|told| told <= comes_out + step) {
-            return match stays_within_texel(sides, ray, [behind, end]) {
-                true => BETWEEN_SAMPLES,
-                false if has_asked(sides, axis, ray, behind, end) => UNEXPLAINED,
-                false => BETWEEN_SAMPLES,
-            };
+            let explained = stays_within_texel(sides, ray, [behind, end]) || !shown(axis);
+            return if explained { BETWEEN_SAMPLES } else { UNEXPLAINED };
         }
         let normal = self.truth.normal(truth.primitive);
         let own_axis = (normal * sides.grid.voxel).abs().max_position();
-        let shown = |axis: usize| is_shown(sides, axis, ray, [behind, end], !start.inside);
         if own_axis != axis && !shown(axis) && shown(own_axis) {
             return WRONG_AXIS;
         }
@@ -121,6 +119,7 @@ impl Judge<'_> {
             false if contradicts(sides, ray, [behind, end], !start.inside) => OPEN_MESH,
             // The voxel behind the surface is where its side would be asked, and has no sample of it.
             false if sides.has_on_border_alone(ray.at(behind)) => BETWEEN_SAMPLES,
+            false if !sides.is_sampled(ray.at(behind)) || !shown(axis) => BETWEEN_SAMPLES,
             false => UNEXPLAINED,
         }
     }
@@ -228,7 +227,9 @@ fn invention_by_sides(sides: &Sides<'_>, ray: &Ray64, told: f64) -> &'static str
     if near_surface {
         return BETWEEN_SAMPLES;
     }
-    match contradicts(sides, ray, [told, told], start.inside) {
+    // Any hit ends where a search leaves what it looked into at once, at most the voxel.
+    let looked_into = sides.enters_voxel(ray, told - step);
+    match [told, looked_into].into_iter().any(|begin| contradicts(sides, ray, [begin, told], start.inside)) {
         true => OPEN_MESH,
         false => UNEXPLAINED,
     }
@@ -239,8 +240,9 @@ fn invention_by_sides(sides: &Sides<'_>, ray: &Ray64, told: f64) -> &'static str
 fn contradicts(sides: &Sides<'_>, ray: &Ray64, [begin, end]: [f64; 2], should_be: bool) -> bool {
     between(begin, end).any(|t| {
         let far = !sides.is_within_texel(ray.at(t));
-        far && (0..3)
-            .any(|axis| sides.inside(axis, ray.at(t)) != should_be || sides.stored_inside(axis, ray, t) != should_be)
+        far && (0..3).any(|axis| {
+            sides.inside(axis, ray.at(t)) != should_be || sides.is_stored_otherwise(axis, ray, t, should_be)
+        })
     })
 }
 
