@@ -15,7 +15,7 @@ use crate::results::TracerRun;
 pub(super) const PAPER: Paper = Paper {
     name: "hhz14",
     experiments: experiments::EXPERIMENTS,
-    part: Part { rays: &["specular", "ao", "diffuse"], step, row: in_part },
+    part: Part { rays: &["specular", "refraction", "visibility", "ao", "diffuse"], step, row: in_part },
     published: include_str!("published.json"),
     claims: include_str!("claims.json"),
     quantities: quantities::QUANTITIES,
