@@ -210,14 +210,40 @@ pub(crate) fn allowed_layers(space: UnitSpace, scene: &Geometry, axis: usize, st
     AllowedLayers { step, width, texels }
 }
 
-/// The voxels in which a scene's triangles may have layers, where the device decides within `border` texels of borders.
-pub(crate) fn touched_voxels(space: UnitSpace, scene: &Geometry, border: f64) -> Vec<bool> {
+/// Whether normals of a thin triangle, from whichever two edges in f32, may differ by `most` of their length once axes
+/// are scaled so: the product of nearly parallel edges is what rounding left of them.
+pub(crate) fn normal_is_noise(scale: [f32; AXES], corners: [DVec3; 3], most: f64) -> bool {
+    const ROUNDING: f64 = 8.0 / (1u64 << 24) as f64;
+    let scale = Vec3::from(scale).as_dvec3();
+    let edges: [DVec3; 3] = std::array::from_fn(|corner| {
+        let edge = corners[(corner + 1) % 3] - corners[corner];
+        edge / edge.abs().max_element()
+    });
+    (0..3).any(|corner| {
+        let across = edges[corner].cross(edges[(corner + 1) % 3]) / scale;
+        // Edges of no length give no number.
+        across.is_nan() || across.length() * scale.min_element() * most < ROUNDING
+    })
+}
+
+/// The voxels in which those of a scene's triangles that are asked for, by their corners, may have layers, where the device
+/// decides within `border` texels of borders.
+pub(crate) fn touched_voxels(
+    space: UnitSpace,
+    scene: &Geometry,
+    border: f64,
+    asked_for: impl Fn([DVec3; 3]) -> bool,
+) -> Vec<bool> {
     let edge = f64::from(space.grid);
     let aside = border / f64::from(space.image);
     let mut touched = Touched { edge: space.grid, slack: (2.0 * aside + 4.0 * UNIT_SLACK) * edge, voxels: Vec::new() };
     touched.voxels = vec![false; (space.grid as usize).pow(3)];
     for triangle in scene.triangles.iter() {
-        let placed = place(space, corners_of(scene, triangle));
+        let corners = corners_of(scene, triangle);
+        if !asked_for(corners) {
+            continue;
+        }
+        let placed = place(space, corners);
         touched.add(&placed);
         for axis in 0..AXES {
             // A sample beside the border of a steep triangle has a depth far from it.

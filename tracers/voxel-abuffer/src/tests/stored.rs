@@ -3,9 +3,12 @@
 use tracebench_api::wgpu::Buffer;
 
 use super::*;
+use crate::brute_force::normal_is_noise;
 use crate::buffers::Taken;
+use crate::layout::NORMAL_UNIT;
 use crate::structure::check;
 use tracebench_api::Update;
+use tracebench_api::glam::Vec3;
 
 const VARIANTS: [&[(&str, &str)]; 8] = [
     &[],
@@ -288,4 +291,39 @@ fn a_spoilt_structure_is_noticed() {
         let old = read(&structure.buffers.cells)[word];
         write(&structure.buffers.cells, word, old & !(15 << shift) | (codes[voxel] % 3 + 1) << shift);
     });
+}
+
+/// Proves that of triangles which are not said to be noise every pair of edges gives the normal within what is allowed, by f32
+/// against f64, in cubes that stretch too, and that of slivers both happens: some are told, and their normals differ by more.
+#[test]
+fn noise_is_told_of_thin_triangles() {
+    let scaled = [[1.0; 3], [1.0, 0.02, 3.0]];
+    let (mut told, mut beyond, mut trusted) = (0, 0, 0);
+    let mut numbers = Numbers::new(11);
+    for index in 0..4000 {
+        let scaling = scaled[index % 2];
+        let [a, b] = [0; 2].map(|_| numbers.point() * 4.0);
+        let aside = numbers.point() * 0.1_f64.powi(index as i32 / 2 % 8);
+        let corners = [a, b, a + (b - a) * 0.37 + aside].map(|corner| corner.as_vec3());
+        let exact = corners.map(|corner| corner.as_dvec3());
+        let scale = Vec3::from(scaling);
+        let normal = ((exact[1] - exact[0]).cross(exact[2] - exact[0]) / scale.as_dvec3()).normalize_or_zero();
+        let off = (0..3)
+            .map(|corner| {
+                let [before, at, after] = [0, 1, 2].map(|next| corners[(corner + next) % 3]);
+                let [first, second] = [at - before, after - at].map(|edge| edge / edge.abs().max_element());
+                let across = first.cross(second) / scale;
+                ((across / across.abs().max_element()).normalize_or_zero().as_dvec3() - normal).length()
+            })
+            .fold(0.0, f64::max);
+        let most = 0.5 / NORMAL_UNIT;
+        if normal_is_noise(scaling, exact, most) {
+            told += 1;
+            beyond += usize::from(off > most);
+        } else {
+            trusted += 1;
+            assert!(off <= most, "{corners:?} {off}");
+        }
+    }
+    assert!(trusted > 1000 && told > 1000 && beyond > 500, "{trusted} {told} {beyond}");
 }
