@@ -42,6 +42,19 @@ struct Chosen {
     axis: Option<usize>,
 }
 
+/// Fragments below which a voxel's average hangs on where texels' centres lie.
+const FEW_FRAGMENTS: f64 = 64.0;
+
+/// Of the normals in a voxel.
+#[derive(Default)]
+struct Average {
+    sum: DVec3,
+    /// Fragments that feed it.
+    fed: f64,
+    /// Whether the voxel has anything at all.
+    any: bool,
+}
+
 /// Where a ray's side was told before it comes to a place, and by which image.
 pub(super) struct Told {
     pub t: f64,
@@ -75,28 +88,80 @@ impl<'a> Sides<'a> {
         self.grid.voxel_of(point).and_then(|voxel| self.chosen_by(voxel).axis).unwrap_or_else(going)
     }
 
-    /// The axis along which the average of the normals in a voxel is longest, if they do not cancel: each weighs as much as it
-    /// has area in the images that feed averages.
+    /// What a voxel's average normal chooses, as fragments feed it: all of them, by the area that the images have of it, or, where
+    /// these are so few that it hangs on where centres lie, the very ones.
     fn chosen_by(&self, voxel: [u32; 3]) -> Chosen {
         if let Some(known) = self.chosen.read().unwrap_or_else(PoisonError::into_inner).get(&voxel) {
             return *known;
         }
-        let [low, high] = self.grid.bounds_of(voxel);
-        let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
-        self.truth.in_box(low, high, |primitive| {
-            let corners = self.truth.geometry().corners(primitive).map(|corner| corner.as_dvec3());
-            let normal = self.truth.normal(primitive);
-            let seen =
-                if self.choice.by_dominant_axis { normal.abs().max_element() } else { normal.abs().element_sum() };
-            let weight = area_in_box(corners, low, high) * seen;
-            let turned = self.choice.as_lines && normal[normal.abs().max_position()] < 0.0;
-            sum += weight * if turned { -normal } else { normal };
-            weights += weight;
-        });
-        let says = weights > 0.0 && sum.length() > self.choice.cancelled_below * weights;
-        let chosen = Chosen { occupied: weights > 0.0, axis: says.then(|| sum.abs().max_position()) };
+        let bounds = self.grid.bounds_of(voxel);
+        let mut average = self.average_of_areas(bounds);
+        if average.fed < FEW_FRAGMENTS {
+            average = self.average_of_samples(bounds);
+        }
+        let says = average.fed > 0.0 && average.sum.length() > self.choice.cancelled_below * average.fed;
+        let chosen = Chosen { occupied: average.any, axis: says.then(|| average.sum.abs().max_position()) };
         self.chosen.write().unwrap_or_else(PoisonError::into_inner).insert(voxel, chosen);
         chosen
+    }
+
+    /// A triangle's normal as it is averaged: in the cube, by its winding or as a line.
+    fn averaged_normal(&self, primitive: u32) -> DVec3 {
+        let normal = (self.truth.normal(primitive) * self.grid.voxel).normalize_or_zero();
+        let turned = self.choice.as_lines && normal[normal.abs().max_position()] < 0.0;
+        if turned { -normal } else { normal }
+    }
+
+    fn feeds(&self, axis: usize, normal: DVec3) -> bool {
+        !self.choice.by_dominant_axis || normal.abs().max_position() == axis
+    }
+
+    /// As many fragments as there is area.
+    fn average_of_areas(&self, [low, high]: [DVec3; 2]) -> Average {
+        let mut average = Average::default();
+        self.truth.in_box(low, high, |primitive| {
+            let corners = self.truth.geometry().corners(primitive).map(|corner| corner.as_dvec3());
+            let (normal, facing) = (self.averaged_normal(primitive), self.truth.normal(primitive).abs());
+            let area = area_in_box(corners, low, high);
+            average.any |= area > 0.0;
+            for (axis, image) in self.images.iter().enumerate().filter(|(axis, _)| self.feeds(*axis, normal)) {
+                let fragments = area * facing[axis] / image.texel.element_product();
+                average.sum += fragments * normal;
+                average.fed += fragments;
+            }
+        });
+        average
+    }
+
+    fn average_of_samples(&self, bounds: [DVec3; 2]) -> Average {
+        let mut average = Average::default();
+        for (axis, primitive) in self.samples(bounds) {
+            let normal = self.averaged_normal(primitive);
+            average.any = true;
+            if self.feeds(axis, normal) {
+                average.sum += normal;
+                average.fed += 1.0;
+            }
+        }
+        average
+    }
+
+    /// What texels' centres show in a box: the axis of the image, and the triangle.
+    fn samples(&self, [low, high]: [DVec3; 2]) -> impl Iterator<Item = (usize, u32)> {
+        self.images.iter().enumerate().flat_map(move |(axis, image)| {
+            let projection = Projection::Orthographic(*image);
+            let [one, other] = [low, high].map(|end| image.project(end));
+            let centres = |a: f64, b: f64| (a.min(b) - 0.5).ceil() as i64..=(a.max(b) - 0.5).floor() as i64;
+            let [t_min, t_max] = [one.depth.min(other.depth), one.depth.max(other.depth)];
+            let rows = centres(one.y, other.y);
+            let texels = centres(one.x, other.x).flat_map(move |column| rows.clone().map(move |row| (column, row)));
+            texels.flat_map(move |(column, row)| {
+                let line = projection.line_through(column as f64 + 0.5, row as f64 + 0.5);
+                let crossings =
+                    self.truth.crossings(&Ray64 { origin: line.origin, direction: line.direction, t_min, t_max });
+                crossings.into_iter().map(move |crossing| (axis, crossing.primitive))
+            })
+        })
     }
 
     /// Where a ray's search begins: past what it leaves out, or where it comes into the grid.
@@ -217,22 +282,13 @@ impl<'a> Sides<'a> {
         !has_anything(self.truth, low + margin, high - margin)
     }
 
-    /// Whether a texel's centre in any image shows anything in the voxel of a point: where none does the voxel is held to be empty.
+    /// Whether a texel's centre in any image surely shows anything in the voxel of a point, and not on its border, from where it may count
+    /// to a neighbour: where none does the voxel is held to be empty.
     pub(super) fn is_sampled(&self, point: DVec3) -> bool {
         let Some(voxel) = self.grid.voxel_of(point) else { return false };
+        let margin = BORDER_TEXELS * self.texel;
         let [low, high] = self.grid.bounds_of(voxel);
-        self.images.iter().any(|image| {
-            let projection = Projection::Orthographic(*image);
-            let [one, other] = [low, high].map(|end| image.project(end));
-            let centres = |a: f64, b: f64| (a.min(b) - 0.5).ceil() as i64..=(a.max(b) - 0.5).floor() as i64;
-            let depths = [one.depth.min(other.depth), one.depth.max(other.depth)];
-            let shows = |column: i64, row: i64| {
-                let line = projection.line_through(column as f64 + 0.5, row as f64 + 0.5);
-                let [t_min, t_max] = depths;
-                self.truth.closest(&Ray64 { origin: line.origin, direction: line.direction, t_min, t_max }).is_some()
-            };
-            centres(one.x, other.x).any(|column| centres(one.y, other.y).any(|row| shows(column, row)))
-        })
+        self.samples([low + margin, high - margin]).next().is_some()
     }
 
     /// Where a ray leaves the grid.

@@ -229,8 +229,13 @@ fn invention_by_sides(sides: &Sides<'_>, ray: &Ray64, told: f64) -> &'static str
     }
     // Any hit ends where a search leaves what it looked into at once, at most the voxel.
     let looked_into = sides.enters_voxel(ray, told - step);
-    match [told, looked_into].into_iter().any(|begin| contradicts(sides, ray, [begin, told], start.inside)) {
-        true => OPEN_MESH,
+    if [told, looked_into].into_iter().any(|begin| contradicts(sides, ray, [begin, told], start.inside)) {
+        return OPEN_MESH;
+    }
+    // A layer at the centre of its texel that the ray goes past.
+    let axis = sides.axis_at(ray.at(told - step), ray.direction);
+    match sees_layer(sides, axis, ray, told - step, [looked_into, told]) {
+        true => BETWEEN_SAMPLES,
         false => UNEXPLAINED,
     }
 }
@@ -265,9 +270,16 @@ fn has_asked(sides: &Sides<'_>, axis: usize, ray: &Ray64, begin: f64, end: f64) 
 /// Whether what is stored in the image along an axis puts the ray on the side on which it is, at any place where that is asked, or
 /// has a layer that it passes, where these are seen.
 fn is_shown(sides: &Sides<'_>, axis: usize, ray: &Ray64, [begin, end]: [f64; 2], inside: bool) -> bool {
-    let mut asked = sides.asked(axis, ray, begin);
-    asked.insert(0, sides.enters_voxel(ray, begin));
+    let asked = [sides.enters_voxel(ray, begin)].into_iter().chain(sides.asked(axis, ray, begin));
+    asked.into_iter().any(|t| begin < t && t < end && sides.stored_inside(axis, ray, t) == inside)
+        || sees_layer(sides, axis, ray, begin, [begin, end])
+}
+
+/// Whether a method that sees layers in every texel passes one on a stretch of a ray, in the image along an axis and in the voxel where
+/// the ray is at a parameter.
+fn sees_layer(sides: &Sides<'_>, axis: usize, ray: &Ray64, in_voxel_at: f64, [begin, end]: [f64; 2]) -> bool {
+    let mut asked = sides.asked(axis, ray, in_voxel_at);
+    asked.insert(0, sides.enters_voxel(ray, in_voxel_at));
     let passes = |pair: &[f64]| pair[0] < end && pair[1] > begin && sides.passes_layer(axis, ray, pair[0], pair[1]);
-    asked.iter().any(|t| begin < *t && *t < end && sides.stored_inside(axis, ray, *t) == inside)
-        || sides.choice().layers_passed && asked.windows(2).any(passes)
+    sides.choice().layers_passed && asked.windows(2).any(passes)
 }

@@ -171,6 +171,59 @@ fn near_surfaces_lie_between_samples() {
     }
 }
 
+/// Proves that a method that sees the layers of every texel is held to have asked those of the texel that its ray enters, too: a
+/// sheet that covers that texel's centre, and nothing where the ray is, contradicts itself there. As negative controls, not for one that asks
+/// as it leaves a texel, nor a closed block with the same top, nor a sheet that leaves the centre free.
+#[test]
+fn the_texel_that_a_ray_enters_is_asked() {
+    // A border of texels at 1/16, the next centre at 1.5/16.
+    let sheet = |from: f32| rectangle([from, -1.0, -0.3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]).to_vec();
+    let block = || solid([0.09, -1.0, -1.3], [1.09, 1.0, -0.3]);
+    let over = towards([-1.7, 0.1, -0.1], [1.0, 0.0, 0.0]);
+    let told = hit(1.7 + 1.0 / 16.0);
+    let passed = with(|choice| choice.layers_passed = true);
+    assert_eq!(cause_by(passed, sheet(0.09), over, told), "open_mesh");
+    assert_eq!(cause(sheet(0.09), over, told), "unexplained");
+    assert_eq!(cause_by(passed, block(), over, told), "unexplained");
+    assert_eq!(cause_by(passed, sheet(0.1), over, told), "unexplained");
+}
+
+/// Proves that a layer at the centre of a texel explains the end of a ray that goes past it within the texel, as far as the voxel
+/// is looked into at once. As negative controls, neither in the next texel, nor a voxel farther, nor for one that asks sides alone.
+#[test]
+fn a_layer_beside_the_ray_lies_between_samples() {
+    // About the centre of the texel from 1/16 to 2/16.
+    let grain = || solid([0.088, 0.088, 0.3], [0.1, 0.1, 0.33]);
+    let past = |x: f32| towards([x, 0.07, 0.9], [0.0, 0.0, -1.0]);
+    let passed = with(|choice| choice.layers_passed = true);
+    assert_eq!(cause_by(passed, grain(), past(0.07), hit(0.9)), "between_samples");
+    assert_eq!(cause(grain(), past(0.07), hit(0.9)), "unexplained");
+    assert_eq!(cause_by(passed, grain(), past(0.05), hit(0.9)), "unexplained");
+    assert_eq!(cause_by(passed, grain(), past(0.07), hit(1.4)), "unexplained");
+}
+
+/// Proves that what no texel's centre shows where a side is asked lies between samples: a hole in the bottom of a
+/// block, about a centre, shows its inside as its outside. As a negative control, not where it lies beside the centre.
+#[test]
+fn what_is_not_shown_lies_between_samples() {
+    let holed = |hole: f32| {
+        // A block whose bottom has a hole: four plates about it.
+        let [low, high] = [hole - 0.005, hole + 0.005];
+        let mut triangles = solid([-1.0, -1.0, -0.95], [1.0, 1.0, 1.0]);
+        triangles.drain(8..10);
+        let plate = |x: f32, y: f32, wide: f32, deep: f32| rectangle([x, y, -0.95], [0.0, deep, 0.0], [wide, 0.0, 0.0]);
+        triangles.extend(plate(-1.0, -1.0, low + 1.0, 2.0));
+        triangles.extend(plate(high, -1.0, 1.0 - high, 2.0));
+        triangles.extend(plate(low, -1.0, high - low, low + 1.0));
+        triangles.extend(plate(low, high, high - low, 1.0 - high));
+        triangles
+    };
+    let up = towards([0.08, 0.08, -1.4], [0.0, 0.0, 1.0]);
+    for (hole, expected) in [(1.5 / 16.0, "between_samples"), (1.8 / 16.0, "unexplained")] {
+        assert_eq!(cause(holed(hole), up, hit(1.2)), expected);
+    }
+}
+
 /// Proves `near_start`: the true hit lies in what a ray leaves out of its way. As a negative control, not once it leaves out less.
 #[test]
 fn what_is_left_out_is_near_the_start() {
@@ -192,6 +245,11 @@ fn voxels_alone_are_as_wide_as_they_are() {
     for (height, expected) in [(0.4, "between_samples"), (0.6, "unexplained")] {
         let over = towards([-1.7, 0.1, height], [1.0, 0.0, 0.0]);
         assert_eq!(cause_by(alone, block(), over, hit(1.0)), expected);
+    }
+    // Voxels are taken as wide as methods take them, which round: 1/256 of one more.
+    for (top, expected) in [(0.499, "between_samples"), (0.49, "unexplained")] {
+        let over = towards([-1.7, 0.1, 0.6], [1.0, 0.0, 0.0]);
+        assert_eq!(cause_by(alone, solid([-1.2, -1.2, -1.3], [1.2, 1.2, top]), over, hit(1.0)), expected);
     }
     let down = |from: f32| towards([0.1, 0.1, from], [0.0, 0.1, -1.0]);
     assert_eq!(cause_by(alone, block(), down(0.45), miss()), "near_start");

@@ -1,6 +1,7 @@
 //! What follows from the rows of cases: what every tracer got wrong at every strength, and a verdict on it.
 
 use super::{Verdict, verdict};
+use crate::judge::UNEXPLAINED;
 use crate::results::{
     AnyJudgement, CaseRecord, CaseTracer, ExpectationRecord, Judgement, Occlusion, Provenance, Run, Skipped, Wrong,
 };
@@ -49,6 +50,8 @@ pub struct Measured {
     pub strength: f64,
     /// Shares of wrong rays; `None` if it gave no answers or every ray is a tie.
     pub wrong: Option<Wrong>,
+    /// The greatest share of rays, by any rule, whose wrong answers have no cause.
+    pub unexplained: f64,
     /// Why there are no answers.
     pub error: Option<String>,
     /// Whether that is because the device is too small.
@@ -107,8 +110,17 @@ fn measured(run: &Run, case: &CaseRecord, of: &CaseTracer, strength: f64) -> Mea
     let is_row = |row: &&crate::results::TracerRun| {
         row.scene.name == case.name && row.strength == Some(strength) && row.tracer == of.tracer
     };
-    let judgement = run.runs.iter().find(is_row).and_then(|row| row.traces.first()).map(|trace| &trace.judgement);
-    let none = Measured { strength, wrong: None, error: None, refused: false, unavailable: false, as_expected: None };
+    let trace = run.runs.iter().find(is_row).and_then(|row| row.traces.first());
+    let judgement = trace.map(|trace| &trace.judgement);
+    let none = Measured {
+        strength,
+        wrong: None,
+        unexplained: trace.map_or(0.0, |trace| unexplained(&trace.judgement, trace.count)),
+        error: None,
+        refused: false,
+        unavailable: false,
+        as_expected: None,
+    };
     let wrong = |right: Option<[f64; 3]>| {
         right.map(|[hit_miss, tight, footprint]| Wrong {
             hit_miss: 1.0 - hit_miss,
@@ -130,6 +142,15 @@ fn measured(run: &Run, case: &CaseRecord, of: &CaseTracer, strength: f64) -> Mea
         }
         Some(Judgement::Any(any)) => Measured { wrong: wrong(right_of_any(any).map(|share| [share; 3])), ..none },
     }
+}
+
+fn unexplained(judgement: &Judgement, rays: u64) -> f64 {
+    let causes = match judgement {
+        Judgement::Closest(closest) => &closest.causes,
+        Judgement::Any(any) => &any.causes,
+    };
+    let most = causes.values().filter_map(|of_rule| of_rule.get(UNEXPLAINED)).max();
+    most.map_or(0.0, |most| *most as f64 / rays as f64)
 }
 
 fn right_of_any(any: &AnyJudgement) -> Option<f64> {

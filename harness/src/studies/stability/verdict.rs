@@ -29,6 +29,9 @@ impl Verdict {
     }
 }
 
+/// The share of rays whose wrong answers may have no cause before a cell says so.
+pub const MOST_UNEXPLAINED: f64 = 0.02;
+
 /// A share in percent, as short as it can be without saying 0 or 100 of what is neither.
 pub(crate) fn percent(share: f64) -> String {
     let percent = share * 100.0;
@@ -52,6 +55,11 @@ pub(super) fn cell(
     let (verdict, text) = match expected {
         None => (Verdict::Unstated, unstated(&measured)),
         Some(expected) => stated(case, expected, &mut measured),
+    };
+    let unexplained = measured.iter().map(|each| each.unexplained).fold(0.0, f64::max);
+    let text = match unexplained > MOST_UNEXPLAINED {
+        true => format!("{text}, of {} the cause is not known", percent(unexplained)),
+        false => text,
     };
     Cell { tracer: tracer.to_owned(), expectation: expected.cloned(), verdict, text, measured }
 }
