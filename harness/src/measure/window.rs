@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use tracebench_api::{Hit, TracerError};
+use tracebench_api::TracerError;
 
 use super::controls::Control;
-use super::place::{Measured, Place, Placed, Refusal};
+use super::place::{Measured, Place, Placed, Refusal, Told};
 use super::race::{Built, Outcome, Race, Setting};
 use super::run::Context;
 use super::{RunError, records};
@@ -205,7 +205,7 @@ impl<'a> Here<'a> {
                     return Err(RunError::Control(what.clone()));
                 }
                 let hooked = match self.place.hook {
-                    Some(hook) => hook(&placed.session, rays, &by_request(requests, self.place, answered.hits))?,
+                    Some(hook) => hook(&placed.session, rays, &by_request(requests, self.place, answered.told))?,
                     None => Value::Null,
                 };
                 let rays = rays.set.name.to_owned();
@@ -382,10 +382,10 @@ fn take_out<T>(race: &mut Race<'_>, lanes: &[Outcome<T>]) {
 }
 
 /// Answers in the order of the place's requests.
-fn by_request(requests: &[&[usize]], place: &Place<'_>, hits: Vec<Option<Vec<Hit>>>) -> Vec<Option<Vec<Hit>>> {
-    let mut sorted: Vec<Option<Vec<Hit>>> = place.requests.iter().map(|_| None).collect();
-    for (request, hits) in requests.concat().into_iter().zip(hits.into_iter().skip(Control::ALL.len())) {
-        sorted[request] = hits;
+fn by_request(requests: &[&[usize]], place: &Place<'_>, told: Vec<Option<Told>>) -> Vec<Option<Told>> {
+    let mut sorted: Vec<Option<Told>> = place.requests.iter().map(|_| None).collect();
+    for (request, told) in requests.concat().into_iter().zip(told.into_iter().skip(Control::ALL.len())) {
+        sorted[request] = told;
     }
     sorted
 }
