@@ -111,8 +111,9 @@ pub(crate) fn measure(place: &Place<'_>, context: &Context<'_>) -> Result<Measur
                 found.anchors.extend(row.ok());
                 continue;
             }
-            // Alone with the anchor, then alone: that others took the room is no reason to go without a row.
-            let again = !place.requests[request].tracer.required && members.len() > 1 && !place.effort.lenient;
+            // Alone with the anchor, then alone: that others took the room is no reason to go without a row. What a study
+            // looks at across rows hangs together.
+            let again = members.len() > 1 && !place.effort.lenient && place.hook.is_none();
             if again && row.as_ref().is_err_and(|refusal| refusal.for_room) {
                 let stall = stalls.iter().position(|stall| stall.contains(&request)).unwrap_or_default();
                 if !left.contains(&stall) {
@@ -129,16 +130,8 @@ pub(crate) fn measure(place: &Place<'_>, context: &Context<'_>) -> Result<Measur
         }));
         number += 1;
     }
-    for (request, row) in place.requests.iter().zip(rows) {
-        let row = row.unwrap_or_else(|| Err(Refusal::of(&TracerError::Failed("not measured".to_owned()), false)));
-        match row {
-            Err(refusal) if request.tracer.required && !place.effort.lenient => {
-                let tracer = request.tracer.name().to_owned();
-                return Err(RunError::Tracer { tracer, error: TracerError::Failed(refusal.reason) });
-            }
-            row => found.rows.push(row),
-        }
-    }
+    let none = || Err(Refusal::of(&TracerError::Failed("not measured".to_owned()), false));
+    found.rows = rows.into_iter().map(|row| row.unwrap_or_else(none)).collect();
     (found.hooked, found.void, found.races) = (here.hooked, here.void, here.races);
     Ok(found)
 }
