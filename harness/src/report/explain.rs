@@ -122,5 +122,8 @@ fn one_scene(found: &ExplanationRecord, scene: &SceneExplained) -> String {
         table.row(&cells);
     }
     let _ = write!(text, "{}", table.text);
+    for (rung, reason) in &scene.left_out {
+        let _ = write!(text, "\n`{rung}` took nothing away here: {}\n", inline(reason));
+    }
     text
 }

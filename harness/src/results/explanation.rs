@@ -51,6 +51,9 @@ pub struct SceneExplained {
     pub scene: SceneRecord,
     /// The viewpoint.
     pub viewpoint: ViewpointRecord,
+    /// Rungs that the device was too small for, `parameter=value`, which took nothing away, and why.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub left_out: BTreeMap<String, String>,
     /// Its ray sets.
     pub sets: Vec<Explained>,
 }

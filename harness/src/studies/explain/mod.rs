@@ -77,9 +77,14 @@ pub fn execute(
             continue;
         }
         let hook = |session: &Session, rays: &PreparedRays, told: &[Option<Told>]| {
-            let rungs: Option<Vec<&Told>> = places.iter().map(|place| told.get(*place)?.as_ref()).collect();
-            // Who refused is told below.
-            let Some(rungs) = rungs else { return Ok(Value::Null) };
+            // A rung that cannot be measured here changes nothing; why it cannot is told below.
+            let mut rungs: Vec<&Told> = Vec::new();
+            for place in &places {
+                match told.get(*place).and_then(Option::as_ref).or(rungs.last().copied()) {
+                    Some(told) => rungs.push(told),
+                    None => return Ok(Value::Null),
+                }
+            }
             let found = look(session, request.name(), rays, &rungs)?;
             let judge = |of: &[usize]| match (judged, rungs.last()) {
                 (true, Some(last)) => session.causes(request.name(), rays, Rule::Tight, last, of),
@@ -89,17 +94,26 @@ pub fn execute(
         };
         let effort = Effort { validated: false, counted: false, ..Effort::untimed() };
         let mut found = measure::measure_scene(index, plan, scene, &requests, effort, Some(&hook), context)?;
-        for (rung, row) in requests.iter().zip(&found.rows) {
-            if let Err(refusal) = row {
-                let error = TracerError::Failed(format!("{}; no rung can be left out", refusal.reason));
-                return Err(RunError::Tracer { tracer: records::request_record(&rung.tracer).label(), error });
+        let mut left_out = BTreeMap::new();
+        for (place, row) in found.rows.iter().enumerate() {
+            match (row, place.checked_sub(1).and_then(|_| places.iter().position(|of| *of == place))) {
+                (Ok(_), _) => {}
+                // What a larger device holds.
+                (Err(refusal), Some(rung)) if refusal.too_large => {
+                    let Remedy { parameter, value, .. } = ladder[rung - 1];
+                    left_out.insert(format!("{parameter}={value}"), refusal.reason.clone());
+                }
+                (Err(refusal), _) => {
+                    let tracer = records::request_record(&requests[place].tracer).label();
+                    return Err(RunError::Tracer { tracer, error: TracerError::Failed(refusal.reason.clone()) });
+                }
             }
         }
         let of_set = |told: Value| {
             serde_json::from_value::<Explained>(told).map_err(|error| RunError::Nothing(error.to_string()))
         };
         let sets = std::mem::take(&mut found.hooked).into_iter().map(of_set).collect::<Result<Vec<_>, _>>()?;
-        scenes.push(SceneExplained { scene: found.scene.clone(), viewpoint: found.viewpoint.clone(), sets });
+        scenes.push(SceneExplained { scene: found.scene.clone(), viewpoint: found.viewpoint.clone(), left_out, sets });
         measure::add(&mut run, found);
     }
     let rung = |remedy: &Remedy| RemedyRecord {
