@@ -96,17 +96,21 @@ pub fn of_run(run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
     run.table.as_deref().and_then(Table::find).map_or_else(|| Ok(Vec::new()), |table| table.files(run))
 }
 
-/// Writes a table over a run, whatever the run was made for, and gives the paths.
+/// Writes a table over a run that was made for it, or for no table, and gives the paths.
 ///
 /// # Errors
-/// If the folder or a file cannot be written, or the run has nothing for the table.
+/// If the folder or a file cannot be written, or the run has nothing for the table, or is another one's.
 pub fn write(table: Table, run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
     let made = |reason: &str| ReportError::Made { what: format!("table {}", table.name()), reason: reason.to_owned() };
     let run = &*run.aligned();
+    // Its rows are chosen, set and scaled for what it is of.
+    if let Some(other) = run.table.as_deref().filter(|other| *other != table.name()) {
+        return Err(made(&format!(
+            "the run was made for table {other}, whose rows are others; make {other} of it, or measure {}",
+            table.name()
+        )));
+    }
     let contents = match (table.is_moving(), &run.updates) {
-        (true, Some(_)) if run.table.as_deref() != Some(table.name()) => {
-            return Err(made("the run was made for another table over frames"));
-        }
         (true, _) => report::of_updates(run)?,
         (false, None) if !run.runs.iter().any(|one| table.holds(&one.tracer.name)) => {
             return Err(made("no tracer of this run belongs into it"));
@@ -141,8 +145,8 @@ mod tests {
         );
     }
 
-    /// A run has the files of the table that it was made for alone; a table over another run is written all the same, unless none of
-    /// its tracers belongs into it.
+    /// A run has the files of the table that it was made for alone; a table over a run that was made for none is written all the same, unless
+    /// none of its tracers belongs into it; over one for another table it is not, and both are named.
     #[test]
     fn tables_are_made_of_runs() {
         let run = fixture::typical();
@@ -159,7 +163,15 @@ mod tests {
         assert!(write(bvh, &others, folder.path()).unwrap_err().to_string().contains("no tracer"));
         let updates = Some(UpdatesRecord { frames: 1, passes: 1, scenes: Vec::new() });
         let films = Run { table: Some("bvh-updates".to_owned()), updates, ..others };
-        let walks = Table::find("view-updates").unwrap();
-        assert!(write(walks, &films, folder.path()).unwrap_err().to_string().contains("another table"));
+        let foreign = |name: &str, run: &Run| {
+            let error = write(Table::find(name).unwrap(), run, folder.path()).unwrap_err().to_string();
+            assert!(error.contains(&format!("table {name}: the run was made for table ")), "{error}");
+            error
+        };
+        assert!(foreign("view-updates", &films).contains("table bvh-updates, "));
+        // Tracers of both belong into both.
+        let figure = Run { table: Some("dirt-figure7".to_owned()), ..fixture::typical() };
+        assert!(foreign("dirt-table1", &figure).contains("table dirt-figure7, "));
+        assert!(foreign("bvh", &figure).contains("table dirt-figure7, "));
     }
 }

@@ -75,8 +75,16 @@ pub(super) fn explain(arguments: &ExplainArguments, progress: &Progress) -> Resu
     let Some(found) = &run.explanation else { return Ok(()) };
     let page = work.bench.out.path.join(report::EXPLAIN_PAGE);
     print(&format!("{}\n{}\n", report::explanation_page(&run, found), page.display()))?;
-    match found.unexplained() {
-        0 => Ok(()),
-        left => Err(CliError::Other(format!("{left} rays are wrong on the last rung: no known cause explains them"))),
+    let open: Vec<String> = found
+        .left_open()
+        .into_iter()
+        .map(|(scene, set)| format!("{} of {} {} in {scene}", set.unexplained, set.count, set.rays))
+        .collect();
+    match open.is_empty() {
+        true => Ok(()),
+        false => Err(CliError::Other(format!(
+            "rays are wrong on the last rung and no known cause explains them: {}",
+            open.join(", ")
+        ))),
     }
 }

@@ -7,7 +7,7 @@ use tracebench_api::EndPoint;
 
 use super::arguments::{PictureArguments, RunArguments};
 use super::output::print;
-use super::work::{Clock, Work};
+use super::work::{Clock, Work, all_measured};
 use super::{CliError, names, open_device};
 use crate::picture;
 use crate::plan::{Plan, RunPreset, TracerRequest};
@@ -25,7 +25,8 @@ pub(super) struct ReportArguments {
 pub(super) fn run(arguments: &RunArguments, progress: &Progress) -> Result<(), CliError> {
     let work = Work::prepare(&arguments.work, || arguments.matter(), Clock::Timed, progress)?;
     let run = work.measure("run", progress)?;
-    print(&format!("{}{}\n", reports::run_table(&run), work.bench.out.path.join("summary.md").display()))
+    print(&format!("{}{}\n", reports::run_table(&run), work.bench.out.path.join("summary.md").display()))?;
+    all_measured(&work.plan, &run)
 }
 
 pub(super) fn report(arguments: &ReportArguments, progress: &Progress) -> Result<(), CliError> {

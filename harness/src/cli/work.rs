@@ -10,7 +10,7 @@ use super::arguments::{Matter, WorkArguments};
 use super::{CliError, open_device};
 use crate::machine;
 use crate::means;
-use crate::measure::{self, Context, Journal, RunError};
+use crate::measure::{self, Context, Journal, RunError, records};
 use crate::plan::{Plan, RunPreset, Shard, TracerRequest};
 use crate::progress::{self, Progress};
 use crate::registry::Device;
@@ -128,6 +128,25 @@ impl<'a> Work<'a> {
     pub(super) fn measure(&self, verb: &str, progress: &Progress) -> Result<Run, CliError> {
         let plan = described(verb, std::slice::from_ref(&self.plan), Value::Null);
         self.bench.measure(&plan, progress, |context| measure::execute(&self.plan, context))
+    }
+}
+
+/// That all was measured that was asked for by name: what could not be is no reason to lose the rest, but the run did not
+/// go well.
+pub(super) fn all_measured(plan: &Plan, run: &Run) -> Result<(), CliError> {
+    let named: Vec<String> = plan
+        .tracers
+        .iter()
+        .filter(|request| request.required)
+        .map(|request| records::request_record(request).label())
+        .collect();
+    let refused = |one: &&Skipped| one.rays.is_none() && one.tracer.as_ref().is_some_and(|label| named.contains(label));
+    let told =
+        |one: &Skipped| format!("{} in {}: {}", one.tracer.as_deref().unwrap_or_default(), one.scene, one.reason);
+    let refused: Vec<String> = run.skipped.iter().filter(refused).map(told).collect();
+    match refused.is_empty() {
+        true => Ok(()),
+        false => Err(CliError::Other(format!("not measured, the rest is kept: {}", refused.join("; ")))),
     }
 }
 

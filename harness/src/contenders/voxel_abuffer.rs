@@ -141,4 +141,10 @@ const LADDER: &[Remedy] = &[
         value: "1",
         source: "HHZ14, section 3.2, says nothing of rays that start on surfaces: two texels of their way are left out",
     },
+    Remedy {
+        cause: "coarse_images",
+        parameter: "abuffer",
+        value: "1280",
+        source: "HHZ14, section 5: images of 1280 square, with voxels by their rule; smaller frames ask for smaller ones",
+    },
 ];

@@ -26,7 +26,7 @@ use tracebench_scenes::SceneError;
 
 pub use contender::{Contender, Crew};
 pub use journal::{Journal, JournalError};
-pub(crate) use place::{Effort, Film, Measured, Place, Placed, Refusal, Request};
+pub(crate) use place::{Effort, Film, Measured, Place, Placed, Refusal, Request, Told};
 pub use run::{Context, execute, execute_all};
 pub(crate) use run::{add, begin, empty, measure_scene, nothing, placed, refuse};
 pub use scene::{LoadedScene, choose_pose, load, load_scene, prepare};

@@ -6,7 +6,7 @@ use tracebench_api::{Hit, Update, Viewpoint};
 use tracebench_scenes::Scene;
 
 use super::RunError;
-use super::session::{PreparedRays, Session};
+use super::session::{PreparedRays, Session, Sight};
 use crate::plan::{Plan, TracerRequest};
 use crate::results::{RaceRecord, Sampling, SceneRecord, Skipped, TracerRun, ViewpointRecord};
 
@@ -95,8 +95,15 @@ pub(crate) struct Placed {
     pub told: Value,
 }
 
+/// Answers to a ray set.
+pub(crate) struct Told {
+    pub hits: Vec<Hit>,
+    /// Through what they were found.
+    pub sight: Sight,
+}
+
 /// What a study wants to know of the answers to a ray set that records do not tell: by request, `None` for one without.
-pub(crate) type Hook<'a> = &'a dyn Fn(&Session, &PreparedRays, &[Option<Vec<Hit>>]) -> Result<Value, RunError>;
+pub(crate) type Hook<'a> = &'a dyn Fn(&Session, &PreparedRays, &[Option<Told>]) -> Result<Value, RunError>;
 
 /// What is to be measured in one place.
 pub(crate) struct Place<'a> {

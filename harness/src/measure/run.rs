@@ -121,7 +121,7 @@ pub fn execute_all(plans: &[Plan], context: &Context<'_>) -> Result<Run, RunErro
                 let effort = Effort::timed(plan);
                 let found = measure_scene(index, plan, scene, &requests, effort, None, context)?;
                 for (request, refused) in add(&mut run, found) {
-                    refuse(&mut run, requests[request].tracer.name(), None, refused);
+                    refuse(&mut run, &records::request_record(&requests[request].tracer).label(), None, refused);
                 }
             }
             index += 1;
@@ -242,10 +242,14 @@ pub(crate) fn refuse(run: &mut Run, tracer: &str, what: Option<&str>, (scene, re
 
 /// The error of a run in which nothing could run, with every reason once.
 pub(crate) fn nothing(run: &Run) -> RunError {
-    let mut reasons: Vec<&str> = Vec::new();
+    let mut reasons: Vec<String> = Vec::new();
     for skipped in &run.skipped {
-        if !reasons.contains(&skipped.reason.as_str()) {
-            reasons.push(&skipped.reason);
+        let reason = match &skipped.tracer {
+            Some(tracer) => format!("{tracer}: {}", skipped.reason),
+            None => skipped.reason.clone(),
+        };
+        if !reasons.contains(&reason) {
+            reasons.push(reason);
         }
     }
     RunError::Nothing(reasons.join("; "))

@@ -1,19 +1,21 @@
 //! One scene from one viewpoint: its rays and truth made once, every contender built and sampled through the one clock.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use tracebench_api::{
     EndPoint, Geometry, Gpu, Hit, HitBuffer, MemoryEntry, Parameters, PhaseClock, Query, Ray, RayBuffer, Sampling,
-    Surface, Timing, TraceJob, TracerError, Viewpoint,
+    Surface, Timing, TraceJob, TracerError, Viewpoint, VoxelGrid,
 };
 use tracebench_scenes::CameraPath;
 
 use crate::judge::{Class, Judge, JudgeError, Rule};
 use crate::measure::Contender;
 use crate::measure::controls::{Control, KnownAnswers};
+use crate::measure::place::Told;
 use crate::progress::Progress;
 use crate::rays::{self, RayError, RayParameters, RayScene, RaySet, Starts};
-use crate::results::{Judgement, Skipped, SurfaceJudgement};
+use crate::results::{Judgement, OCCLUSION, Skipped, SurfaceJudgement};
 use crate::truth::{Answer, Cache, Truth, TruthError};
 
 /// Why a scene could not be measured.
@@ -61,6 +63,15 @@ impl PreparedRays {
             |hit: bool| self.answers.iter().filter(|each| !each.tie && each.hit.is_some() == hit).count() as u64;
         (count(true), count(false))
     }
+}
+
+/// What a tracer sees the scene through, as the judge is told.
+#[derive(Default)]
+pub struct Sight {
+    /// The images.
+    pub samplings: Vec<Sampling>,
+    /// The voxels.
+    pub voxels: Option<VoxelGrid>,
 }
 
 /// One scene from one viewpoint.
@@ -286,16 +297,46 @@ impl Session {
         TraceJob { rays: &rays.buffer, end: self.end, parameters: &contender.parameters }
     }
 
+    /// What a contender sees the scene through.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] before the first build, or what the tracer says.
+    pub fn sight(&self, contender: &Contender) -> Result<Sight, TracerError> {
+        let structure = contender.structure()?;
+        Ok(Sight { samplings: structure.samplings(), voxels: structure.voxels(&contender.parameters)? })
+    }
+
     /// Judges a contender's answers.
     ///
     /// # Errors
     /// [`SessionError::Judge`] if they are no answers.
     pub fn judge(&self, contender: &Contender, rays: &PreparedRays, hits: &[Hit]) -> Result<Judgement, SessionError> {
-        let structure = contender.structure()?;
-        let (samplings, voxels) = (structure.samplings(), structure.voxels(&contender.parameters)?);
+        let sight = self.sight(contender)?;
         let names_primitives = contender.description.names_primitives;
-        let judge = Judge { names_primitives, voxels, ..self.judge_of(rays, &samplings) };
+        let judge = Judge { names_primitives, voxels: sight.voxels, ..self.judge_of(rays, &sight.samplings) };
         judge.judge(hits).map_err(|error| no_answers(contender.description.name, rays, error))
+    }
+
+    /// The judge's causes of wrong answers among some of them, and how many have each; of an any-hit set whatever the rule.
+    ///
+    /// # Errors
+    /// [`SessionError::Judge`] if they are no answers.
+    pub(crate) fn causes(
+        &self,
+        tracer: &str,
+        rays: &PreparedRays,
+        rule: Rule,
+        told: &Told,
+        of: &[usize],
+    ) -> Result<BTreeMap<String, u64>, SessionError> {
+        let hosts: Vec<Ray> = of.iter().map(|ray| rays.buffer.host[*ray]).collect();
+        let answers: Vec<Answer> = of.iter().map(|ray| rays.answers[*ray]).collect();
+        let hits: Vec<Hit> = of.iter().map(|ray| told.hits[*ray]).collect();
+        let judge = self.judge_of(rays, &told.sight.samplings);
+        let judge = Judge { rays: &hosts, answers: &answers, voxels: told.sight.voxels, ..judge };
+        let judged = judge.judge(&hits).map_err(|error| no_answers(tracer, rays, error))?;
+        let rule = if rays.set.query == Query::Any { OCCLUSION } else { rule.name() };
+        Ok(judged.causes().get(rule).cloned().unwrap_or_default())
     }
 
     /// Judges a contender's surfaces; nothing where traces do not go that far.

@@ -1,9 +1,9 @@
 //! The race of a ray set: contenders and controls traced in rounds, then judged.
 
-use tracebench_api::{Hit, HitBuffer, Timing};
+use tracebench_api::{HitBuffer, Timing};
 
 use super::RunError;
-use super::place::Refusal;
+use super::place::{Refusal, Told};
 use super::race::{Outcome, Race};
 use super::records::{self, Traced};
 use super::rounds::Rounds;
@@ -18,7 +18,7 @@ const ATTEMPTS: usize = 2;
 pub(crate) struct Answered {
     pub outcomes: Vec<Outcome<TraceRecord>>,
     /// Every lane's answers.
-    pub hits: Vec<Option<Vec<Hit>>>,
+    pub told: Vec<Option<Told>>,
     /// What a control scored wrongly.
     pub void: Option<String>,
     /// How it was timed; none where it was not.
@@ -54,14 +54,14 @@ impl Race<'_> {
         };
         // Finding the causes of many wrong rays takes as long as telling the truth of as many.
         let bar = self.progress.bar(&format!("judge {}", rays.set.name), self.lanes.len() as u64);
-        let mut answered = Answered { outcomes: Vec::new(), hits: Vec::new(), void: None, race };
+        let mut answered = Answered { outcomes: Vec::new(), told: Vec::new(), void: None, race };
         for (lane, (buffer, timings)) in buffers.into_iter().zip(timings).enumerate() {
             bar.inc(1);
             let judged = buffer.and_then(|buffer| self.judge(lane, rays, &buffer, &timings).transpose()).transpose()?;
             let outcome = match (judged, &self.lanes[lane].out) {
-                (Some((mut record, hits, void)), _) => {
+                (Some((mut record, told, void)), _) => {
                     record.times.void.clone_from(&failed);
-                    answered.hits.push(Some(hits));
+                    answered.told.push(Some(told));
                     answered.void = answered.void.or(void);
                     answered.outcomes.push(Outcome::Measured(record));
                     continue;
@@ -69,7 +69,7 @@ impl Race<'_> {
                 (None, Some(refusal)) if was_in[lane] => Outcome::Out(refusal.clone()),
                 (None, _) => Outcome::Absent,
             };
-            answered.hits.push(None);
+            answered.told.push(None);
             answered.outcomes.push(outcome);
         }
         Ok(answered)
@@ -132,23 +132,23 @@ impl Race<'_> {
         Some(race)
     }
 
-    /// Judges a lane's last output; `None` if it was taken out. Beside the record the hits, and what it scored wrongly, if it is
+    /// Judges a lane's last output; `None` if it was taken out. Beside the record the answers, and what it scored wrongly, if it is
     /// a control.
-    #[expect(clippy::type_complexity, reason = "taken apart by its one caller")]
     fn judge(
         &mut self,
         lane: usize,
         rays: &PreparedRays,
         buffer: &HitBuffer,
         timings: &[Timing],
-    ) -> Result<Option<(TraceRecord, Vec<Hit>, Option<String>)>, RunError> {
+    ) -> Result<Option<(TraceRecord, Told, Option<String>)>, RunError> {
         let counted = self.effort.counted;
         let read = self.attempt_in(lane, |session, contender| {
             let (hits, surfaces) = (buffer.read(session.gpu())?, buffer.read_surfaces(session.gpu())?);
             let counters = if counted { session.count(contender, rays, &hits, &surfaces)? } else { Vec::new() };
-            Ok((hits, surfaces, counters, session.trace_memory(contender, rays)?))
+            let trace_memory = session.trace_memory(contender, rays)?;
+            Ok((hits, surfaces, counters, trace_memory, session.sight(contender)?))
         });
-        let Some((hits, surfaces, counters, trace_memory)) = read else { return Ok(None) };
+        let Some((hits, surfaces, counters, trace_memory, sight)) = read else { return Ok(None) };
         let session = self.session;
         let contender = self.contender(lane);
         let judged = session
@@ -185,6 +185,6 @@ impl Race<'_> {
             judgement,
             surfaces,
         });
-        Ok(Some((record, hits, void)))
+        Ok(Some((record, Told { hits, sight }, void)))
     }
 }

@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use tracebench_api::{Hit, TracerError};
+use tracebench_api::TracerError;
 
 use super::controls::Control;
-use super::place::{Measured, Place, Placed, Refusal};
+use super::place::{Measured, Place, Placed, Refusal, Told};
 use super::race::{Built, Outcome, Race, Setting};
 use super::run::Context;
 use super::{RunError, records};
@@ -111,8 +111,9 @@ pub(crate) fn measure(place: &Place<'_>, context: &Context<'_>) -> Result<Measur
                 found.anchors.extend(row.ok());
                 continue;
             }
-            // Alone with the anchor, then alone: that others took the room is no reason to go without a row.
-            let again = !place.requests[request].tracer.required && members.len() > 1 && !place.effort.lenient;
+            // Alone with the anchor, then alone: that others took the room is no reason to go without a row. What a study
+            // looks at across rows hangs together.
+            let again = members.len() > 1 && !place.effort.lenient && place.hook.is_none();
             if again && row.as_ref().is_err_and(|refusal| refusal.for_room) {
                 let stall = stalls.iter().position(|stall| stall.contains(&request)).unwrap_or_default();
                 if !left.contains(&stall) {
@@ -129,16 +130,8 @@ pub(crate) fn measure(place: &Place<'_>, context: &Context<'_>) -> Result<Measur
         }));
         number += 1;
     }
-    for (request, row) in place.requests.iter().zip(rows) {
-        let row = row.unwrap_or_else(|| Err(Refusal::of(&TracerError::Failed("not measured".to_owned()), false)));
-        match row {
-            Err(refusal) if request.tracer.required && !place.effort.lenient => {
-                let tracer = request.tracer.name().to_owned();
-                return Err(RunError::Tracer { tracer, error: TracerError::Failed(refusal.reason) });
-            }
-            row => found.rows.push(row),
-        }
-    }
+    let none = || Err(Refusal::of(&TracerError::Failed("not measured".to_owned()), false));
+    found.rows = rows.into_iter().map(|row| row.unwrap_or_else(none)).collect();
     (found.hooked, found.void, found.races) = (here.hooked, here.void, here.races);
     Ok(found)
 }
@@ -205,7 +198,7 @@ impl<'a> Here<'a> {
                     return Err(RunError::Control(what.clone()));
                 }
                 let hooked = match self.place.hook {
-                    Some(hook) => hook(&placed.session, rays, &by_request(requests, self.place, answered.hits))?,
+                    Some(hook) => hook(&placed.session, rays, &by_request(requests, self.place, answered.told))?,
                     None => Value::Null,
                 };
                 let rays = rays.set.name.to_owned();
@@ -382,10 +375,10 @@ fn take_out<T>(race: &mut Race<'_>, lanes: &[Outcome<T>]) {
 }
 
 /// Answers in the order of the place's requests.
-fn by_request(requests: &[&[usize]], place: &Place<'_>, hits: Vec<Option<Vec<Hit>>>) -> Vec<Option<Vec<Hit>>> {
-    let mut sorted: Vec<Option<Vec<Hit>>> = place.requests.iter().map(|_| None).collect();
-    for (request, hits) in requests.concat().into_iter().zip(hits.into_iter().skip(Control::ALL.len())) {
-        sorted[request] = hits;
+fn by_request(requests: &[&[usize]], place: &Place<'_>, told: Vec<Option<Told>>) -> Vec<Option<Told>> {
+    let mut sorted: Vec<Option<Told>> = place.requests.iter().map(|_| None).collect();
+    for (request, told) in requests.concat().into_iter().zip(told.into_iter().skip(Control::ALL.len())) {
+        sorted[request] = told;
     }
     sorted
 }

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use super::format::{self, thousands};
 use super::markdown::{Table as Markdown, inline};
-use crate::results::{Explained, ExplanationRecord, Run, SceneExplained};
+use crate::results::{Explained, ExplanationRecord, MOST_UNEXPLAINED, Run, SceneExplained};
 
 /// The page's file.
 pub const EXPLAIN_PAGE: &str = "explain.md";
@@ -25,8 +25,17 @@ pub fn explanation_page(run: &Run, found: &ExplanationRecord) -> String {
     page.push_str(
         "Every ray is traced on every rung of the ladder below, each of which takes one weakness away and keeps what the rungs \
          before have taken. A wrong ray (under `tight`; ties left out) has the cause that is taken away by the rung from which \
-         on it is right; what is wrong on the last rung was given up there (`step_cap`) or is unexplained.\n\n",
+         on it is right; what is wrong on the last rung was given up there (`step_cap`) or is unexplained",
     );
+    if found.judged {
+        let _ = write!(
+            page,
+            ", but for what the judge finds the cause of: the method samples, and no samples are fine enough for `tight`. Of no set may \
+             more than {} % be unexplained",
+            100.0 * MOST_UNEXPLAINED
+        );
+    }
+    page.push_str(".\n\n");
     let mut ladder = Markdown::new(&["rung", "cause", "taken away by", "source"].map(str::to_owned));
     for (rung, remedy) in found.ladder.iter().enumerate() {
         let setting = format!("`{}={}`", remedy.parameter, remedy.value);
@@ -113,5 +122,8 @@ fn one_scene(found: &ExplanationRecord, scene: &SceneExplained) -> String {
         table.row(&cells);
     }
     let _ = write!(text, "{}", table.text);
+    for (rung, reason) in &scene.left_out {
+        let _ = write!(text, "\n`{rung}` took nothing away here: {}\n", inline(reason));
+    }
     text
 }

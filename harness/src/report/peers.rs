@@ -24,7 +24,9 @@ const SAH_COST: &str = "sah_cost";
 pub(crate) fn files(table: &Table, run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
     let mut run = run.clone();
     run.runs.retain(|one| table.holds(&one.tracer.name));
-    run.skipped.retain(|one| one.tracer.as_deref().is_none_or(|name| table.holds(name)));
+    // What follows a name is a preset, or what was set.
+    let is_held = |label: &str| table.holds(label.split([':', ' ']).next().unwrap_or_default());
+    run.skipped.retain(|one| one.tracer.as_deref().is_none_or(is_held));
     let groups = groups(&run);
     let stem = stem(table.name);
     let csv = format!("{stem}.csv");

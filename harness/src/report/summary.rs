@@ -13,7 +13,7 @@ use super::metrics::{self, Metric};
 use super::surfaces;
 use super::verdict::{self, Verdict};
 use crate::results::{
-    AnyJudgement, Causes, Classes, EndedBy, Judgement, LEAST_ROUNDS, MARK, Provenance, RaceRecord, Run, Skipped,
+    AnyJudgement, Classes, EndedBy, Judgement, LEAST_ROUNDS, MARK, Provenance, RaceRecord, Run, Skipped,
 };
 
 /// How many causes a row names.
@@ -320,11 +320,7 @@ fn causes(rows: &[Row<'_>]) -> String {
     let mut table = Table::new(&["tracer", "rule", "wrong rays", "causes, most frequent first"].map(str::to_owned));
     let mut any = false;
     for (role, run, trace) in rows.iter().filter(|(role, ..)| *role == Role::Contender) {
-        let causes: &Causes = match &trace.judgement {
-            Judgement::Closest(judgement) => &judgement.causes,
-            Judgement::Any(judgement) => &judgement.causes,
-        };
-        for (rule, causes) in causes {
+        for (rule, causes) in trace.judgement.causes() {
             let all: u64 = causes.values().sum();
             let mut sorted: Vec<_> = causes.iter().filter(|(_, rays)| **rays > 0).collect();
             sorted.sort_by_key(|(name, rays)| (std::cmp::Reverse(**rays), (*name).clone()));

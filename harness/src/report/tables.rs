@@ -6,7 +6,7 @@ use super::ReportError;
 use super::format::{clock_code, end};
 use super::group::{Group, Role};
 use super::metrics;
-use crate::results::{Causes, Judgement, Run, TraceRecord, TracerRun, WrongRay};
+use crate::results::{Judgement, Run, TraceRecord, TracerRun, WrongRay};
 
 /// One row a ray set and tracer or control, with every scalar.
 pub(super) fn traces(run: &Run, groups: &[Group<'_>]) -> Result<Vec<u8>, ReportError> {
@@ -140,13 +140,6 @@ fn wrong_rays_of(trace: &TraceRecord) -> &[WrongRay] {
     }
 }
 
-fn causes_of(trace: &TraceRecord) -> &Causes {
-    match &trace.judgement {
-        Judgement::Closest(judgement) => &judgement.causes,
-        Judgement::Any(judgement) => &judgement.causes,
-    }
-}
-
 /// Columns for what only some traces have; all rows of a table must have the same.
 struct MapColumns {
     counters: BTreeSet<String>,
@@ -160,7 +153,7 @@ impl MapColumns {
         for (_, _, trace) in all_traces(groups) {
             columns.counters.extend(trace.counters.keys().cloned());
             columns.statuses.extend(trace.statuses.keys().cloned());
-            for (rule, causes) in causes_of(trace) {
+            for (rule, causes) in trace.judgement.causes() {
                 columns.causes.extend(causes.keys().map(|cause| (rule.clone(), cause.clone())));
             }
         }
@@ -196,8 +189,9 @@ impl MapColumns {
         };
         let counters = self.counters.iter().flat_map(counter);
         let statuses = self.statuses.iter().map(|status| text(trace.statuses.get(status)));
-        let cause =
-            |(rule, cause): &(String, String)| text(causes_of(trace).get(rule).and_then(|causes| causes.get(cause)));
+        let cause = |(rule, cause): &(String, String)| {
+            text(trace.judgement.causes().get(rule).and_then(|causes| causes.get(cause)))
+        };
         counters.chain(statuses).chain(self.causes.iter().map(cause)).collect()
     }
 }

@@ -1,6 +1,6 @@
 //! Why rays are wrong: what an explanation adds to the rows of its rungs, which know no ray from one rung to the next.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 use tracebench_api::Query;
@@ -11,8 +11,11 @@ use super::{SceneRecord, TracerRecord, ViewpointRecord};
 /// loops.
 pub const GIVEN_UP: &str = "step_cap";
 
-/// What no rung takes away.
+/// What no rung takes away, and the judge knows no cause of.
 pub const UNEXPLAINED: &str = "unexplained";
+
+/// The share of a set's rays that may stay unexplained where the judge tells what no rung takes away.
+pub const MOST_UNEXPLAINED: f64 = 0.02;
 
 /// Every wrong ray of a tracer, explained.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -21,6 +24,9 @@ pub struct ExplanationRecord {
     pub tracer: TracerRecord,
     /// What each further rung takes away.
     pub ladder: Vec<RemedyRecord>,
+    /// Whether the judge tells the causes of what no rung takes away: of a method that samples, which is never fine enough.
+    #[serde(default)]
+    pub judged: bool,
     /// The scenes.
     pub scenes: Vec<SceneExplained>,
 }
@@ -45,6 +51,9 @@ pub struct SceneExplained {
     pub scene: SceneRecord,
     /// The viewpoint.
     pub viewpoint: ViewpointRecord,
+    /// Rungs that the device was too small for, `parameter=value`, which took nothing away, and why.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub left_out: BTreeMap<String, String>,
     /// Its ray sets.
     pub sets: Vec<Explained>,
 }
@@ -66,10 +75,11 @@ pub struct Explained {
     pub wrong_by_rung: Vec<u64>,
     /// Rays that are right on the first rung and wrong on a later one: a remedy alone may do harm.
     pub wrong_on_the_way: u64,
-    /// Rays that are wrong on the last rung though their search was not given up, whatever they were on the first.
+    /// Rays that are wrong on the last rung without a known cause though their search was not given up, whatever they were on the
+    /// first.
     pub unexplained: u64,
     /// Of the rays that are wrong on the first rung: class, then cause, then how many. What is wrong on the last rung is
-    /// `step_cap` where its search was given up there, else `unexplained`.
+    /// `step_cap` where its search was given up there, else has the judge's cause if it is asked, or is `unexplained`.
     pub causes: BTreeMap<String, BTreeMap<String, u64>>,
 }
 
@@ -86,13 +96,30 @@ impl Explained {
 }
 
 impl ExplanationRecord {
-    /// The causes in order, what is unexplained last.
-    pub fn causes(&self) -> Vec<&str> {
-        self.ladder.iter().map(|rung| rung.cause.as_str()).chain([GIVEN_UP, UNEXPLAINED]).collect()
+    fn sets(&self) -> impl Iterator<Item = (&SceneExplained, &Explained)> {
+        self.scenes.iter().flat_map(|scene| scene.sets.iter().map(move |set| (scene, set)))
     }
 
-    /// Rays that are wrong on the last rung and were not given up, of all scenes.
+    /// The causes in order: of the rungs, of the judge, what is unexplained last.
+    pub fn causes(&self) -> Vec<&str> {
+        let of_rungs = self.ladder.iter().map(|rung| rung.cause.as_str());
+        let mut causes: Vec<&str> = of_rungs.chain([GIVEN_UP]).collect();
+        let found = self.sets().flat_map(|(_, set)| set.causes.values().flat_map(BTreeMap::keys));
+        let of_judge: BTreeSet<&str> = found.map(String::as_str).filter(|cause| !causes.contains(cause)).collect();
+        causes.extend(of_judge.into_iter().filter(|cause| *cause != UNEXPLAINED));
+        causes.push(UNEXPLAINED);
+        causes
+    }
+
+    /// Rays that are wrong on the last rung without a known cause, of all scenes.
     pub fn unexplained(&self) -> u64 {
-        self.scenes.iter().flat_map(|scene| &scene.sets).map(|set| set.unexplained).sum()
+        self.sets().map(|(_, set)| set.unexplained).sum()
+    }
+
+    /// The sets, by scene, of which more than what may be is unexplained: a share where the judge tells causes, else any.
+    pub fn left_open(&self) -> Vec<(&str, &Explained)> {
+        let may = |set: &Explained| if self.judged { MOST_UNEXPLAINED * set.count as f64 } else { 0.0 };
+        let open = self.sets().filter(|(_, set)| set.unexplained as f64 > may(set));
+        open.map(|(scene, set)| (scene.scene.name.as_str(), set)).collect()
     }
 }

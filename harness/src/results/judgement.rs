@@ -49,7 +49,18 @@ impl Judgement {
             Self::Any(any) => &mut any.wrong_rays,
         }
     }
+
+    /// Why rays are wrong.
+    pub fn causes(&self) -> &Causes {
+        match self {
+            Self::Closest(closest) => &closest.causes,
+            Self::Any(any) => &any.causes,
+        }
+    }
 }
+
+/// What the causes of an any-hit set stand under, which has no rules.
+pub const OCCLUSION: &str = "occlusion";
 
 /// Counts of causes by rule: rule -> cause -> rays.
 pub type Causes = BTreeMap<String, BTreeMap<String, u64>>;

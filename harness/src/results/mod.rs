@@ -31,9 +31,11 @@ use serde::{Deserialize, Serialize};
 pub use cases::{
     CaseRecord, CaseTracer, CasesRecord, ExpectationRecord, KnobRecord, NoAnswer, Strength, Surprise, Wrong,
 };
-pub use explanation::{Explained, ExplanationRecord, GIVEN_UP, RemedyRecord, SceneExplained, UNEXPLAINED};
+pub use explanation::{
+    Explained, ExplanationRecord, GIVEN_UP, MOST_UNEXPLAINED, RemedyRecord, SceneExplained, UNEXPLAINED,
+};
 pub use judgement::{
-    AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Headline, Judgement, Occlusion, Percentiles,
+    AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Headline, Judgement, OCCLUSION, Occlusion, Percentiles,
     PieceDistance, Rule, SurfaceDistance, SurfaceJudgement, WrongRay,
 };
 pub use key::{same_place, same_pose, same_rays, same_work};

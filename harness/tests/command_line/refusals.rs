@@ -303,3 +303,31 @@ fn without_ray_queries() {
     assert!(named.stderr.contains("ray-query") && named.stderr.contains("EXPERIMENTAL_RAY_QUERY"), "{named:?}");
     assert!(names(&bench.path("named")).is_empty());
 }
+
+/// Proves that a tracer which refuses what it is asked for costs a run nothing but its own row: the others' are there, it is named
+/// with its reason in the summary and on stderr, and the status is 1 where it was named. Where nothing is left there are no results.
+#[test]
+fn one_refusal_costs_one_row() {
+    let bench = Bench::new();
+    let refused = "voxel-abuffer abuffer=16384";
+    let tracers = "bvh-cpu,voxel-abuffer@abuffer=16384,voxel-abuffer";
+    let run = |tracers: &str, out: &str| {
+        bench.call(&[&SMOKE[..], &["--rays", "primary", "--tracer", tracers, "--out", &bench.text(out)]].concat())
+    };
+    let outcome = run(tracers, "some");
+    assert_eq!(outcome.status, 1, "{outcome:?}");
+    let last = outcome.stderr.lines().last().unwrap();
+    assert!(last.starts_with("error: ") && last.contains(&format!("{refused} in room: ")), "{outcome:?}");
+    assert!(last.contains("voxel-abuffer.abuffer"), "what to turn down: {last}");
+    let record: Value = serde_json::from_slice(&std::fs::read(bench.path("some/run.json")).unwrap()).unwrap();
+    let names_of: Vec<&str> =
+        record["runs"].as_array().unwrap().iter().map(|row| row["tracer"]["name"].as_str().unwrap()).collect();
+    assert_eq!(names_of, ["bvh-cpu", "voxel-abuffer"]);
+    let summary = std::fs::read_to_string(bench.path("some/summary.md")).unwrap();
+    assert!(summary.contains(&format!("| {refused} | room | all | ")), "{summary}");
+    assert!(!bench.path("some/races").exists() && outcome.stdout.contains("bvh-cpu"));
+    let nothing = run("voxel-abuffer@abuffer=16384", "none");
+    assert_eq!(nothing.status, 1);
+    assert!(nothing.stderr.contains("no tracer could run") && nothing.stderr.contains(refused), "{nothing:?}");
+    assert!(names(&bench.path("none")).is_empty());
+}

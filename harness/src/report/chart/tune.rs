@@ -106,7 +106,10 @@ fn frame(tuning: &Tuning, scene: &SceneTuned, columns: usize, panels: usize, leg
     key.push(Entry { sample: Sample::Bars, label: "95 % interval".to_owned() });
     let axis = cut(&tuning.axis.name, LONGEST_VALUE);
     let name = cut(&scene.scene.name, LONGEST_NAME);
-    let tracer = cut(&tuning.tracer.label(), LONGEST_VALUE);
+    // Settings are many words, which a caption wraps.
+    let label = tuning.tracer.label();
+    let (tracer, settings) = label.split_once(' ').unwrap_or((&label, ""));
+    let tracer = cut(tracer, LONGEST_VALUE);
     let title = format!("Tuning {axis} of {tracer}: {name}");
     let void = if verdict::tuning_controls(tuning) == Verdict::Sound { "" } else { "VOID, CONTROLS FAIL: " };
     let triangles = format::thousands(scene.scene.triangles);
@@ -122,7 +125,8 @@ fn frame(tuning: &Tuning, scene: &SceneTuned, columns: usize, panels: usize, leg
         tuning.rule.name(),
         scene.views.first().map(place).unwrap_or_default()
     );
-    let caption = untimed_caption(&tuning.provenance, &tuning.preset);
+    let settings = if settings.is_empty() { String::new() } else { format!("{tracer} with {settings}. ") };
+    let caption = settings + &untimed_caption(&tuning.provenance, &tuning.preset);
     Frame::in_columns(columns, PLOT_HEIGHT, panels, [title, subtitle], &caption, key, legend)
 }
 
@@ -379,6 +383,15 @@ mod tests {
         names.scenes[0].views[0].viewpoint.name = "a viewpoint with a very long name ".repeat(5);
         names.tracer.name = "tracer".repeat(60);
         check(&names);
+        // Settings are told whole, below.
+        let mut set = tuning(&VALUES, &["room"], 2, &SETS);
+        let settings = [("reads", "texture"), ("rays_per_lane", "32"), ("buckets", "16")];
+        for (name, value) in settings {
+            set.tracer.changed.push(name.to_owned());
+            set.tracer.parameters.insert(name.to_owned(), value.into());
+        }
+        let told = check(&set)[0].replace('\n', " ");
+        assert!(settings.iter().all(|(name, value)| told.contains(&format!("{name}={value}"))), "{told}");
         // A set that only one viewpoint has.
         let mut half = tuning(&VALUES, &["room"], 2, &SETS);
         half.scenes[0].views[1].sets.remove(0);

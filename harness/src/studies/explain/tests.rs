@@ -1,5 +1,5 @@
-//! That causes are told from rungs, that the ladder of `dirt` explains every wrong ray of a scene, and that a ladder which
-//! takes nothing away explains none.
+//! That causes are told from rungs, that the ladder of `dirt` explains every wrong ray of a scene, that a ladder which
+//! takes nothing away explains none, and that the judge explains what those of sampled methods leave.
 
 use super::*;
 use crate::measure::Journal;
@@ -37,12 +37,28 @@ fn the_last_wrong_rung_tells_the_cause() {
         cause(ladder, &wrong, given_up)
     };
     assert_eq!(of(&[], false), None);
-    assert_eq!(of(&[0], false), Some("outside_of_the_views"));
-    assert_eq!(of(&[0, 1, 2], true), Some("early_bucket_stop"));
-    assert_eq!(of(&[0, 2, 3], false), Some("pixel_acceptance"));
-    assert_eq!(of(&[5], false), Some("near_plane"));
-    assert_eq!(of(&[0, 6], false), Some(UNEXPLAINED));
-    assert_eq!(of(&[6], true), Some(GIVEN_UP));
+    assert_eq!(of(&[0], false), Some(Cause::Known("outside_of_the_views")));
+    assert_eq!(of(&[0, 1, 2], true), Some(Cause::Known("early_bucket_stop")));
+    assert_eq!(of(&[0, 2, 3], false), Some(Cause::Known("pixel_acceptance")));
+    assert_eq!(of(&[5], false), Some(Cause::Known("near_plane")));
+    assert_eq!(of(&[0, 6], false), Some(Cause::Left));
+    assert_eq!(of(&[6], true), Some(Cause::Known(GIVEN_UP)));
+}
+
+/// A tracer's rays in the small room.
+fn in_the_room(request: &TracerRequest, rays: &[&str]) -> Plan {
+    Plan {
+        scenes: vec![SceneSource::Catalogue("room".to_owned())],
+        tracers: vec![request.clone()],
+        ray_sets: RAY_SETS.iter().filter(|set| rays.contains(&set.name)).copied().collect(),
+        ray_parameters: default_parameters(),
+        preset: RunPreset::named("smoke").unwrap(),
+        view: ViewRequest::Default,
+        time_s: 0.0,
+        seed: 1,
+        end: EndPoint::Hit,
+        table: None,
+    }
 }
 
 /// Over a scene, the ladder of `dirt` leaves no ray wrong and names a cause for each that was; counts add up; a ladder that
@@ -51,18 +67,7 @@ fn the_last_wrong_rung_tells_the_cause() {
 fn the_ladder_of_dirt_explains_every_wrong_ray() {
     let device: Device = Gpu::open(&AdapterChoice::default()).map(std::sync::Arc::new);
     let request = TracerRequest::of(registry::find("dirt").unwrap(), Preset::Published);
-    let plan = Plan {
-        scenes: vec![SceneSource::Catalogue("room".to_owned())],
-        tracers: vec![request.clone()],
-        ray_sets: RAY_SETS.iter().filter(|set| ["primary", "specular", "ao"].contains(&set.name)).copied().collect(),
-        ray_parameters: default_parameters(),
-        preset: RunPreset::named("smoke").unwrap(),
-        view: ViewRequest::Default,
-        time_s: 0.0,
-        seed: 1,
-        end: EndPoint::Hit,
-        table: None,
-    };
+    let plan = in_the_room(&request, &["primary", "specular", "ao"]);
     let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
     let context = Context::new(&device, &cache, &quiet, &journal);
     let explain = |ladder: &[Remedy]| {
@@ -80,7 +85,7 @@ fn the_ladder_of_dirt_explains_every_wrong_ray() {
         found
     };
     let found = explain(request.registration.ladder);
-    assert_eq!(found.unexplained(), 0);
+    assert!(found.unexplained() == 0 && !found.judged);
     let sets = &found.scenes[0].sets;
     assert_eq!(sets.len(), 3);
     assert!(sets[0].wrong_by_rung[0] > 0, "nothing to explain");
@@ -97,4 +102,51 @@ fn the_ladder_of_dirt_explains_every_wrong_ray() {
     let idle = explain(&[idle]);
     assert_eq!(idle.unexplained(), found.scenes[0].sets.iter().map(|set| set.wrong_by_rung[0]).sum::<u64>());
     assert_eq!(idle.scenes[0].sets[0].of_cause(UNEXPLAINED), sets[0].wrong_by_rung[0]);
+}
+
+/// Of methods that sample the judge tells what their ladders leave: the same number of every cause as it tells of the last rung's row, but for
+/// those rays that were right at first; so that no set has more than the share that may be unexplained.
+#[test]
+fn the_judge_explains_what_ladders_of_sampled_methods_leave() {
+    let device: Device = Gpu::open(&AdapterChoice::default()).map(std::sync::Arc::new);
+    let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
+    let context = Context::new(&device, &cache, &quiet, &journal);
+    let sampled = |each: &&registry::Registration| each.otherwise.is_none() && !each.ladder.is_empty();
+    let names: Vec<&str> = registry::TRACERS.iter().filter(sampled).map(registry::Registration::name).collect();
+    assert_eq!(names, ["voxel-abuffer", "voxel-octree"]);
+    for name in names {
+        let request = TracerRequest::of(registry::find(name).unwrap(), Preset::Published);
+        let ladder = request.registration.ladder;
+        let run = execute(&in_the_room(&request, &["ao", "random"]), &request, ladder, &context).unwrap();
+        let found = run.explanation.unwrap();
+        assert!(found.judged && found.left_open().is_empty(), "{name}");
+        let of_rungs: Vec<&str> = ladder.iter().map(|remedy| remedy.cause).collect();
+        for (set, trace) in found.scenes[0].sets.iter().zip(&run.runs.last().unwrap().traces) {
+            let causes = trace.judgement.causes();
+            let of_row = causes.get("tight").or_else(|| causes.get("occlusion")).unwrap();
+            assert_eq!(of_row.values().sum::<u64>(), set.left(), "{name}, {}", set.rays);
+            assert_eq!(of_row.get(UNEXPLAINED).copied().unwrap_or(0), set.unexplained, "{name}, {}", set.rays);
+            let (mut explained, mut by_judge) = (0, 0);
+            for cause in found.causes() {
+                explained += set.of_cause(cause);
+                if !of_rungs.contains(&cause) {
+                    by_judge += set.of_cause(cause);
+                    let most = of_row.get(cause).copied().unwrap_or(0);
+                    assert!(set.of_cause(cause) <= most, "{name}, {}: {cause}", set.rays);
+                }
+            }
+            assert_eq!(explained, set.wrong_by_rung[0], "{name}, {}", set.rays);
+            assert!(by_judge > 0 && by_judge < explained, "{name}, {}: {by_judge} of {explained}", set.rays);
+        }
+        // Where more than the share is unexplained, or any at all of a method that does not sample, it is told of which set.
+        let opened = |judged, unexplained| {
+            let mut found = ExplanationRecord { judged, ..found.clone() };
+            found.scenes[0].sets.iter_mut().for_each(|set| set.unexplained = 0);
+            found.scenes[0].sets[0].unexplained = unexplained;
+            found.left_open().into_iter().map(|(scene, set)| (scene.to_owned(), set.rays.clone())).collect::<Vec<_>>()
+        };
+        let (first, share) = (vec![("room".to_owned(), "ao".to_owned())], found.scenes[0].sets[0].count / 50);
+        assert_eq!((opened(true, share), opened(true, share + 1)), (Vec::new(), first.clone()));
+        assert_eq!((opened(false, 0), opened(false, 1)), (Vec::new(), first));
+    }
 }
