@@ -145,11 +145,7 @@ fn measured(run: &Run, case: &CaseRecord, of: &CaseTracer, strength: f64) -> Mea
 }
 
 fn unexplained(judgement: &Judgement, rays: u64) -> f64 {
-    let causes = match judgement {
-        Judgement::Closest(closest) => &closest.causes,
-        Judgement::Any(any) => &any.causes,
-    };
-    let most = causes.values().filter_map(|of_rule| of_rule.get(UNEXPLAINED)).max();
+    let most = judgement.causes().values().filter_map(|of_rule| of_rule.get(UNEXPLAINED)).max();
     most.map_or(0.0, |most| *most as f64 / rays as f64)
 }
 

@@ -18,8 +18,8 @@ use crate::results::{CaseRecord, CaseTracer, CasesRecord, KnobRecord, NoAnswer, 
 use crate::truth::Truth;
 
 pub use matrix::{CaseMatrix, Cell, Measured, Stability};
+pub use verdict::Verdict;
 pub(crate) use verdict::percent;
-pub use verdict::{MOST_UNEXPLAINED, Verdict};
 
 /// A tracer with what is expected of it.
 pub struct Candidate {

@@ -1,7 +1,7 @@
 //! From what was measured to a verdict.
 
 use super::{Cell, Measured};
-use crate::results::{CaseRecord, ExpectationRecord, Rule, Surprise};
+use crate::results::{CaseRecord, ExpectationRecord, MOST_UNEXPLAINED, Rule, Surprise};
 
 /// What came of a tracer on a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,9 +28,6 @@ impl Verdict {
         matches!(self, Self::UnexpectedFailure | Self::UnexpectedSuccess)
     }
 }
-
-/// The share of rays whose wrong answers may have no cause before a cell says so.
-pub const MOST_UNEXPLAINED: f64 = 0.02;
 
 /// A share in percent, as short as it can be without saying 0 or 100 of what is neither.
 pub(crate) fn percent(share: f64) -> String {
