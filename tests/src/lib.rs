@@ -1,5 +1,6 @@
 //! What the tests across crates share: the device, tiny scenes, seeded numbers.
 
+mod asked;
 mod fake;
 
 use std::cell::OnceCell;
@@ -13,6 +14,7 @@ use tracebench_api::{
     Viewpoint, wgpu,
 };
 
+pub use asked::{answers, counted, gpu_that_binds, parameters, total};
 pub use fake::{Fake, Manner};
 
 /// A device for the calling test. Tests run side by side and a device's clock serves one sample at a time, so each

@@ -7,10 +7,10 @@ use tracebench_api::{
     EndPoint, Gpu, Hit, HitBuffer, PhaseClock, PhaseSample, Query, Ray, RayBuffer, Residency, Structure, Surface,
     SurfaceStatus, TraceJob,
 };
-use tracebench_tests::{Numbers, gpu, ray, soup};
+use tracebench_tests::{Numbers, gpu, gpu_that_binds, ray, soup};
 
 use super::structure::DirtStructure;
-use super::tests::{built, hostile, of_limit, parameters, viewpoint};
+use super::tests::{built, hostile, parameters, viewpoint};
 
 /// Rays from the eye and from all over the triangles.
 fn rays() -> Vec<Ray> {
@@ -152,7 +152,7 @@ fn memory_of_a_trace_is_that_of_table_3() {
 #[test]
 fn heads_too_large_are_refused() {
     let view = viewpoint();
-    let small = of_limit(u64::from(view.face * view.face) * 4 - 4);
+    let small = gpu_that_binds(u64::from(view.face * view.face) * 4 - 4);
     let geometry = soup(&hostile()[..3], Some(&small));
     let structure = built(&small, &geometry, &[("tile_size", "8"), ("buckets", "1")]);
     let some = rays()[..100].to_vec();

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::wgpu::BufferUsages;
 use tracebench_api::{
-    AdapterChoice, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer,
-    Residency, Structure, TraceJob, TracerError, Update, Viewpoint,
+    AdapterChoice, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Query, Ray, RayBuffer, Residency,
+    Structure, TraceJob, TracerError, Update, Viewpoint,
 };
 use tracebench_kit::Reads;
-use tracebench_tests::{Numbers, gpu, ray, soup};
+use tracebench_tests::{Numbers, answers, gpu, gpu_that_binds, ray, soup};
 
 use super::build::NODE_BYTES;
 use super::description;
@@ -30,12 +30,7 @@ pub(crate) fn viewpoint() -> Viewpoint {
 }
 
 pub(crate) fn parameters(settings: &[(&str, &str)]) -> Parameters {
-    let descriptions = description().parameters;
-    let mut parameters = Parameters::preset(&descriptions, Preset::Published);
-    for (name, value) in settings {
-        parameters.set(&descriptions, name, value).unwrap();
-    }
-    parameters
+    tracebench_tests::parameters(&description().parameters, settings)
 }
 
 pub(crate) fn built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> DirtStructure {
@@ -117,13 +112,6 @@ fn node_bytes(structure: &DirtStructure) -> u64 {
     u64::from(structure.buffers.node_capacity) * NODE_BYTES
 }
 
-/// A device that binds no more bytes at once.
-pub(crate) fn of_limit(bytes: u64) -> Arc<Gpu> {
-    let mut gpu = Gpu::open(&AdapterChoice::default()).unwrap();
-    gpu.limits.max_storage_buffer_binding_size = bytes;
-    Arc::new(gpu)
-}
-
 /// Nodes in several buffers, and depth bounds and heads that are bound by view, are stored and searched like those in one;
 /// too many nodes even for that are an error that says what to turn down.
 #[test]
@@ -141,7 +129,7 @@ fn what_a_binding_does_not_hold_is_split() {
     assert!(hits.iter().filter(|hit| hit.is_hit()).count() > 100);
     let [heads, _] = layout.heads_bytes();
     for (limit, by_view) in [((bytes / 3).max(heads), false), ((bytes / 7).max(layout.heads_part_bytes()), true)] {
-        let small = of_limit(limit / 8 * 8);
+        let small = gpu_that_binds(limit / 8 * 8);
         let geometry = soup(&hostile(), Some(&small));
         let split = built(&small, &geometry, &settings);
         assert!(split.buffers.is_split() && split.buffers.by_view == by_view, "{limit} of {bytes}, {heads}");
@@ -153,7 +141,7 @@ fn what_a_binding_does_not_hold_is_split() {
         assert!(copied.buffers.is_split() && copied.reads() == Reads::Texture);
         assert_eq!(hits, answer(&small, &copied, &rays));
     }
-    let tiny = of_limit(layout.heads_part_bytes());
+    let tiny = gpu_that_binds(layout.heads_part_bytes());
     let tracer = Dirt::new(Arc::clone(&tiny)).unwrap();
     let geometry = soup(&hostile().repeat(2), Some(&tiny));
     let refused =
@@ -304,15 +292,7 @@ pub(crate) fn answer_by(
     rays: &[Ray],
     settings: &[(&str, &str)],
 ) -> Vec<Hit> {
-    let rays = RayBuffer::new(Arc::new(rays.to_vec()), Query::Closest, Some(gpu));
-    let mut hits = HitBuffer::new(rays.host.len(), Residency::Device, Some(gpu)).unwrap();
-    hits.poison(Some(gpu)).unwrap();
-    let mut clock = PhaseClock::new(Some(gpu));
-    let parameters = parameters(settings);
-    let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters: &parameters };
-    structure.trace(job, &mut hits, &mut clock).unwrap();
-    clock.finish().unwrap();
-    hits.read(Some(gpu)).unwrap()
+    answers(gpu, structure, rays, Query::Closest, &parameters(settings), EndPoint::Hit).0
 }
 
 /// Nodes of another triangle, lists that end early, lead nowhere or in circles, and depth bounds or mipmaps that are off

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    AdapterChoice, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer,
-    Residency, Structure, Surface, TraceJob, TracerError, Update, Viewpoint,
+    EndPoint, Geometry, Gpu, Hit, Parameters, PhaseClock, Query, Ray, Structure, Surface, TracerError, Update,
+    Viewpoint,
 };
-use tracebench_tests::{Numbers, gpu, ray, rectangle as rectangle_of, soup};
+use tracebench_tests::{Numbers, answers, gpu, gpu_that_binds, ray, rectangle as rectangle_of, soup};
 
 use super::description;
 use super::structure::{FragmentAbuffer, FragmentStructure};
@@ -30,12 +30,7 @@ pub(crate) fn viewpoint() -> Viewpoint {
 }
 
 pub(crate) fn parameters(settings: &[(&str, &str)]) -> Parameters {
-    let descriptions = description().parameters;
-    let mut parameters = Parameters::preset(&descriptions, Preset::Published);
-    for (name, value) in settings {
-        parameters.set(&descriptions, name, value).unwrap();
-    }
-    parameters
+    tracebench_tests::parameters(&description().parameters, settings)
 }
 
 pub(crate) fn built_by(
@@ -62,16 +57,7 @@ pub(crate) fn answer(
     settings: &[(&str, &str)],
     end: EndPoint,
 ) -> (Vec<Hit>, Vec<Surface>) {
-    let rays = RayBuffer::new(Arc::new(rays.to_vec()), Query::Closest, Some(gpu));
-    let count = rays.host.len();
-    let mut hits = HitBuffer::for_end(end, count, Residency::Device, Some(gpu)).unwrap();
-    hits.poison(Some(gpu)).unwrap();
-    let parameters = parameters(settings);
-    let mut clock = PhaseClock::new(Some(gpu));
-    structure.trace(TraceJob { rays: &rays, end, parameters: &parameters }, &mut hits, &mut clock).unwrap();
-    clock.finish().unwrap();
-    let surfaces = if end == EndPoint::Surface { hits.read_surfaces(Some(gpu)).unwrap() } else { Vec::new() };
-    (hits.read(Some(gpu)).unwrap(), surfaces)
+    answers(gpu, structure, rays, Query::Closest, &parameters(settings), end)
 }
 
 /// Random triangles of many sizes, huge ones, needles, some through and behind the eye, edge-on, without area, before near,
@@ -158,7 +144,7 @@ fn what_is_stored_is_what_a_rasterizer_draws() {
 /// every march and several thicknesses.
 #[test]
 fn every_variant_gives_the_same_bits() {
-    let (gpu, small) = (gpu(), of_limit(600_000));
+    let (gpu, small) = (gpu(), gpu_that_binds(600_000));
     let rays = rays(1500);
     let geometries = [&gpu, &small].map(|gpu| soup(&hostile(), Some(gpu)));
     let tracers = [&gpu, &small].map(|gpu| FragmentAbuffer::new(Arc::clone(gpu)).unwrap());
@@ -214,17 +200,10 @@ fn every_variant_gives_the_same_bits() {
     assert!(hits_seen > 10_000, "{hits_seen}");
 }
 
-/// A device that binds no more bytes at once.
-fn of_limit(bytes: u64) -> Arc<Gpu> {
-    let mut gpu = Gpu::open(&AdapterChoice::default()).unwrap();
-    gpu.limits.max_storage_buffer_binding_size = bytes;
-    Arc::new(gpu)
-}
-
 /// What not even a buffer a view holds is an error that says what to turn down.
 #[test]
 fn too_much_is_refused() {
-    let gpu = of_limit(4096);
+    let gpu = gpu_that_binds(4096);
     let geometry = soup(&hostile()[..4], Some(&gpu));
     let tracer = FragmentAbuffer::new(Arc::clone(&gpu)).unwrap();
     let mut clock = PhaseClock::new(Some(&gpu));

@@ -22,7 +22,7 @@ fn every_variant_gives_the_same_bits() {
     let lists = built(&gpu, &geometry, &shape).buffers.lists.unwrap();
     let most = lists.nodes.capacities.into_iter().max().unwrap();
     // Just the nodes of an axis, and half of its data; and all heads.
-    let small = of_limit((u64::from(most) * 8).max(lists.heads.size()));
+    let small = gpu_that_binds((u64::from(most) * 8).max(lists.heads.size()));
     let of_small = soup(&hostile(), Some(&small));
     let rays = rays(1500);
     type Answers = [(Vec<Hit>, Vec<Surface>); 2];

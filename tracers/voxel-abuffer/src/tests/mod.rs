@@ -8,10 +8,10 @@ use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    AdapterChoice, Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray,
-    RayBuffer, Residency, Structure, Surface, TraceJob, TracerError, Viewpoint,
+    Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Query, Ray, RayBuffer, Residency,
+    Structure, Surface, TraceJob, TracerError, Viewpoint,
 };
-use tracebench_tests::{Numbers, gpu, ray, rectangle as rectangle_of, soup};
+use tracebench_tests::{Numbers, answers, gpu, gpu_that_binds, ray, rectangle as rectangle_of, soup, total};
 
 use super::description;
 use super::structure::{VoxelAbuffer, VoxelStructure};
@@ -31,12 +31,7 @@ fn viewpoint() -> Viewpoint {
 }
 
 fn parameters(settings: &[(&str, &str)]) -> Parameters {
-    let descriptions = description().parameters;
-    let mut parameters = Parameters::preset(&descriptions, Preset::Published);
-    for (name, value) in settings {
-        parameters.set(&descriptions, name, value).unwrap();
-    }
-    parameters
+    tracebench_tests::parameters(&description().parameters, settings)
 }
 
 fn try_built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> Result<VoxelStructure, TracerError> {
@@ -60,15 +55,7 @@ fn answer(
     settings: &[(&str, &str)],
     end: EndPoint,
 ) -> (Vec<Hit>, Vec<Surface>) {
-    let rays = RayBuffer::new(Arc::new(rays.to_vec()), query, Some(gpu));
-    let mut hits = HitBuffer::for_end(end, rays.host.len(), Residency::Device, Some(gpu)).unwrap();
-    hits.poison(Some(gpu)).unwrap();
-    let parameters = parameters(settings);
-    let mut clock = PhaseClock::new(Some(gpu));
-    structure.trace(TraceJob { rays: &rays, end, parameters: &parameters }, &mut hits, &mut clock).unwrap();
-    clock.finish().unwrap();
-    let surfaces = if end == EndPoint::Surface { hits.read_surfaces(Some(gpu)).unwrap() } else { Vec::new() };
-    (hits.read(Some(gpu)).unwrap(), surfaces)
+    answers(gpu, structure, rays, query, &parameters(settings), end)
 }
 
 fn closest(gpu: &Arc<Gpu>, structure: &VoxelStructure, rays: &[Ray], settings: &[(&str, &str)]) -> Vec<Hit> {
@@ -83,12 +70,9 @@ fn counted(
     query: Query,
     settings: &[(&str, &str)],
 ) -> (Vec<Hit>, Vec<Counter>) {
-    let rays = RayBuffer::new(Arc::new(rays.to_vec()), query, Some(gpu));
-    let mut hits = HitBuffer::for_end(EndPoint::Hit, rays.host.len(), Residency::Device, Some(gpu)).unwrap();
-    hits.poison(Some(gpu)).unwrap();
-    let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters: &parameters(settings) };
-    let counters = structure.trace_counted(job, &mut hits).unwrap();
-    (hits.read(Some(gpu)).unwrap(), counters)
+    let (hits, _, counters) =
+        tracebench_tests::counted(gpu, structure, rays, query, &parameters(settings), EndPoint::Hit);
+    (hits, counters)
 }
 
 /// Random triangles of many sizes, needles, triangles along the axes' planes, without area, and copies.
@@ -142,15 +126,4 @@ fn rays(count: usize) -> Vec<Ray> {
         _ => Ray { t_min: 0.5, t_max: 4.0, ..ray(numbers.point() * 5.0, numbers.direction()) },
     };
     (0..count).map(|index| any(index, &mut numbers)).collect()
-}
-
-/// A device that binds no more bytes at once.
-fn of_limit(bytes: u64) -> Arc<Gpu> {
-    let mut gpu = Gpu::open(&AdapterChoice::default()).unwrap();
-    gpu.limits.max_storage_buffer_binding_size = bytes;
-    Arc::new(gpu)
-}
-
-fn total(counters: &[Counter], name: &str) -> u64 {
-    counters.iter().find(|counter| counter.name == name).unwrap_or_else(|| panic!("{name} is not counted")).total
 }

@@ -95,7 +95,7 @@ fn a_structure_that_overflows_grows() {
 /// What the device cannot bind or draw is an error that says what to turn down: images, the grid, and nodes even one axis at a time.
 #[test]
 fn too_much_is_refused() {
-    let gpu = of_limit(1 << 19);
+    let gpu = gpu_that_binds(1 << 19);
     let geometry = soup(&[hostile(), hostile(), hostile()].concat(), Some(&gpu));
     for (settings, remedy) in [
         (&[("abuffer", "16384")][..], "voxel-abuffer.abuffer"),
@@ -149,7 +149,7 @@ fn an_axis_of_few_fragments_needs_no_second_half() {
     let geometry = soup(&plates, Some(&gpu));
     let capacities = built(&gpu, &geometry, &[]).buffers.lists.unwrap().nodes.capacities;
     assert!(capacities[0] * 2 < capacities[2] && capacities[1] * 2 < capacities[2], "{capacities:?}");
-    let small = of_limit(u64::from(capacities[2]) * 8);
+    let small = gpu_that_binds(u64::from(capacities[2]) * 8);
     let of_small = soup(&plates, Some(&small));
     let rays = rays(300);
     let structure = built(&small, &of_small, &[]);

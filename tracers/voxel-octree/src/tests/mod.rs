@@ -10,10 +10,10 @@ use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    AdapterChoice, Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray,
-    RayBuffer, Residency, Structure, Surface, TraceJob, TracerError, Viewpoint,
+    Counter, EndPoint, Geometry, Gpu, Hit, Parameters, PhaseClock, Preset, Query, Ray, Structure, Surface, TracerError,
+    Viewpoint,
 };
-use tracebench_tests::{Numbers, gpu, ray, rectangle, soup};
+use tracebench_tests::{Numbers, answers, counted, gpu, gpu_that_binds, ray, rectangle, soup, total};
 
 use super::description;
 use super::structure::{OctreeStructure, VoxelOctree};
@@ -24,12 +24,7 @@ fn viewpoint() -> Viewpoint {
 }
 
 fn parameters(settings: &[(&str, &str)]) -> Parameters {
-    let descriptions = description().parameters;
-    let mut parameters = Parameters::preset(&descriptions, Preset::Published);
-    for (name, value) in settings {
-        parameters.set(&descriptions, name, value).unwrap();
-    }
-    parameters
+    tracebench_tests::parameters(&description().parameters, settings)
 }
 
 fn try_built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> Result<OctreeStructure, TracerError> {
@@ -53,22 +48,12 @@ fn answer(
     end: EndPoint,
     counts: bool,
 ) -> (Vec<Hit>, Vec<Surface>, Vec<Counter>) {
-    let gpu = Some(&*structure.kernels.gpu);
-    let rays = RayBuffer::new(Arc::new(rays.to_vec()), query, gpu);
-    let mut hits = HitBuffer::for_end(end, rays.host.len(), Residency::Device, gpu).unwrap();
-    hits.poison(gpu).unwrap();
-    let job = TraceJob { rays: &rays, end, parameters: &parameters(settings) };
-    let counters = match counts {
-        true => structure.trace_counted(job, &mut hits).unwrap(),
-        false => {
-            let mut clock = PhaseClock::new(gpu);
-            structure.trace(job, &mut hits, &mut clock).unwrap();
-            clock.finish().unwrap();
-            Vec::new()
-        }
-    };
-    let surfaces = if end == EndPoint::Surface { hits.read_surfaces(gpu).unwrap() } else { Vec::new() };
-    (hits.read(gpu).unwrap(), surfaces, counters)
+    let (gpu, parameters) = (&structure.kernels.gpu, parameters(settings));
+    if counts {
+        return counted(gpu, structure, rays, query, &parameters, end);
+    }
+    let (hits, surfaces) = answers(gpu, structure, rays, query, &parameters, end);
+    (hits, surfaces, Vec::new())
 }
 
 fn closest(structure: &OctreeStructure, rays: &[Ray], settings: &[(&str, &str)]) -> Vec<Hit> {
@@ -101,15 +86,4 @@ fn hostile() -> Vec<[[f32; 3]; 3]> {
 /// A wall across the scene at a height.
 fn wall(z: f64) -> [[[f32; 3]; 3]; 2] {
     rectangle([-1.0, -1.0, z as f32], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0])
-}
-
-/// A device that binds no more bytes at once.
-fn of_limit(bytes: u64) -> Arc<Gpu> {
-    let mut gpu = Gpu::open(&AdapterChoice::default()).unwrap();
-    gpu.limits.max_storage_buffer_binding_size = bytes;
-    Arc::new(gpu)
-}
-
-fn total(counters: &[Counter], name: &str) -> u64 {
-    counters.iter().find(|counter| counter.name == name).unwrap_or_else(|| panic!("{name} is not counted")).total
 }

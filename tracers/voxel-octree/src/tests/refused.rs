@@ -17,7 +17,7 @@ fn bad_input_says_what_to_do() {
     let error = set.set(&description().parameters, "levels", "11").unwrap_err().to_string();
     assert!(error.contains("levels") && error.contains("10"), "{error}");
     // A wall of a million voxels on a device that binds a hundred thousand words.
-    let small = of_limit(400_000);
+    let small = gpu_that_binds(400_000);
     refused(&small, &wall(0.0), &[("levels", "10")], &["keys of fragments", "voxel-octree.levels"]);
     refused(&small, &vec![wall(0.0)[0]; 3000], &[("levels", "7")], &["fragments of rows", "voxel-octree.levels"]);
     assert!(try_built(&small, &soup(&wall(0.0), Some(&small)), &[("levels", "6")]).is_ok());
