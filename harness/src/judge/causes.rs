@@ -7,6 +7,7 @@ use tracebench_api::{Hit, Layers, LineOfSight, Projected, Projection, Sampling, 
 
 use super::voxels::Voxels;
 use super::{Class, Judge, Rule};
+use crate::results::UNEXPLAINED;
 use crate::truth::{Ray64, TrueHit, tight_tolerance};
 
 /// Pixels of a view within which two points count as the same sample of it.
@@ -46,8 +47,6 @@ pub const SLIPPED_THROUGH: &str = "slipped_through";
 pub const STEP_CAP: &str = "step_cap";
 /// The tracer passed behind a surface by more than its thickness.
 pub const THICKNESS_REJECTED: &str = "thickness_rejected";
-/// None of these.
-pub const UNEXPLAINED: &str = "unexplained";
 
 impl Judge<'_> {
     /// The cause of a wrong answer; `voxels`: what explains those through voxels.

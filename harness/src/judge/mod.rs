@@ -13,7 +13,6 @@ use glam::DVec3;
 use rayon::prelude::*;
 use tracebench_api::{Hit, NO_PRIMITIVE, Query, Ray, Sampling, Status, Surface, VoxelGrid};
 
-pub use causes::UNEXPLAINED;
 pub use distances::{COMMON_TEXELS, MOST_PIECES};
 pub use scores::CURVE_TOLERANCES;
 pub use surfaces::NORMAL_TOLERANCE_DEGREES;

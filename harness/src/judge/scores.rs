@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use tracebench_api::Hit;
 
 use super::{Class, Judge, Rule, count_causes};
-use crate::results::{AnyJudgement, ByRule, Classes, ClosestJudgement, Headline, Occlusion, Percentiles};
+use crate::results::{AnyJudgement, ByRule, Classes, ClosestJudgement, Headline, OCCLUSION, Occlusion, Percentiles};
 use crate::statistics::{percentile, wilson};
 use crate::truth::{Ray64, RayFrame, TrueHit, intersect};
 
@@ -59,7 +59,7 @@ impl Judge<'_> {
             occlusion: occlusion(&classes),
             ties,
             many_ties,
-            causes: [("occlusion".to_owned(), count_causes(&wrong))].into_iter().collect(),
+            causes: [(OCCLUSION.to_owned(), count_causes(&wrong))].into_iter().collect(),
             wrong_rays: self.wrong_rays(&wrong, hits),
         }
     }

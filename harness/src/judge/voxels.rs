@@ -5,9 +5,10 @@
 use glam::DVec3;
 use tracebench_api::{Hit, VoxelGrid};
 
-use super::causes::{BETWEEN_SAMPLES, NEAR_START, SELF_HIT, UNEXPLAINED};
+use super::causes::{BETWEEN_SAMPLES, NEAR_START, SELF_HIT};
 use super::sides::{Sides, is_occupied, span_in};
 use super::{Class, Judge};
+use crate::results::UNEXPLAINED;
 use crate::truth::{Ray64, TrueHit};
 
 /// Inside and outside contradict each other: a ray's side changes where it goes through no surface, or does not where it goes

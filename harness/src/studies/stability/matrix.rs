@@ -1,9 +1,9 @@
 //! What follows from the rows of cases: what every tracer got wrong at every strength, and a verdict on it.
 
 use super::{Verdict, verdict};
-use crate::judge::UNEXPLAINED;
 use crate::results::{
-    AnyJudgement, CaseRecord, CaseTracer, ExpectationRecord, Judgement, Occlusion, Provenance, Run, Skipped, Wrong,
+    AnyJudgement, CaseRecord, CaseTracer, ExpectationRecord, Judgement, Occlusion, Provenance, Run, Skipped,
+    UNEXPLAINED, Wrong,
 };
 
 /// A run of cases.
