@@ -197,7 +197,7 @@ fn unknown_adapters() {
     let out = bench.text("out");
     let arguments = [&SMOKE[..], &["--adapter", "Voodoo 2", "--out", &out]].concat();
     bench.fails(&arguments, 1, &["Voodoo 2", "there are"]);
-    let run = [&SMOKE[..], &["--rays", "primary", "--out", &out]].concat();
+    let run = [&SMOKE[..], &["--tracer", "screen-dda", "--rays", "primary", "--out", &out]].concat();
     for (variable, value, parts) in [
         ("WGPU_ADAPTER_NAME", "Voodoo 2", ["Voodoo 2", "there are"]),
         ("WGPU_BACKEND", "glide", ["WGPU_BACKEND=glide", "vulkan"]),
@@ -212,7 +212,8 @@ fn unknown_adapters() {
             assert!(parts.iter().all(|part| outcome.stderr.contains(part)), "{outcome:?}");
         }
         assert!(!bench.path("out").exists());
-        let mut host = bench.command(&[&run[..], &["--tracer", "bvh-cpu"]].concat());
+        let host = [&SMOKE[..], &["--tracer", "bvh-cpu", "--rays", "primary", "--out", &out]].concat();
+        let mut host = bench.command(&host);
         assert_eq!(Bench::finish(host.env(variable, value)).status, 0);
         std::fs::remove_dir_all(bench.path("out")).unwrap();
         assert_eq!(Bench::finish(bench.command(&run).env(variable, "")).status, 0);
@@ -310,7 +311,7 @@ fn without_ray_queries() {
 fn one_refusal_costs_one_row() {
     let bench = Bench::new();
     let refused = "voxel-abuffer abuffer=16384";
-    let tracers = "bvh-cpu,voxel-abuffer@abuffer=16384,voxel-abuffer";
+    let tracers = "bvh-cpu,voxel-abuffer@abuffer=16384,screen-dda";
     let run = |tracers: &str, out: &str| {
         bench.call(&[&SMOKE[..], &["--rays", "primary", "--tracer", tracers, "--out", &bench.text(out)]].concat())
     };
@@ -322,7 +323,7 @@ fn one_refusal_costs_one_row() {
     let record: Value = serde_json::from_slice(&std::fs::read(bench.path("some/run.json")).unwrap()).unwrap();
     let names_of: Vec<&str> =
         record["runs"].as_array().unwrap().iter().map(|row| row["tracer"]["name"].as_str().unwrap()).collect();
-    assert_eq!(names_of, ["bvh-cpu", "voxel-abuffer"]);
+    assert_eq!(names_of, ["bvh-cpu", "screen-dda"]);
     let summary = std::fs::read_to_string(bench.path("some/summary.md")).unwrap();
     assert!(summary.contains(&format!("| {refused} | room | all | ")), "{summary}");
     assert!(!bench.path("some/races").exists() && outcome.stdout.contains("bvh-cpu"));
