@@ -1,10 +1,8 @@
 //! One body for every tracer in the registry: what the contract promises, over tiny hostile scenes.
 
-mod hostile;
-
 use std::sync::Arc;
 
-use hostile::{Subject, scenes, subjects};
+use crate::hostile::{Subject, scenes, subjects};
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
     Counter, EndPoint, Geometry, Hit, HitBuffer, ParameterDescription, ParameterScope, Parameters, PhaseClock, Preset,

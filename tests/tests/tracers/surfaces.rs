@@ -1,8 +1,6 @@
 //! What tracers leave at the end point `surface`: one body for every tracer in the registry, over tiny hostile scenes.
 
-mod hostile;
-
-use hostile::{Subject, scenes, subjects};
+use crate::hostile::{Subject, scenes, subjects};
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
     EndPoint, Geometry, Hit, HitBuffer, Projection, Query, Ray, RayBuffer, Structure, Surface, SurfaceStatus,

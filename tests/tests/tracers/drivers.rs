@@ -1,12 +1,10 @@
 //! Whether drivers answer alike: hits of every tracer over the same scenes, left in a folder by one process a driver and held against
 //! what others left there.
 
-mod hostile;
-
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use hostile::{Subject, scenes, subjects};
+use crate::hostile::{Subject, scenes, subjects};
 use tracebench_api::{Hit, NO_PRIMITIVE, Query};
 use tracebench_tests::gpu;
 

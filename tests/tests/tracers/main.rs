@@ -1,0 +1,11 @@
+//! Every tracer in the registry through one body each: what the contract promises, what structures hold, and what drivers and
+//! means may not change. One program, so that cores are busy while one of them waits for a long test.
+
+mod conformance;
+mod device_memory;
+mod drivers;
+mod hostile;
+mod means;
+mod shared_structures;
+mod surfaces;
+mod updates;
