@@ -142,62 +142,74 @@ fn what_is_stored_is_what_a_rasterizer_draws() {
 /// All storages, with data in nodes or beside them, with or without each kind of skipping, with bounds by geometry or by boxes, over one
 /// buffer of a kind or one a view, or textures of either, with a ray a lane or several, give the same bits: hits and surfaces, for
 /// every march and several thicknesses.
-#[test]
-fn every_variant_gives_the_same_bits() {
+fn every_variant_of(march: &str) {
     let (gpu, small) = (gpu(), gpu_that_binds(600_000));
     let rays = rays(1500);
     let geometries = [&gpu, &small].map(|gpu| soup(&hostile(), Some(gpu)));
     let tracers = [&gpu, &small].map(|gpu| FragmentAbuffer::new(Arc::clone(gpu)).unwrap());
     let mut hits_seen = 0;
-    for march in ["steps", "pixels", "hi-z"] {
-        let mut expected: Vec<Option<(Vec<Hit>, Vec<Surface>)>> = vec![None; 3];
-        for storage in STORAGES {
-            let mut builds = vec![(0, "on", "geometry", "buffer", "1"), (0, "off", "boxes", "texture", "7")];
-            // A device that binds little has a buffer a view, which one texture may hold together.
-            let reads = if march == "pixels" { "texture" } else { "buffer" };
-            builds.push((1, "on", "geometry", reads, "3"));
-            for (device, decoupled, bounds, reads, rays_per_lane) in builds {
-                let gpu = [&gpu, &small][device];
-                let shape = [
-                    ("storage", storage),
-                    ("decoupled", decoupled),
-                    ("bounds", bounds),
-                    ("march", march),
-                    ("reads", reads),
-                    ("rays_per_lane", rays_per_lane),
-                ];
-                let structure = built_by(&tracers[device], gpu, &geometries[device], &shape);
-                assert_eq!(structure.parts.is_by_view(), device == 1, "{shape:?}");
-                structure.check(&geometries[device]).unwrap();
-                // Of bounds, buckets and lists none, one or two are not skipped.
-                let searches = [
-                    ("0", ["on on on", "off on on"], "16"),
-                    ("0.02", ["off off off", "on off on"], "0"),
-                    ("2", ["on on off", "off on off"], "1000"),
-                ];
-                for (index, (thickness, skipping, above)) in searches.into_iter().enumerate() {
-                    let unit = if index == 2 { "pixels" } else { "diagonals" };
-                    for switches in skipping {
-                        let mut settings = shape.to_vec();
-                        settings.extend([("thickness", thickness), ("thickness_in", unit)]);
-                        settings.extend(SKIPS.into_iter().zip(switches.split(' ')));
-                        settings.push(("binary_search_above", above));
-                        let found = answer(gpu, &structure, &rays, &settings, EndPoint::Surface);
-                        let to_hits = answer(gpu, &structure, &rays, &settings, EndPoint::Hit).0;
-                        assert_eq!(to_hits, found.0, "{settings:?}");
-                        let expected = expected[index].get_or_insert_with(|| found.clone());
-                        let off = found.0.iter().zip(&expected.0).filter(|(a, b)| a != b).count();
-                        assert_eq!(off, 0, "{settings:?}");
-                        assert!(found.1 == expected.1, "{settings:?}");
-                        hits_seen += found.0.iter().filter(|hit| hit.is_hit()).count();
-                    }
+    let mut expected: Vec<Option<(Vec<Hit>, Vec<Surface>)>> = vec![None; 3];
+    for storage in STORAGES {
+        let mut builds = vec![(0, "on", "geometry", "buffer", "1"), (0, "off", "boxes", "texture", "7")];
+        // A device that binds little has a buffer a view, which one texture may hold together.
+        let reads = if march == "pixels" { "texture" } else { "buffer" };
+        builds.push((1, "on", "geometry", reads, "3"));
+        for (device, decoupled, bounds, reads, rays_per_lane) in builds {
+            let gpu = [&gpu, &small][device];
+            let shape = [
+                ("storage", storage),
+                ("decoupled", decoupled),
+                ("bounds", bounds),
+                ("march", march),
+                ("reads", reads),
+                ("rays_per_lane", rays_per_lane),
+            ];
+            let structure = built_by(&tracers[device], gpu, &geometries[device], &shape);
+            assert_eq!(structure.parts.is_by_view(), device == 1, "{shape:?}");
+            structure.check(&geometries[device]).unwrap();
+            // Of bounds, buckets and lists none, one or two are not skipped.
+            let searches = [
+                ("0", ["on on on", "off on on"], "16"),
+                ("0.02", ["off off off", "on off on"], "0"),
+                ("2", ["on on off", "off on off"], "1000"),
+            ];
+            for (index, (thickness, skipping, above)) in searches.into_iter().enumerate() {
+                let unit = if index == 2 { "pixels" } else { "diagonals" };
+                for switches in skipping {
+                    let mut settings = shape.to_vec();
+                    settings.extend([("thickness", thickness), ("thickness_in", unit)]);
+                    settings.extend(SKIPS.into_iter().zip(switches.split(' ')));
+                    settings.push(("binary_search_above", above));
+                    let found = answer(gpu, &structure, &rays, &settings, EndPoint::Surface);
+                    let to_hits = answer(gpu, &structure, &rays, &settings, EndPoint::Hit).0;
+                    assert_eq!(to_hits, found.0, "{settings:?}");
+                    let expected = expected[index].get_or_insert_with(|| found.clone());
+                    let off = found.0.iter().zip(&expected.0).filter(|(a, b)| a != b).count();
+                    assert_eq!(off, 0, "{settings:?}");
+                    assert!(found.1 == expected.1, "{settings:?}");
+                    hits_seen += found.0.iter().filter(|hit| hit.is_hit()).count();
                 }
             }
         }
-        // Negative control: another thickness does give others.
-        assert_ne!(expected[0], expected[1]);
     }
-    assert!(hits_seen > 10_000, "{hits_seen}");
+    // Negative control: another thickness does give others.
+    assert_ne!(expected[0], expected[1]);
+    assert!(hits_seen > 3_000, "{hits_seen}");
+}
+
+#[test]
+fn every_variant_gives_the_same_bits_in_steps() {
+    every_variant_of("steps");
+}
+
+#[test]
+fn every_variant_gives_the_same_bits_by_pixels() {
+    every_variant_of("pixels");
+}
+
+#[test]
+fn every_variant_gives_the_same_bits_by_hi_z() {
+    every_variant_of("hi-z");
 }
 
 /// What not even a buffer a view holds is an error that says what to turn down.

@@ -65,7 +65,7 @@ impl Buffers {
     /// # Errors
     /// [`TracerError::TooLarge`] beyond the device's limits.
     pub(crate) fn new(gpu: &Gpu, layout: &Layout, nodes: [u32; AXES]) -> Result<Self, TracerError> {
-        check_image(gpu, layout)?;
+        check_sizes(gpu, layout)?;
         let cells = storage_buffer(gpu, cells_name(layout), u64::from(layout.cell_words()) * 4, TURN_GRID_DOWN)?;
         let lists = if layout.voxels_only { None } else { Some(Lists::new(gpu, layout, nodes)?) };
         let target = EmptyTarget::new(gpu, TARGET, [layout.image(); 2])?;
@@ -103,20 +103,29 @@ fn cells_name(layout: &Layout) -> &'static str {
     if layout.voxels_only { "occupied voxels" } else { "axes of voxels" }
 }
 
-/// That the device can draw an image of that edge; drivers would say so in words of their own.
-pub(crate) fn check_image(gpu: &Gpu, layout: &Layout) -> Result<(), TracerError> {
+/// That the device can draw an image of that edge, of which drivers would speak in words of their own, and bind what does not hang on the
+/// scene: before nodes are counted, which takes long of what is too large.
+pub(crate) fn check_sizes(gpu: &Gpu, layout: &Layout) -> Result<(), TracerError> {
     let (edge, limit) = (layout.image(), gpu.limits.max_texture_dimension_2d);
-    if edge <= limit {
+    if edge > limit {
+        let (bytes, limit) = (u64::from(edge), u64::from(limit));
+        return Err(TracerError::TooLarge { name: TARGET.to_owned(), bytes, limit, turn_down: TURN_DOWN.to_owned() });
+    }
+    gpu.check_storage_binding(cells_name(layout), u64::from(layout.cell_words()) * 4, TURN_GRID_DOWN)?;
+    if layout.voxels_only {
         return Ok(());
     }
-    let (bytes, limit) = (u64::from(edge), u64::from(limit));
-    Err(TracerError::TooLarge { name: TARGET.to_owned(), bytes, limit, turn_down: TURN_DOWN.to_owned() })
+    gpu.check_storage_binding(HEADS, head_bytes(layout), TURN_DOWN)?;
+    gpu.check_storage_binding(FRAGMENTS, u64::from(layout.voxels()) * 4, TURN_GRID_DOWN)
+}
+
+fn head_bytes(layout: &Layout) -> u64 {
+    u64::from(layout.head_stride()) * 4 * AXES as u64
 }
 
 impl Lists {
     fn new(gpu: &Gpu, layout: &Layout, nodes: [u32; AXES]) -> Result<Self, TracerError> {
-        let head_stride = layout.head_stride();
-        let heads = storage_buffer(gpu, HEADS, u64::from(head_stride) * 4 * AXES as u64, TURN_DOWN)?;
+        let heads = storage_buffer(gpu, HEADS, head_bytes(layout), TURN_DOWN)?;
         let grid = |name: &str| storage_buffer(gpu, name, u64::from(layout.voxels()) * 4, TURN_GRID_DOWN);
         Ok(Self {
             heads,
@@ -124,7 +133,7 @@ impl Lists {
             sums: [grid(&sum_name(0))?, grid(&sum_name(1))?, grid(&sum_name(2))?],
             fragments: grid(FRAGMENTS)?,
             nodes: Nodes::new(gpu, nodes)?,
-            head_stride,
+            head_stride: layout.head_stride(),
         })
     }
 

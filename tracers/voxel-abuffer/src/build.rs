@@ -10,7 +10,7 @@ use tracebench_kit::{
 };
 use tracebench_shaders::voxel_abuffer::{AVERAGE, Fill, Order, Trace, Voxels};
 
-use crate::buffers::{Buffers, Lists, check_image};
+use crate::buffers::{Buffers, Lists, check_sizes};
 use crate::layout::{AXES, AveragedGrid, DrawnAxis, Layout};
 
 /// As `WORKGROUP_SIZE` in the shaders of shaders/voxel-abuffer.
@@ -72,7 +72,7 @@ impl Pipelines {
     /// The number of fragments along every axis; drawn outside of any time.
     pub(crate) fn tally(&self, layout: &Layout, geometry: &Geometry) -> Result<[u32; AXES], TracerError> {
         let gpu = &*self.gpu;
-        check_image(gpu, layout)?;
+        check_sizes(gpu, layout)?;
         let taken = storage_buffer(gpu, "fragments of the axes", 4 * AXES as u64, "nothing")?;
         let target = EmptyTarget::new(gpu, "attachment of a count", [layout.image(); 2])?;
         let pipeline = self.fill_by(Fill::Tally)?;
