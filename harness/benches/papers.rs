@@ -9,7 +9,7 @@ mod common;
 
 use common::Failure;
 use tracebench_api::EndPoint;
-use tracebench_harness::papers::{Experiment, PAPERS, Part, paper};
+use tracebench_harness::papers::{Experiment, PAPERS, Paper, paper};
 use tracebench_harness::plan::{Plan, RunPreset, SceneSource, ViewRequest};
 use tracebench_harness::rays::{RAY_SETS, default_parameters, ray_parameters};
 use tracebench_harness::results::Sampling;
@@ -29,13 +29,14 @@ fn main() -> Result<(), Failure> {
     let named = std::env::args().nth(1).and_then(|name| paper(&name));
     for paper in PAPERS.iter().filter(|paper| named.is_none_or(|named| named.name == paper.name)) {
         for experiment in paper.experiments.iter().filter(|experiment| !experiment.published.is_empty()) {
-            common::run(&experiment.name.replace('-', "_"), |preset| plans(&paper.part, experiment, preset))?;
+            common::run(&experiment.name.replace('-', "_"), |preset| plans(paper, experiment, preset))?;
         }
     }
     Ok(())
 }
 
-fn plans(part: &Part, experiment: &Experiment, preset: RunPreset) -> Result<Vec<Plan>, Failure> {
+fn plans(paper: &Paper, experiment: &Experiment, preset: RunPreset) -> Result<Vec<Plan>, Failure> {
+    let part = &paper.part;
     let known = ray_parameters();
     let mut parameters = default_parameters();
     parameters.set(&known, "pixel_random_count", RAYS_A_PIXEL)?;
@@ -46,6 +47,7 @@ fn plans(part: &Part, experiment: &Experiment, preset: RunPreset) -> Result<Vec<
     }
     let wanted = |name: &str| experiment.rays.split(',').any(|rays| rays == name) && part.rays.contains(&name);
     let half = |edge: u32| edge.div_ceil(2);
+    let preset = paper.resolved(preset);
     let base = Plan {
         scenes: vec![SceneSource::Catalogue(SCENE.to_owned())],
         tracers: Vec::new(),

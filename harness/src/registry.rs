@@ -13,7 +13,9 @@ pub const TRACERS: &[Registration] = &[
     contenders::fragment_abuffer::ROOM,
     contenders::voxel_abuffer::ROOM,
     contenders::voxel_octree::ROOM,
+    contenders::quadtree::ROOM,
     contenders::screen_dda::ROOM,
+    contenders::height_field::ROOM,
 ];
 
 /// Finds a tracer by name.

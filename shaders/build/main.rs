@@ -22,6 +22,10 @@ const LIST: &str = "variants.txt";
 /// text instead: modules import one another by plain names that no two of them share, and none of those has conditions.
 const WITH_RAY_QUERIES: &str = "enable wgpu_ray_query;";
 
+/// What WGSL has that naga counts as an extension: numbers in half precision in words (`pack2x16float`), which every device of WebGPU
+/// has.
+const WGSL: Capabilities = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
+
 fn main() {
     let root = PathBuf::from(std::env::var("CARGO_MANIFEST_DIR").expect("cargo sets CARGO_MANIFEST_DIR"));
     let out = PathBuf::from(std::env::var("OUT_DIR").expect("cargo sets OUT_DIR"));
@@ -106,7 +110,7 @@ fn read_folder(root: &Path, name: String, modules: &mut Vec<Source>) -> Result<F
 }
 
 fn compose(shader: &Source, modules: &[&Source], definitions: &[String]) -> Result<Composed, String> {
-    let mut composer = Composer::default();
+    let mut composer = Composer::default().with_capabilities(WGSL);
     for module in modules {
         let descriptor =
             ComposableModuleDescriptor { source: &module.text, file_path: &module.file, ..Default::default() };
@@ -122,7 +126,7 @@ fn compose(shader: &Source, modules: &[&Source], definitions: &[String]) -> Resu
         Ok(module) => module,
         Err(error) => return Err(error.emit_to_string(&composer)),
     };
-    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+    let mut validator = Validator::new(ValidationFlags::all(), WGSL);
     let info = validator.validate(&module).map_err(|error| error.emit_to_string(&shader.text))?;
     let text = naga::back::wgsl::write_string(&module, &info, naga::back::wgsl::WriterFlags::empty())
         .map_err(|error| error.to_string())?;
@@ -145,7 +149,7 @@ fn join(shader: &Source, modules: &[&Source]) -> Result<Composed, String> {
     }
     joined.push('\n');
     let module = naga::front::wgsl::parse_str(&joined).map_err(|error| error.emit_to_string(&joined))?;
-    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::RAY_QUERY);
+    let mut validator = Validator::new(ValidationFlags::all(), WGSL | Capabilities::RAY_QUERY);
     let info = validator.validate(&module).map_err(|error| error.emit_to_string(&joined))?;
     let needs = needs_of(&module, &info);
     Ok(Composed { text: joined, needs })

@@ -1,7 +1,7 @@
 // The end of DIRT's trace pass (section 4.2.1, "Final Storage"): every hit goes to the list of the pixel that it projects
 // to. The search tells no view, so that it is the same for both end points: the view is the first that has the hit.
 
-#import tracebench::types::{Ray, Hit, Surface, no_surface, STATUS_HIT, SURFACE_LOST, SURFACE_NO_HIT}
+#import tracebench::types::{Ray, Hit, Surface, no_surface, is_hit, SURFACE_LOST, SURFACE_NO_HIT}
 #import tracebench::dispatch::linear_invocation
 #import tracebench::view::{View, to_eye_space, direction_to_eye_space, pixel_position}
 #import tracebench::dirt_hit_buffer::{HitNode, SHADING_BITS}
@@ -35,7 +35,7 @@ fn store(
         return;
     }
     let hit = hits[index];
-    if (hit.status != STATUS_HIT) {
+    if (!is_hit(hit.status)) {
         surfaces[index] = no_surface(SURFACE_NO_HIT);
         return;
     }

@@ -1,6 +1,6 @@
 // Surfaces of hits, each gathered from the scene's vertices by the triangle that its ray hit.
 
-#import tracebench::types::{Ray, Hit, Surface, no_surface, STATUS_HIT, SURFACE_LOST, SURFACE_NO_HIT}
+#import tracebench::types::{Ray, Hit, Surface, no_surface, is_hit, SURFACE_LOST, SURFACE_NO_HIT}
 #import tracebench::dispatch::linear_invocation
 #import tracebench::surface::surface_at
 
@@ -41,7 +41,7 @@ fn gather(
         return;
     }
     let hit = hits[index];
-    if (hit.status != STATUS_HIT) {
+    if (!is_hit(hit.status)) {
         surfaces[index] = no_surface(SURFACE_NO_HIT);
         return;
     }

@@ -26,6 +26,8 @@ const STATUS_MISS: u32 = 2u;
 const STATUS_LEFT_VIEWS: u32 = 3u;
 const STATUS_STEP_CAP: u32 = 4u;
 const STATUS_THICKNESS_REJECTED: u32 = 5u;
+const STATUS_OCCLUDED: u32 = 6u;
+const STATUS_INPAINTED: u32 = 7u;
 
 struct Surface {
     position: vec3<f32>,
@@ -41,6 +43,11 @@ const SURFACE_LOST: u32 = 3u;
 
 fn no_surface(status: u32) -> Surface {
     return Surface(vec3<f32>(0.0), 0u, vec3<f32>(0.0), status);
+}
+
+// Whether a status is that of a hit.
+fn is_hit(status: u32) -> bool {
+    return status == STATUS_HIT || status == STATUS_INPAINTED;
 }
 
 fn miss(status: u32) -> Hit {

@@ -109,7 +109,7 @@ fn another_layout_is_noticed() {
 }
 
 /// Proves that every shader validates on its own: the one that asks the device for hits with ray queries, which it does
-/// not without, and every other without any extension of WGSL.
+/// not without, and every other without any extension of WGSL (numbers in half precision in words are none).
 #[test]
 fn every_shader_validates() {
     for shader in ALL {
@@ -117,9 +117,9 @@ fn every_shader_validates() {
         let validate =
             |capabilities| Validator::new(ValidationFlags::all(), capabilities).validate(&module).map_err(Box::new);
         let with_ray_queries = shader.file == "bvh/ray_query.wgsl";
-        assert!(!with_ray_queries || validate(Capabilities::empty()).is_err(), "{}", shader.name);
-        let capabilities = if with_ray_queries { Capabilities::RAY_QUERY } else { Capabilities::empty() };
-        if let Err(error) = validate(capabilities) {
+        let wgsl = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
+        assert!(!with_ray_queries || validate(wgsl).is_err(), "{}", shader.name);
+        if let Err(error) = validate(if with_ray_queries { wgsl | Capabilities::RAY_QUERY } else { wgsl }) {
             panic!("{}: {}", shader.name, error.emit_to_string(shader.source));
         }
         assert!(!module.entry_points.is_empty(), "{} has no entry point", shader.name);
@@ -150,6 +150,7 @@ fn entry_points_exist() {
             ("shared/prefix_sum.wgsl", _) => compute(&["reduce", "scan"], 256),
             ("shared/radix_sort.wgsl", _) => compute(&["count", "scatter"], 32),
             ("shared/gather.wgsl", _) => compute(&["gather"], 64),
+            ("shared/depth_pyramid.wgsl", _) => compute(&["reduce"], 64),
             ("shared/fixed_work.wgsl", _) => compute(&["work"], 64),
             ("shared/means_probe.wgsl", _) => compute(&["gather", "search"], 64),
             ("dirt/setup.wgsl", _) => compute(&["see", "list"], 64),
@@ -167,6 +168,13 @@ fn entry_points_exist() {
             ("voxel-octree/voxelize.wgsl", _) => compute(&["measure", "count", "emit", "pad"], 64),
             ("voxel-octree/leaves.wgsl", _) => compute(&["mark", "gather", "sum", "finish"], 64),
             ("voxel-octree/levels.wgsl", _) => compute(&["mark", "join"], 64),
+            ("quadtree/thin.wgsl", _) => compute(&["thin"], 64),
+            ("quadtree/surfaces.wgsl", _) => compute(&["surfaces"], 64),
+            ("quadtree/bottom.wgsl", _) => compute(&["bottom"], 64),
+            ("quadtree/merge.wgsl", _) => compute(&["merge"], 64),
+            ("test/quadtree_functions.wgsl", _) => {
+                compute(&["convert", "encode", "merge_children", "tell_levels", "find_slopes", "cross_cells"], 64)
+            }
             ("test/triangle_functions.wgsl", _) => compute(&["cross_pairs"], 64),
             ("test/octree_functions.wgsl", _) => compute(&["pack_normals", "place_voxels"], 64),
             ("test/view_functions.wgsl", _) => compute(&["project"], 64),

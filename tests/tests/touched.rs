@@ -115,6 +115,18 @@ fn one_ray_touches_what_it_visits() {
                 assert!(!found[0].is_hit() || count("leaves_touched") >= 1.0, "{name}");
                 continue;
             }
+            if has("plane_tests") {
+                assert!(count("nodes_touched") <= count("nodes_visited"), "{name}");
+                assert_eq!(count("plane_tests") + count("box_tests"), count("nodes_visited"), "{name}");
+                assert!(!found[0].is_hit() || count("plane_tests") >= 1.0, "{name}");
+                continue;
+            }
+            if has("cells_touched") {
+                assert!(count("cells_touched") <= count("cells_visited"), "{name}");
+                assert!(count("depth_samples") <= count("cells_visited"), "{name}");
+                assert!(!found[0].is_hit() || count("cells_touched") >= 1.0, "{name}");
+                continue;
+            }
             if has("fragments_touched") {
                 let tested = ["fragments_tested", "layers_tested"].into_iter().find(|tested| has(tested)).unwrap();
                 assert!(count("fragments_touched") <= count(tested), "{name}");

@@ -7,6 +7,7 @@ mod frames;
 mod grids;
 mod many;
 mod probe;
+mod screen;
 mod sketch;
 mod small;
 mod surfaces;
@@ -110,6 +111,10 @@ pub const CASES: &[Case] = &[
     many::CROWD,
     grids::THIN_WALLS,
     grids::LONG_SCENE,
+    screen::BEHIND_FOREGROUND,
+    screen::TOWARDS_CAMERA,
+    screen::FOREGROUND_IN_CELL,
+    screen::LONG_RAYS,
 ];
 
 /// Finds a case by name.

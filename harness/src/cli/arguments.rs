@@ -9,6 +9,7 @@ use tracebench_scenes::{SCALE_MAX, SCALE_MIN};
 
 use super::work::OutputArguments;
 use super::{CliError, names};
+use crate::papers;
 use crate::peers::Subject;
 use crate::picture::What;
 use crate::plan::{
@@ -299,6 +300,7 @@ impl WorkArguments {
             Some(name) => RunPreset::named(name).ok_or_else(|| CliError::Argument(format!("no preset '{name}'")))?,
             None => RunPreset::for_adapter(hardware()),
         };
+        let preset = table.and_then(papers::find).map_or(preset, |(paper, _)| paper.resolved(preset));
         let preset = RunPreset {
             ray_image: self.size.unwrap_or(preset.ray_image),
             frame: self.frame.unwrap_or(preset.frame),

@@ -142,4 +142,39 @@ const EXPECTATIONS: Column = &[
         ),
     ),
     ("long-scene", AT_SAMPLES),
+    (
+        "behind-foreground",
+        few(
+            Rule::HitMiss,
+            0.02,
+            "a fragment has no thickness: what a ray passes behind it does not meet, however near",
+        ),
+    ),
+    (
+        "towards-camera",
+        few(
+            Rule::Footprint,
+            0.1,
+            "a hit lies at its fragment's depth, half a pixel off on a surface that is slanted by half",
+        ),
+    ),
+    (
+        "foreground-in-cell",
+        few(
+            Rule::HitMiss,
+            0.02,
+            "what stands beside a ray's way lies at other pixels than those that its steps look at",
+        ),
+    ),
+    (
+        "long-rays",
+        fails(
+            Rule::HitMiss,
+            500.0,
+            0.02,
+            0.4,
+            "a hundred steps a view lie farther apart than the post is wide, and a step looks at one pixel",
+            "VVP16, section 3.4 and Figure 10, on the number of steps",
+        ),
+    ),
 ];

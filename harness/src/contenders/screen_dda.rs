@@ -177,4 +177,45 @@ const EXPECTATIONS: Column = &[
         },
     ),
     ("long-scene", AT_SAMPLES),
+    (
+        "behind-foreground",
+        fails(
+            Rule::HitMiss,
+            0.003,
+            0.02,
+            0.6,
+            "a ray that passes behind a surface by less than the thickness that every surface is taken to have is said to hit it",
+            STEP_SOURCE,
+        ),
+    ),
+    (
+        "towards-camera",
+        fails(
+            Rule::Footprint,
+            60.0,
+            0.0,
+            0.5,
+            "a ray that comes from behind meets the thickness first that every surface is taken to have, and the shorter its image, the farther              apart in depth are its samples, a pixel from each other",
+            STEP_SOURCE,
+        ),
+    ),
+    (
+        "foreground-in-cell",
+        Expectation::Bounded {
+            rule: Rule::HitMiss,
+            most_wrong: 0.01,
+            reason: "samples lie on the ray's own pixels, which do not show what stands beside them",
+        },
+    ),
+    (
+        "long-rays",
+        fails(
+            Rule::HitMiss,
+            5000.0,
+            0.02,
+            0.6,
+            "a ray that crosses more pixels than its budget of samples, 4096 here, is given up",
+            "WKP15, section 5.1, on the steps that a march is held to",
+        ),
+    ),
 ];

@@ -108,6 +108,34 @@ const EXPECTATIONS: Column = &[
         ),
     ),
     ("long-scene", fails(Rule::Footprint, 4.0, 0.03, 0.5, COARSE, COARSE_SOURCE)),
+    (
+        "behind-foreground",
+        few(
+            Rule::HitMiss,
+            0.02,
+            "a ray is before a layer or behind it in one image as in all: what it passes near it does not meet",
+        ),
+    ),
+    (
+        "towards-camera",
+        few(
+            Rule::HitMiss,
+            0.03,
+            "there are no views; what is left is a texel more or less at the rims of an open plate",
+        ),
+    ),
+    (
+        "foreground-in-cell",
+        few(Rule::HitMiss, 0.02, "there are no views, in which one thing would stand before another"),
+    ),
+    (
+        "long-rays",
+        few(
+            Rule::HitMiss,
+            0.02,
+            "no way is long in images of the whole scene; hits are as precise as a texel, which here is wider than a pixel",
+        ),
+    ),
 ];
 
 const LADDER: &[Remedy] = &[

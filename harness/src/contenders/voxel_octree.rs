@@ -99,4 +99,11 @@ const EXPECTATIONS: Column = &[
         few(0.01, "a wall fills the voxels that it touches, however thin it is, and no ray gets between two of them"),
     ),
     ("long-scene", wide(16.0, 0.06, 0.3)),
+    ("behind-foreground", wide(0.001, 0.02, 0.6)),
+    ("towards-camera", few(0.01, "there are no views, towards which a ray could come")),
+    ("foreground-in-cell", few(0.01, "there are no views, in which one thing would stand before another")),
+    (
+        "long-rays",
+        few(0.01, "there are no views, and a walk over voxels ends where the scene does, not after so many steps"),
+    ),
 ];

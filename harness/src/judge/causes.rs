@@ -47,6 +47,10 @@ pub const SLIPPED_THROUGH: &str = "slipped_through";
 pub const STEP_CAP: &str = "step_cap";
 /// The tracer passed behind a surface by more than its thickness.
 pub const THICKNESS_REJECTED: &str = "thickness_rejected";
+/// The tracer passed through space that its last layer hides.
+pub const OCCLUDED: &str = "occluded";
+/// The tracer made the hit up where its layers hide something.
+pub const INPAINTED: &str = "inpainted";
 
 impl Judge<'_> {
     /// The cause of a wrong answer; `voxels`: what explains those through voxels.
@@ -98,17 +102,19 @@ impl Judge<'_> {
         if showing.iter().all(|view| within_pixels(view, ray.origin, point)) {
             return NEAR_START;
         }
-        match hit.status == Status::ThicknessRejected as u32 {
-            true => THICKNESS_REJECTED,
-            false if !self.names_primitives && showing.iter().any(|view| view.layers != Layers::Nearest) => {
-                SLIPPED_THROUGH
-            }
-            false => UNEXPLAINED,
+        match Status::from_code(hit.status) {
+            Some(Status::ThicknessRejected) => THICKNESS_REJECTED,
+            Some(Status::Occluded) => OCCLUDED,
+            _ if !self.names_primitives && showing.iter().any(|view| view.layers != Layers::Nearest) => SLIPPED_THROUGH,
+            _ => UNEXPLAINED,
         }
     }
 
     /// Why something was hit that is not there.
     fn cause_of_invention(&self, ray: &Ray64, hit: &Hit) -> &'static str {
+        if hit.status == Status::Inpainted as u32 {
+            return INPAINTED;
+        }
         let t = f64::from(hit.t);
         let point = ray.at(t);
         if self.is_near_start(ray, t) {

@@ -164,8 +164,7 @@ impl Judge<'_> {
         }
         let malformed = |hit: &Hit| match Status::from_code(hit.status) {
             None | Some(Status::Unwritten) => true,
-            Some(Status::Hit) => !hit.t.is_finite(),
-            Some(_) => false,
+            Some(status) => status.is_hit() && !hit.t.is_finite(),
         };
         match hits.iter().position(malformed) {
             None => Ok(()),

@@ -176,10 +176,13 @@ impl Judge<'_> {
 
     /// Why something was hit that is not there, by a method that knows voxels alone.
     fn invention_by_voxels(&self, grid: &VoxelGrid, ray: &Ray64, told: f64) -> &'static str {
-        let step = BESIDE_TEXELS * grid.voxel.min_element() / ray.direction.length();
-        let full = [told - step, told + step]
-            .into_iter()
-            .any(|t| grid.voxel_of(ray.at(t)).is_some_and(|voxel| is_occupied(self.truth, grid, voxel)));
+        let (step, point) = (BESIDE_TEXELS * grid.voxel.min_element(), ray.at(told));
+        // Of all voxels that meet near there: a ray may go along the side by which it enters one.
+        let corner_of =
+            |corner: u32| DVec3::from([0, 1, 2].map(|axis| if corner >> axis & 1 == 0 { -step } else { step }));
+        let full = (0..8).any(|corner| {
+            grid.voxel_of(point + corner_of(corner)).is_some_and(|voxel| is_occupied(self.truth, grid, voxel))
+        });
         if full { BETWEEN_SAMPLES } else { UNEXPLAINED }
     }
 }

@@ -1,5 +1,7 @@
 //! What is asked in one place, and what comes of it.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use tracebench_api::{Hit, Update, Viewpoint};
@@ -150,4 +152,15 @@ pub(crate) struct Measured {
     pub hooked: Vec<Value>,
     /// What a control did wrong, where that is data.
     pub void: Option<String>,
+}
+
+impl Measured {
+    /// With what was said about ray sets otherwise than of the run as a whole.
+    #[must_use]
+    pub fn saying(mut self, ray_parameters: &BTreeMap<String, Value>) -> Self {
+        let rows = self.rows.iter_mut().flatten().chain(&mut self.controls).chain(&mut self.anchors);
+        let viewpoints = rows.map(|row| &mut row.viewpoint).chain([&mut self.viewpoint]);
+        viewpoints.for_each(|viewpoint| viewpoint.ray_parameters.clone_from(ray_parameters));
+        self
+    }
 }

@@ -197,6 +197,7 @@ pub(crate) fn viewpoint_of(name: &str, viewpoint: &Viewpoint, ray_image: [u32; 2
         face: viewpoint.face,
         ray_image,
         time_s,
+        ray_parameters: BTreeMap::new(),
     }
 }
 

@@ -103,8 +103,8 @@ pub fn execute(plan: &Plan, context: &Context<'_>) -> Result<Run, RunError> {
     execute_all(std::slice::from_ref(plan), context)
 }
 
-/// Runs plans one after the other into one run, for what no single plan has: several resolutions. The first tells what is
-/// said of the run as a whole. Contenders are interleaved within a plan.
+/// Runs plans one after the other into one run, for what no single plan has: several resolutions, or several values of what is said
+/// about ray sets. The first tells what is said of the run as a whole. Contenders are interleaved within a plan.
 ///
 /// # Errors
 /// [`RunError`] as its variants say; races that ended are in the journal.
@@ -116,10 +116,12 @@ pub fn execute_all(plans: &[Plan], context: &Context<'_>) -> Result<Run, RunErro
     let mut index = 0;
     for plan in plans {
         let requests: Vec<Request> = plan.tracers.iter().map(Request::of).collect();
+        let mut said = records::json_values(&plan.ray_parameters);
+        said.retain(|name, value| run.ray_parameters.get(name) != Some(&*value));
         for (place, scene) in load(plan, context.progress)?.into_iter().enumerate() {
             if context.takes(place) {
                 let effort = Effort::timed(plan);
-                let found = measure_scene(index, plan, scene, &requests, effort, None, context)?;
+                let found = measure_scene(index, plan, scene, &requests, effort, None, context)?.saying(&said);
                 for (request, refused) in add(&mut run, found) {
                     refuse(&mut run, &records::request_record(&requests[request].tracer).label(), None, refused);
                 }

@@ -25,9 +25,9 @@ pub struct Duration {
 }
 
 impl Duration {
-    /// By the rows of a run of the same scene, tracer and parameters, at the resolution nearest to the wanted one; of rows that differ in
-    /// means alone those of the wanted ones where there are such, as a run takes the machine's. Builds are taken to grow with the pixels
-    /// of a face, traces with the rays; several rays a pixel count as such.
+    /// By the rows of a run of the same scene, tracer and parameters, at the scale and the resolution nearest to the wanted ones; of rows
+    /// that differ in means alone those of the wanted ones where there are such, as a run takes the machine's. Builds are taken to grow
+    /// with the pixels of a face, traces with the rays; several rays a pixel count as such.
     pub fn of(plans: &[Plan], run: &Run) -> Self {
         let mut sum = Self {
             rounds: plans.first().map_or(0, |plan| plan.preset.sampling.least_rounds as usize + 1),
@@ -92,10 +92,16 @@ fn of_row(plan: &Plan, source: &SceneSource, request: &TracerRequest, run: &Run)
     let far = |row: &TracerRun| (pixels(row.viewpoint.ray_image) / rays).ln().abs();
     let other_means =
         |row: &TracerRun| row.tracer.parameters.iter().any(|(name, value)| is_of_means(name) && wanted[name] != *value);
-    let nearer = |a: &TracerRun, b: &TracerRun| other_means(a).cmp(&other_means(b)).then(far(a).total_cmp(&far(b)));
+    let other_scale = |row: &TracerRun| (row.scene.scale.unwrap_or(1.0) / plan.preset.scene_scale).ln().abs();
+    let nearer = |a: &TracerRun, b: &TracerRun| {
+        let scales = other_scale(a).total_cmp(&other_scale(b));
+        scales.then(other_means(a).cmp(&other_means(b))).then(far(a).total_cmp(&far(b)))
+    };
     let row = run.runs.iter().filter(alike).min_by(|a, b| nearer(a, b))?;
     let build = host_ms(&row.build.times)? * face / pixels([row.viewpoint.face; 2]);
-    let (own, theirs) = (json!(plan.ray_parameters), json!(run.ray_parameters));
+    let mut said = run.ray_parameters.clone();
+    said.extend(row.viewpoint.ray_parameters.clone());
+    let (own, theirs) = (json!(plan.ray_parameters), json!(said));
     let mut traces = 0.0;
     for set in &plan.ray_sets {
         let trace = row.traces.iter().find(|trace| trace.rays == set.name)?;

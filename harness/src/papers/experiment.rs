@@ -1,10 +1,10 @@
 //! A paper's tables and figures as experiments: what is run, as data, and what its page shows of it.
 
-use tracebench_api::{EndPoint, Preset};
+use tracebench_api::{EndPoint, Parameters, Preset};
 
 use super::page::Page;
 use crate::plan::{Plan, RunPreset, TracerRequest};
-use crate::rays::MOST_RAYS;
+use crate::rays::{MOST_RAYS, ray_parameters};
 use crate::registry;
 use crate::report::chart::series::SeriesChart;
 use crate::results::SceneRecord;
@@ -63,6 +63,10 @@ pub struct Step {
     pub faces: f64,
     /// Time of the animation where nothing else is said, seconds.
     pub time_s: f64,
+    /// Factor on the triangles of procedural scenes.
+    pub scale: f64,
+    /// Parameters of ray sets that the step is about, with their values.
+    pub rays: &'static [(&'static str, &'static str)],
     /// Who runs.
     pub rows: &'static [Row],
 }
@@ -99,12 +103,22 @@ pub(super) const fn stands_for(scene: &'static str, published: &'static str) -> 
 
 /// A step at a factor on every resolution.
 pub(super) const fn at(resolution: f64, rows: &'static [Row]) -> Step {
-    Step { resolution, faces: 1.0, time_s: 0.0, rows }
+    Step { resolution, faces: 1.0, time_s: 0.0, scale: 1.0, rays: &[], rows }
 }
 
 /// A step at a time of the animation.
 pub(super) const fn at_time(time_s: f64, rows: &'static [Row]) -> Step {
-    Step { resolution: 1.0, faces: 1.0, time_s, rows }
+    Step { time_s, ..at(1.0, rows) }
+}
+
+/// A step at a factor on the triangles of procedural scenes.
+pub(super) const fn at_scale(scale: f64, rows: &'static [Row]) -> Step {
+    Step { scale, ..at(1.0, rows) }
+}
+
+/// A step of rays by values of their own.
+pub(super) const fn of_rays(rays: &'static [(&'static str, &'static str)], rows: &'static [Row]) -> Step {
+    Step { rays, ..at(1.0, rows) }
 }
 
 /// A tracer as published.
@@ -127,7 +141,7 @@ impl Experiment {
         self.steps.iter().map(|step| step.rows.iter().flat_map(|row| row.requests(means)).collect()).collect()
     }
 
-    /// What is to be run: the base plan at the resolution and time of every step, with its tracers.
+    /// What is to be run: the base plan at the resolution, time, scale and rays of every step, with its tracers.
     ///
     /// # Errors
     /// If a step has more rays than one set may have.
@@ -140,14 +154,17 @@ impl Experiment {
             }
             let end = if base.end == EndPoint::Surface { base.end } else { self.end };
             let time_s = if base.time_s == 0.0 { step.time_s } else { base.time_s };
-            Ok(Plan { preset, end, time_s, tracers: tracers.clone(), table: Some(self.name), ..base.clone() })
+            let ray_parameters = step.ray_parameters(&base.ray_parameters);
+            let tracers = tracers.clone();
+            Ok(Plan { preset, end, time_s, tracers, ray_parameters, table: Some(self.name), ..base.clone() })
         };
         self.steps.iter().zip(steps).map(plan).collect()
     }
 
-    /// The paper's scene that a scene stands for: one of the catalogue does at its own scale, a file of the same name does not.
+    /// The paper's scene that a scene stands for: one of the catalogue does at its own scale and at those that steps are about, a file
+    /// of the same name does not.
     pub fn stands_for(&self, scene: &SceneRecord) -> Option<&'static str> {
-        let whole = scene.scale == Some(1.0);
+        let whole = self.steps.iter().any(|step| scene.scale == Some(step.scale));
         self.scenes.iter().find(|each| whole && each.scene == scene.name).map(|each| each.published)
     }
 
@@ -165,8 +182,19 @@ impl Step {
             ray_image: preset.ray_image.map(edge),
             frame: preset.frame.map(edge),
             face: scaled(preset.face, self.resolution * self.faces),
+            scene_scale: preset.scene_scale * self.scale,
             ..preset
         }
+    }
+
+    /// The base's, but for what the step is about.
+    fn ray_parameters(&self, base: &Parameters) -> Parameters {
+        let known = ray_parameters();
+        self.rays.iter().fold(base.clone(), |values, (name, value)| {
+            let mut with = values.clone();
+            // A test holds every value against its parameter's range.
+            if with.set(&known, name, value).is_ok() { with } else { values }
+        })
     }
 }
 

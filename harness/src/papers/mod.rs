@@ -23,6 +23,7 @@ mod tests;
 mod times;
 mod verdict;
 mod vvp16;
+mod wkp15;
 
 pub use claims::{Claim, Decision, Over, Rule, Test};
 pub use duration::Duration;
@@ -36,10 +37,11 @@ pub use rows::{Rows, SceneRows};
 use tracebench_api::{EndPoint, MemoryEntry};
 pub use verdict::{JudgedClaim, MeasuredBy, SceneValue, Verdict, judge, judge_all};
 
+use crate::plan::RunPreset;
 use crate::results::TracerRun;
 
 /// Every paper, in the order of lists.
-pub const PAPERS: &[&Paper] = &[&dirt::PAPER, &vvp16::PAPER, &hhz14::PAPER];
+pub const PAPERS: &[&Paper] = &[&dirt::PAPER, &vvp16::PAPER, &hhz14::PAPER, &wkp15::PAPER];
 
 /// A paper: what its folder holds.
 #[derive(Debug)]
@@ -50,6 +52,8 @@ pub struct Paper {
     pub experiments: &'static [Experiment],
     /// The part of them that its bench takes.
     pub part: Part,
+    /// Its own resolutions, if the run preset `paper` takes them.
+    at_paper: Option<Resolutions>,
     /// What it printed: the text of `published.json`.
     published: &'static str,
     /// What it claims: the text of `claims.json`.
@@ -64,6 +68,18 @@ pub struct Paper {
     /// are not allocated here. None of tracers that no formula is about.
     by_formula: fn(&TracerRun) -> Option<f64>,
 }
+
+/// Resolutions that a paper measured at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Resolutions {
+    /// Width and height of the ray image and of the frame.
+    image: [u32; 2],
+    /// Edge of a cube face.
+    face: u32,
+}
+
+/// The run preset whose resolutions are those of papers.
+const AT_PAPER: &str = "paper";
 
 /// What is counted as memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,6 +115,16 @@ impl Paper {
     /// An experiment by name.
     pub fn experiment(&self, name: &str) -> Option<&'static Experiment> {
         self.experiments.iter().find(|experiment| experiment.name == name)
+    }
+
+    /// A run preset at the resolutions that this paper's tables have there.
+    pub fn resolved(&self, preset: RunPreset) -> RunPreset {
+        match self.at_paper {
+            Some(Resolutions { image, face }) if preset.name == AT_PAPER => {
+                RunPreset { ray_image: image, frame: image, face, ..preset }
+            }
+            _ => preset,
+        }
     }
 
     /// A quantity by name.

@@ -1,6 +1,6 @@
 //! A run's rows as quantities look at them: by scene, by parameters, by resolution.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
 
@@ -15,7 +15,7 @@ pub struct Rows<'a> {
     pub scenes: Vec<SceneRows<'a>>,
 }
 
-/// What was measured of one scene from one viewpoint, at every resolution.
+/// What was measured of one scene from one viewpoint, at every resolution and of all rays.
 #[derive(Clone)]
 pub struct SceneRows<'a> {
     /// The run that it is of.
@@ -44,9 +44,15 @@ impl<'a> Rows<'a> {
         let names: Vec<String> = scenes.iter().map(|scene| scene.label.clone()).collect();
         let times: Vec<(String, f64)> =
             scenes.iter().map(|scene| (scene.label.clone(), scene.runs[0].viewpoint.time_s)).collect();
+        let scales: Vec<(String, Option<f64>)> =
+            scenes.iter().map(|scene| (scene.label.clone(), scene.runs[0].scene.scale)).collect();
         for scene in &mut scenes {
             let viewpoint = &scene.runs[0].viewpoint;
-            if times.iter().any(|(name, time_s)| *name == scene.label && *time_s != viewpoint.time_s) {
+            let own = scene.runs[0].scene.scale;
+            let other_scale = scales.iter().any(|(name, scale)| *name == scene.label && *scale != own);
+            if let Some(scale) = own.filter(|_| other_scale) {
+                scene.label = format!("{} at scale {scale}", scene.label);
+            } else if times.iter().any(|(name, time_s)| *name == scene.label && *time_s != viewpoint.time_s) {
                 scene.label = format!("{} at {} s", scene.label, viewpoint.time_s);
             } else if names.iter().filter(|name| **name == scene.label).count() > 1 {
                 scene.label = format!("{} from {}", scene.label, scene.runs[0].viewpoint.name);
@@ -78,11 +84,16 @@ impl<'a> Rows<'a> {
 
 /// Whether a run has a value of a parameter, given as the command line takes it.
 pub(crate) fn has(run: &TracerRun, parameter: &str, value: &str) -> bool {
-    run.tracer.parameters.get(parameter).is_some_and(|found| match found {
+    run.tracer.parameters.get(parameter).is_some_and(|found| is(found, value))
+}
+
+/// Whether a value is what is given as the command line takes it.
+fn is(found: &Value, value: &str) -> bool {
+    match found {
         Value::String(text) => text == value,
         Value::Number(number) => value.parse::<f64>().is_ok_and(|value| number.as_f64() == Some(value)),
         other => value.parse::<Value>().is_ok_and(|value| value == *other),
-    })
+    }
 }
 
 /// A parameter's whole number.
@@ -104,13 +115,13 @@ impl<'a> SceneRows<'a> {
         self.of_tracer(tracer).find(|run| values.iter().all(|(name, value)| has(run, name, value)))
     }
 
-    /// The run of a tracer that has these values, and else those of the tracer's first run, its resolution too. So rows are
+    /// The run of a tracer that has these values, and else those of the tracer's first run, its resolution and rays too. So rows are
     /// told apart by what the experiment varies, whatever else is set for all of them.
     pub fn like_first(&self, tracer: &str, values: &[(&str, &str)]) -> Option<&'a TracerRun> {
         let first = self.of_tracer(tracer).next()?;
         let given = |name: &String| values.iter().any(|(given, _)| given == name);
         let alike = |run: &&TracerRun| {
-            resolution(run) == resolution(first)
+            place(run) == place(first)
                 && values.iter().all(|(name, value)| has(run, name, value))
                 && run.tracer.parameters.iter().all(|(name, value)| {
                     given(name) || first.tracer.parameters.get(name).is_some_and(|other| other == value)
@@ -130,19 +141,44 @@ impl<'a> SceneRows<'a> {
         sets
     }
 
-    /// The runs by resolution: of the ray image, from the lowest, then of the views.
+    /// The runs by resolution, of the ray image, from the lowest, then of the views, and of each by what was said of their rays.
     pub fn by_resolution(&self) -> Vec<SceneRows<'a>> {
-        let mut resolutions: Vec<[u64; 3]> = self.runs.iter().map(|run| resolution(run)).collect();
-        resolutions.sort_unstable();
-        resolutions.dedup();
-        let at = |wanted: [u64; 3]| SceneRows {
+        let mut places: Vec<Place<'a>> = Vec::new();
+        for run in self.runs.iter().copied() {
+            if !places.contains(&place(run)) {
+                places.push(place(run));
+            }
+        }
+        places.sort_by_key(|(resolution, _)| *resolution);
+        let at = |wanted: Place<'a>| self.only(|run| place(run) == wanted);
+        places.into_iter().map(at).collect()
+    }
+
+    /// The runs alone of whose ray sets this was said.
+    pub fn of_rays(&self, said: &[(&str, &str)]) -> SceneRows<'a> {
+        self.only(|run| {
+            said.iter().all(|(name, value)| {
+                let own = run.viewpoint.ray_parameters.get(*name).or_else(|| self.run.ray_parameters.get(*name));
+                own.is_some_and(|own| is(own, value))
+            })
+        })
+    }
+
+    fn only(&self, wanted: impl Fn(&TracerRun) -> bool) -> SceneRows<'a> {
+        SceneRows {
             run: self.run,
             label: self.label.clone(),
-            runs: self.runs.iter().filter(|run| resolution(run) == wanted).copied().collect(),
+            runs: self.runs.iter().filter(|run| wanted(run)).copied().collect(),
             skipped: self.skipped.clone(),
-        };
-        resolutions.into_iter().map(at).collect()
+        }
     }
+}
+
+/// Where a row stands among those of its scene: the resolutions, and what was said about its ray sets.
+type Place<'a> = ([u64; 3], &'a BTreeMap<String, Value>);
+
+fn place(run: &TracerRun) -> Place<'_> {
+    (resolution(run), &run.viewpoint.ray_parameters)
 }
 
 /// Pixels of ray image, frame and a face.

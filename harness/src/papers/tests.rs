@@ -94,6 +94,13 @@ fn experiments_name_what_exists() {
         assert!(sets.into_iter().all(|name| RAY_SETS.iter().any(|set| set.name == name)), "{}", experiment.name);
         assert!(experiment.published.iter().all(|id| published.iter().any(|table| table.id == *id)));
         assert!(experiment.settings.iter().all(|setting| setting.starts_with("rays.")));
+        for step in experiment.steps {
+            let mut values = crate::rays::default_parameters();
+            for (name, value) in step.rays {
+                values.set(&crate::rays::ray_parameters(), name, value).unwrap();
+            }
+            assert!((tracebench_scenes::SCALE_MIN..=tracebench_scenes::SCALE_MAX).contains(&step.scale));
+        }
         for (step, requests) in experiment.steps.iter().zip(experiment.requests()) {
             let combinations = |row: &Row| {
                 let known = (crate::registry::find(row.tracer).unwrap().describe)().parameters;
@@ -114,22 +121,26 @@ fn experiments_name_what_exists() {
     assert!(find("no-such").is_none() && paper("no-such").is_none());
 }
 
-/// Steps scale ray image, frame and faces alike and never to nothing, and a step of too many rays is refused.
-#[test]
-fn steps_scale_the_resolution() {
-    let (_, experiment) = find("dirt-figure8").unwrap();
-    let plan = |size: [u32; 2]| crate::plan::Plan {
+/// A plan of nothing yet, with rays from an image of this size.
+fn plan(size: [u32; 2]) -> crate::plan::Plan {
+    crate::plan::Plan {
         scenes: Vec::new(),
         tracers: Vec::new(),
         ray_sets: Vec::new(),
         ray_parameters: crate::rays::default_parameters(),
-        preset: crate::plan::RunPreset { ray_image: size, ..RUN_PRESETS[1] },
+        preset: RunPreset { ray_image: size, ..RUN_PRESETS[1] },
         view: crate::plan::ViewRequest::Default,
         time_s: 0.0,
         seed: 1,
         end: EndPoint::Hit,
         table: None,
-    };
+    }
+}
+
+/// Steps scale ray image, frame and faces alike and never to nothing, and a step of too many rays is refused.
+#[test]
+fn steps_scale_the_resolution() {
+    let (_, experiment) = find("dirt-figure8").unwrap();
     let steps = experiment.requests();
     let plans = experiment.plans(&plan([256, 128]), &steps).unwrap();
     let sizes: Vec<_> = plans.iter().map(|plan| (plan.preset.ray_image, plan.preset.frame, plan.preset.face)).collect();
@@ -139,6 +150,48 @@ fn steps_scale_the_resolution() {
     assert_eq!(experiment.plans(&plan([1, 1]), &steps).unwrap()[0].preset.ray_image, [1, 1]);
     let refused = experiment.plans(&plan([4096, 4096]), &steps).err().unwrap();
     assert!(refused.to_string().contains("--size"), "{refused}");
+}
+
+/// Steps that are about rays or triangles say so in their plans, whatever the base says, and leave all else; the paper's scenes are stood
+/// for at their own scale and at those of the steps alone.
+#[test]
+fn steps_have_their_own_rays_and_scales() {
+    let base = |parameters| crate::plan::Plan { ray_parameters: parameters, ..plan([64, 32]) };
+    let mut said = crate::rays::default_parameters();
+    let known = crate::rays::ray_parameters();
+    for (name, value) in [("lens_count", "2"), ("lens_aperture", "0.5")] {
+        said.set(&known, name, value).unwrap();
+    }
+    let (_, lens) = find("wkp15-table4").unwrap();
+    let plans = lens.plans(&base(said), &lens.requests()).unwrap();
+    let of = |name: &str| -> Vec<String> {
+        plans.iter().map(|plan| plan.ray_parameters.value(name).unwrap().to_string()).collect()
+    };
+    assert_eq!(of("lens_count"), ["4", "8", "8", "32"]);
+    assert_eq!(of("lens_aperture"), ["0.5"; 4]);
+    let (_, trees) = find("wkp15-table1").unwrap();
+    let plans = trees.plans(&base(crate::rays::default_parameters()), &trees.requests()).unwrap();
+    assert!(plans.iter().map(|plan| plan.preset.scene_scale).eq([1.0, 4.0, 15.5]));
+    let at = |scale: f64, experiment: &Experiment| {
+        let mut scene = dirt("candy", json!({}), &[]).scene;
+        scene.scale = Some(scale);
+        experiment.stands_for(&scene)
+    };
+    assert_eq!([1.0, 4.0, 15.5, 2.0].map(|scale| at(scale, trees).is_some()), [true, true, true, false]);
+    let (_, other) = find("dirt-table1").unwrap();
+    assert_eq!([1.0, 15.5].map(|scale| at(scale, other).is_some()), [true, false]);
+}
+
+/// At the run preset `paper` a paper has the resolutions that it states, at any other those of all.
+#[test]
+fn papers_have_their_resolutions() {
+    let resolved = |name: &str, preset: &str| {
+        let preset = paper(name).unwrap().resolved(RunPreset::named(preset).unwrap());
+        (preset.ray_image, preset.frame, preset.face)
+    };
+    assert_eq!(resolved("wkp15", "paper"), ([1600, 900], [1600, 900], 1024));
+    assert_eq!(resolved("wkp15", "quick"), resolved("dirt", "quick"));
+    assert_eq!(resolved("dirt", "paper"), ([1024, 512], [1024, 512], 512));
 }
 
 /// Rules look at the values that they name: one scene beyond the range decides "every" alone.

@@ -22,17 +22,17 @@ fn image_view(viewpoint: &Viewpoint, image: [u32; 2]) -> View {
 }
 
 /// One ray for each pixel, given its centre.
-fn each_pixel([width, height]: [u32; 2], ray: impl Fn(u32, f64, f64) -> Ray + Sync) -> Vec<(Pixel, Ray)> {
+fn each_pixel([width, height]: [u32; 2], ray: impl Fn(f64, f64) -> Ray + Sync) -> Vec<(Pixel, Ray)> {
     let of_pixel = |pixel: u32| {
         let (x, y) = (f64::from(pixel % width), f64::from(pixel / width));
-        (pixel, ray(pixel, x + 0.5, y + 0.5))
+        (pixel, ray(x + 0.5, y + 0.5))
     };
     (0..width * height).into_par_iter().map(of_pixel).collect()
 }
 
 fn through_pixels(viewpoint: &Viewpoint, image: [u32; 2]) -> Vec<(Pixel, Ray)> {
     let view = image_view(viewpoint, image);
-    each_pixel(image, |_, x, y| Ray {
+    each_pixel(image, |x, y| Ray {
         // The eye itself, not its way through f64 and back.
         origin: viewpoint.eye.into(),
         ..unbounded(view.eye, view.direction_through(x, y).normalize())
@@ -77,19 +77,26 @@ pub(super) fn temporal(scene: &RayScene<'_>) -> Vec<(Pixel, Ray)> {
     through_pixels(&later.viewpoint(scene.truth.geometry(), scene.image, 1), scene.image)
 }
 
-/// From all over a thin lens through the points of the plane in focus that the pixels' centres show.
+/// From all over a thin lens through the points of the plane in focus that the pixels' centres show, several a pixel.
 pub(super) fn lens(scene: &RayScene<'_>, primary: &Starts) -> Vec<(Pixel, Ray)> {
     let view = image_view(scene.viewpoint, scene.image);
     let diagonal = scene.truth.diagonal();
     let radius = scene.parameters.lens_aperture / 2.0 * diagonal;
     let set = scene.parameters.lens_focus * diagonal;
     let focus = if set > 0.0 { set } else { centre_depth(scene, primary, &view).unwrap_or(0.5 * diagonal) };
-    each_pixel(scene.image, |pixel, x, y| {
-        let (across, upward, _) = Stream::new(scene.seed, LENS_TAG, u64::from(pixel)).disk();
-        let origin = view.eye + (view.right * across + view.up * upward) * radius;
+    let count = scene.parameters.lens_count;
+    let [width, height] = scene.image;
+    let of_pixel = |pixel: u32| {
+        let (x, y) = (f64::from(pixel % width) + 0.5, f64::from(pixel / width) + 0.5);
         let point = view.eye + view.direction_through(x, y) * focus;
-        unbounded(origin, (point - origin).normalize_or(view.forward))
-    })
+        (0..count).map(move |copy| {
+            let index = u64::from(pixel) * u64::from(count) + u64::from(copy);
+            let (across, upward, _) = Stream::new(scene.seed, LENS_TAG, index).disk();
+            let origin = view.eye + (view.right * across + view.up * upward) * radius;
+            (pixel, unbounded(origin, (point - origin).normalize_or(view.forward)))
+        })
+    };
+    (0..width * height).into_par_iter().flat_map_iter(of_pixel).collect()
 }
 
 /// Tag of the lens's streams.
@@ -116,7 +123,7 @@ pub(super) fn light_field(scene: &RayScene<'_>) -> Vec<(Pixel, Ray)> {
         let place = if cameras > 1.0 { camera / (cameras - 1.0) - 0.5 } else { 0.0 };
         (place * width, at * cameras - camera * size)
     };
-    each_pixel(scene.image, |_, x, y| {
+    each_pixel(scene.image, |x, y| {
         let ((across, x), (down, y)) = (split(x, size[0]), split(y, size[1]));
         let origin = view.eye + view.right * across - view.up * down;
         unbounded(origin, view.direction_through(x, y).normalize())

@@ -43,6 +43,8 @@ enum Kind {
     Visibility,
     Specular,
     Glossy,
+    /// So many bounces, from 2 on.
+    GlossyBounces(u32),
     SecondBounce,
     Refraction,
     Random,
@@ -108,6 +110,18 @@ pub const RAY_SETS: &[RaySet] = &[
         "mirrored from every primary hit on a mirror, or from all in a scene without mirrors",
     ),
     set("glossy", Kind::Glossy, &["glossy_roughness"], "from every primary hit, mirrored at GGX microfacets"),
+    set(
+        "glossy2",
+        Kind::GlossyBounces(2),
+        &["glossy_roughness"],
+        "second bounces: from every hit of glossy, mirrored at GGX microfacets",
+    ),
+    set(
+        "glossy3",
+        Kind::GlossyBounces(3),
+        &["glossy_roughness"],
+        "third bounces: from every hit of glossy2, mirrored at GGX microfacets",
+    ),
     set("bounce2", Kind::SecondBounce, &[], "from every hit of diffuse, cosine-distributed about the geometric normal"),
     set(
         "refraction",
@@ -127,8 +141,8 @@ pub const RAY_SETS: &[RaySet] = &[
     set(
         "lens",
         Kind::Lens,
-        &["lens_aperture", "lens_focus"],
-        "from all over a thin lens through the points in focus that the pixels show",
+        &["lens_count", "lens_aperture", "lens_focus"],
+        "from all over a thin lens through the points in focus that the pixels show, one a pixel or several",
     ),
     set(
         "light-field",
@@ -218,10 +232,15 @@ pub fn make(
     if set.kind == Kind::Primary && order == Order::Scanline {
         return Ok(Arc::clone(&primary.rays));
     }
-    if set.kind == Kind::PixelRandom {
-        let rays = primary.rays.len() as u64 * u64::from(scene.parameters.pixel_random_count);
+    let several = match set.kind {
+        Kind::PixelRandom => Some((scene.parameters.pixel_random_count, "rays.pixel_random_count")),
+        Kind::Lens => Some((scene.parameters.lens_count, "rays.lens_count")),
+        _ => None,
+    };
+    if let Some((count, parameter)) = several {
+        let rays = primary.rays.len() as u64 * u64::from(count);
         if rays > MOST_RAYS {
-            return Err(RayError::TooMany { rays, parameter: "rays.pixel_random_count" });
+            return Err(RayError::TooMany { rays, parameter });
         }
     }
     let told = |made: Vec<(Pixel, Ray)>| -> Result<Starts, TruthError> {
@@ -236,7 +255,14 @@ pub fn make(
         Kind::AmbientOcclusion => surface::ambient_occlusion(scene, primary),
         Kind::Visibility => surface::visibility(scene, primary),
         Kind::Specular => surface::specular(scene, primary),
-        Kind::Glossy => surface::glossy(scene, primary),
+        Kind::Glossy => surface::glossy(scene, primary, GLOSSY_TAGS[0]),
+        Kind::GlossyBounces(bounces) => {
+            let mut made = surface::glossy(scene, primary, GLOSSY_TAGS[0]);
+            for tag in &GLOSSY_TAGS[1..bounces as usize] {
+                made = surface::glossy(scene, &told(made)?, *tag);
+            }
+            made
+        }
         Kind::SecondBounce => surface::diffuse(scene, &told(surface::diffuse(scene, primary, 1))?, 6),
         Kind::Refraction => surface::refraction(scene, primary, told)?,
         Kind::Random => surface::random(scene),
@@ -254,6 +280,9 @@ pub fn make(
     Ok(Arc::new(order::arrange(order, scene.image, scene.seed, made)))
 }
 
+/// Tags of the streams of glossy rays, bounce by bounce.
+const GLOSSY_TAGS: [u64; 3] = [3, 11, 12];
+
 fn why_empty(kind: Kind, primary: &Starts) -> &'static str {
     if primary.answers.iter().all(|answer| answer.hit.is_none()) {
         return "no primary ray hits the scene from this viewpoint";
@@ -262,6 +291,7 @@ fn why_empty(kind: Kind, primary: &Starts) -> &'static str {
         Kind::Visibility => "every surface in sight faces away from the target",
         Kind::Specular => "no primary ray hits a mirror from this viewpoint",
         Kind::SecondBounce => "no diffuse ray hits the scene from this viewpoint",
+        Kind::GlossyBounces(_) => "no glossy ray of the bounce before hits the scene from this viewpoint",
         Kind::Refraction => "no primary ray enters a solid, a closed surface seen from outside, from this viewpoint",
         _ => "nothing starts a ray",
     }

@@ -28,7 +28,7 @@ parameters! {
             Trace,
             0.001..=1.0,
             0.25,
-            "width of the lobe of `glossy`; 1 is nearly diffuse",
+            "width of the lobe of `glossy`, `glossy2` and `glossy3`; 1 is nearly diffuse",
         )
         .unit("GGX alpha"),
         refractive_index: f64 = Parameter::real(
@@ -58,6 +58,13 @@ parameters! {
             "how much later on the camera path `temporal` starts; at most the path's end",
         )
         .unit("s"),
+        lens_count: u32 = Parameter::integer(
+            Trace,
+            1..=64,
+            1,
+            "rays that `lens` starts at every pixel",
+        )
+        .unit("rays a pixel"),
         lens_aperture: f64 = Parameter::real(
             Trace,
             0.0..=1.0,

@@ -108,10 +108,10 @@ pub(super) fn specular(scene: &RayScene<'_>, primary: &Starts) -> Vec<(Pixel, Ra
 }
 
 /// Mirrored at microfacets.
-pub(super) fn glossy(scene: &RayScene<'_>, primary: &Starts) -> Vec<(Pixel, Ray)> {
+pub(super) fn glossy(scene: &RayScene<'_>, starts: &Starts, tag: u64) -> Vec<(Pixel, Ray)> {
     let alpha = scene.parameters.glossy_roughness;
-    each_hit(scene, primary, |surface| {
-        let mut stream = Stream::new(scene.seed, 3, u64::from(surface.pixel));
+    each_hit(scene, starts, |surface| {
+        let mut stream = Stream::new(scene.seed, tag, u64::from(surface.pixel));
         let mut facets = (0..GLOSSY_TRIES).map(|_| reflect(surface.arriving, stream.ggx(surface.normal, alpha)));
         // A facet may send the ray into the surface; seen at a grazing angle, many do.
         let direction = facets.find(|direction| direction.dot(surface.normal) > 1e-3);

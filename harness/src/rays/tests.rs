@@ -124,7 +124,8 @@ fn every_set_is_sound_and_repeats() {
             let arranged = Place::room().with("order", order).make(set.name);
             assert!(arranged != rays && bits(&arranged) == bits(&rays), "{} {order}", set.name);
         }
-        let by_chance = ["diffuse", "ao", "glossy", "bounce2", "random", "pixel-random", "lens"].contains(&set.name);
+        let chances = ["diffuse", "ao", "glossy", "glossy2", "glossy3", "bounce2", "random", "pixel-random", "lens"];
+        let by_chance = chances.contains(&set.name);
         assert_eq!(bits(&reseeded.make(set.name)) != bits(&rays), by_chance, "{}", set.name);
     }
 }
@@ -236,6 +237,47 @@ fn glossy_rays_keep_to_the_mirrored_direction() {
     };
     let (smooth, middle, rough) = (spread("0.001"), spread("0.25"), spread("1"));
     assert!(smooth > 0.9999 && middle < 0.999 && middle > rough && rough > 0.3, "{smooth} {middle} {rough}");
+}
+
+/// Each bounce of glossy rays starts where the one before hit, lifted by an offset, and keeps to the mirrored direction the
+/// better the smoother surfaces are; its chances are its own: with those of the bounce before, facets would lie alike.
+#[test]
+fn glossy_bounces_start_at_the_hits_before() {
+    let room = Place::room().with("glossy_roughness", "0.001");
+    let offset = 2.0 * ORIGIN_OFFSET_DIAGONALS * room.truth.diagonal();
+    let sets = ["glossy", "glossy2", "glossy3"].map(|name| room.make(name));
+    for pair in sets.windows(2) {
+        let starts = pair[0].iter().filter_map(|ray| {
+            let came = Ray64::from(ray);
+            room.truth.closest(&came).map(|hit| (came.at(hit.t), came.direction, room.truth.normal(hit.primitive)))
+        });
+        let starts: Vec<_> = starts.collect();
+        assert!(starts.len() > 100 && starts.len() == pair[1].len(), "{} of {}", pair[1].len(), starts.len());
+        let mut off = 0;
+        for (ray, (point, came, normal)) in pair[1].iter().zip(&starts) {
+            assert!(origin(ray).distance(*point) < offset, "{ray:?}");
+            let mirrored = *came - *normal * (2.0 * came.dot(*normal));
+            // A facet of so narrow a lobe is nearly the surface; one that would send the ray into it is none.
+            off += usize::from(direction(ray).distance(mirrored) > 0.02);
+        }
+        assert!(off * 50 < starts.len(), "{off} of {}", starts.len());
+    }
+    // The floor's glossy rays go up and away.
+    assert!(matches!(Place::floor().try_make("glossy2"), Err(RayError::Empty(reason)) if reason.contains("glossy")));
+    // In terms of the surface: how far a facet's normal lies off it is the same only where the numbers are.
+    let room = Place::room();
+    let facets = |rays: &[Ray], came: &Starts| -> Vec<f64> {
+        let hits = came.rays.iter().zip(came.answers.iter()).filter_map(|(ray, answer)| Some((ray, answer.hit?)));
+        let facet = |(ray, (came, hit)): (&Ray, (&Ray, crate::truth::TrueHit))| {
+            (direction(ray) - direction(came)).normalize_or_zero().dot(room.truth.normal(hit.primitive)).abs()
+        };
+        rays.iter().zip(hits).map(facet).collect()
+    };
+    let first = room.make("glossy");
+    let told = Starts::primary(Arc::new(first.clone()), Arc::new(room.tell(&first)));
+    let (first, second) = (facets(&first, &room.primary()), facets(&room.make("glossy2"), &told));
+    let same = first.iter().zip(&second).filter(|(a, b)| (*a - *b).abs() < 1e-5).count();
+    assert!(same * 20 < second.len(), "{same} of {}", second.len());
 }
 
 /// The second bounce starts where diffuse rays hit, lifted by an offset; nothing else does.
@@ -391,6 +433,42 @@ fn lens_rays_meet_in_focus() {
     assert!(distances.iter().all(|distance| *distance <= 0.25 + 1e-5) && distances.iter().any(|each| *each > 0.2));
     let closed = Place::floor().with("lens_aperture", "0").make("lens");
     assert!(closed.iter().zip(primary.rays.iter()).all(|(a, b)| direction(a).distance(direction(b)) < 1e-6));
+}
+
+/// Several rays a pixel stay together, each from a place of its own on the lens through its pixel's point in focus; more
+/// than can be held are refused by the parameter's name.
+#[test]
+fn lenses_start_several_rays_a_pixel() {
+    let floor = Place::floor().with("lens_count", "4").with("lens_focus", "0.5");
+    let view = Viewpoint { frame: IMAGE, ..floor.viewpoint }.frame_view();
+    let (rays, straight) = (floor.make("lens"), floor.make("primary"));
+    assert_eq!((rays.len(), bits(&rays).len()), (4 * straight.len(), 4 * straight.len()));
+    for (four, straight) in rays.chunks(4).zip(&straight) {
+        let point = view.eye + direction(straight) * (25.0 / direction(straight).dot(view.forward));
+        for ray in four {
+            let t = (point - origin(ray)).dot(view.forward) / direction(ray).dot(view.forward);
+            assert!((Ray64::from(ray).at(t) - point).length() < 1e-4 && origin(ray).distance(view.eye) <= 0.25 + 1e-5);
+        }
+    }
+    let origins: BTreeSet<[u32; 3]> = rays.iter().map(|ray| ray.origin.map(f32::to_bits)).collect();
+    assert_eq!(origins.len(), rays.len());
+    let parameters = Place::floor().with("lens_count", "64").parameters;
+    let scene = RayScene {
+        truth: &floor.truth,
+        viewpoint: &floor.viewpoint,
+        path: None,
+        mirrors: &[],
+        image: [1000, 1000],
+        seed: 1,
+        parameters: &RayParameters::try_from(&parameters).unwrap(),
+    };
+    let many = Starts::primary(
+        Arc::new(vec![straight[0]; 1_000_000]),
+        Arc::new(vec![Answer { hit: None, tie: false }; 1_000_000]),
+    );
+    let set = RAY_SETS.iter().find(|set| set.name == "lens").unwrap();
+    let error = make(set, &scene, &many, |_| Ok(Vec::new())).unwrap_err().to_string();
+    assert!(error.contains("64000000") && error.contains("lens_count"), "{error}");
 }
 
 /// Sixteen eyes in a square of the stated width, each with its part of the image and the whole field of view; one camera

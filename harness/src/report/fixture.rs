@@ -192,6 +192,7 @@ fn viewpoint() -> ViewpointRecord {
         face: 256,
         ray_image: [512, 256],
         time_s: 0.0,
+        ray_parameters: BTreeMap::new(),
     }
 }
 

@@ -82,6 +82,7 @@ impl<'a> Group<'a> {
             && (ours.eye, ours.forward, ours.up) == (theirs.eye, theirs.forward, theirs.up)
             && ours.vertical_fov_degrees == theirs.vertical_fov_degrees
             && ours.ray_image == theirs.ray_image
+            && ours.ray_parameters == theirs.ray_parameters
             && ours.time_s == theirs.time_s
     }
 }

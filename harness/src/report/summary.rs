@@ -142,11 +142,12 @@ fn scene(group: &Group<'_>) -> String {
     let _ = writeln!(
         text,
         ". Viewpoint {} at ({x}, {y}, {z}), {}° vertical field of view, time {} s; rays start from the pixels of a \
-         {} image.",
+         {} image{}.",
         inline(&viewpoint.name),
         significant(f64::from(viewpoint.vertical_fov_degrees), 4),
         viewpoint.time_s,
-        size(viewpoint.ray_image)
+        size(viewpoint.ray_image),
+        viewpoint.said_of_rays()
     );
     if scene.zero_area_triangles_dropped + scene.duplicate_triangles_kept > 0 {
         let _ = writeln!(

@@ -11,14 +11,15 @@ pub fn same_pose(a: &TracerRun, b: &TracerRun) -> bool {
         && a.strength == b.strength
 }
 
-/// The same rays for the same names: [`same_pose`] with the same camera and ray image. Frame and faces shape structures, not
-/// rays.
+/// The same rays for the same names: [`same_pose`] with the same camera, ray image and words about the sets. Frame and faces shape
+/// structures, not rays.
 pub fn same_place(a: &TracerRun, b: &TracerRun) -> bool {
     same_pose(a, b)
         && a.viewpoint.name == b.viewpoint.name
         && a.viewpoint.up == b.viewpoint.up
         && a.viewpoint.vertical_fov_degrees == b.viewpoint.vertical_fov_degrees
         && a.viewpoint.ray_image == b.viewpoint.ray_image
+        && a.viewpoint.ray_parameters == b.viewpoint.ray_parameters
 }
 
 /// The same work in two records: the same tracer with the same parameters over the same triangles from the same viewpoint,

@@ -102,6 +102,21 @@ pub struct ViewpointRecord {
     pub ray_image: [u32; 2],
     /// Animation time, seconds.
     pub time_s: f64,
+    /// What was said about its ray sets otherwise than of the run as a whole.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub ray_parameters: BTreeMap<String, serde_json::Value>,
+}
+
+impl ViewpointRecord {
+    /// What was said about its ray sets otherwise than of the run as a whole, each after a comma.
+    pub fn said_of_rays(&self) -> String {
+        self.ray_parameters.iter().map(|(name, value)| format!(", {name} = {}", said(value))).collect()
+    }
+}
+
+/// A parameter's value as the command line takes it.
+fn said(value: &serde_json::Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
 /// A tracer with its parameters.
@@ -128,8 +143,7 @@ impl TracerRecord {
         }
         for name in &self.changed {
             if let Some(value) = self.parameters.get(name) {
-                let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
-                label = format!("{label} {name}={text}");
+                label = format!("{label} {name}={}", said(value));
             }
         }
         label

@@ -114,6 +114,42 @@ fn a_figure_over_resolution_and_all_claims() {
     assert!(outcome.stdout.contains("tracebench table dirt-figure10"), "{}", outcome.stdout);
 }
 
+/// Proves that steps that are about rays have their own, as many as they say, and that rows and page tell what was said of them.
+#[test]
+fn steps_about_rays() {
+    let bench = bench();
+    let rows = [
+        "quadtree.layers=1",
+        "quadtree.secondary_samples=0",
+        "quadtree.reads=buffer",
+        "quadtree.rays_per_lane=1",
+        "screen-dda.layers=1",
+        "screen-dda.reads=buffer",
+        "screen-dda.rays_per_lane=1",
+    ];
+    let only: Vec<&str> = rows.iter().flat_map(|row| ["--only", *row]).collect();
+    let outcome = table(&bench, "wkp15-table4", "lens", &only);
+    assert!(outcome.stdout.contains("count = 32") && outcome.stdout.contains("| 4/1 |"), "{}", outcome.stdout);
+    let run = bench.result("lens");
+    assert_eq!(run["ray_parameters"]["lens_count"], 4);
+    let told = |one: &Value| {
+        let said = &one["viewpoint"]["ray_parameters"];
+        json!([one["viewpoint"]["ray_image"], said.get("lens_count"), one["traces"][0]["count"]])
+    };
+    let found: Vec<Value> = run["runs"].as_array().unwrap().iter().map(told).collect();
+    let expected = [
+        json!([[16, 8], null, 512]),
+        json!([[16, 8], null, 512]),
+        json!([[16, 8], 8, 1024]),
+        json!([[16, 8], 8, 1024]),
+        json!([[8, 4], 8, 256]),
+        json!([[8, 4], 32, 1024]),
+    ];
+    assert_eq!(found, expected);
+    // A file stands for none of the paper's scenes.
+    assert!(outcome.stdout.contains("**not measured**"), "{}", outcome.stdout);
+}
+
 /// Proves that VVP16's tables are made as DIRT's are: a row for every storage, its ledger the paper's formula on the counts in
 /// run.json, a chart of Figure 12; and that all its claims are set together, those of a scene for which none stands not measured.
 #[test]

@@ -47,6 +47,8 @@ fn wrong_arguments() {
         (vec!["--set", "bvh-cpu.build=quickly"], vec!["very_fast"]),
         (vec!["--set", "rays.order=spiral"], vec!["order", "scanline, tile, shuffled"]),
         (vec!["--set", "rays.lens_aperture=-1"], vec!["lens_aperture", "0 to 1"]),
+        (vec!["--set", "rays.lens_count=0"], vec!["lens_count", "1 to 64"]),
+        (vec!["--set", "screen-dda.layers=5"], vec!["layers", "1 to 4"]),
         (vec!["--set", "rays.lens_apperture=1"], vec!["'lens_aperture'"]),
         (vec!["--set", "stride=1"], vec!["tracer.parameter=value"]),
         (vec!["--tracer", "bvh-cpu", "--set", "screen-dda.stride=1"], vec!["not in --tracer"]),
@@ -256,10 +258,19 @@ fn without_an_adapter() {
     assert_eq!(result["runs"][0]["tracer"]["name"], "bvh-cpu");
     let skipped = result["skipped"].as_array().unwrap();
     let names_of_skipped: Vec<&str> = skipped.iter().map(|each| each["tracer"].as_str().unwrap()).collect();
-    assert_eq!(
-        names_of_skipped,
-        ["bvh-gpu", "lbvh-gpu", "ray-query", "dirt", "fragment-abuffer", "voxel-abuffer", "voxel-octree", "screen-dda"]
-    );
+    let of_device = [
+        "bvh-gpu",
+        "lbvh-gpu",
+        "ray-query",
+        "dirt",
+        "fragment-abuffer",
+        "voxel-abuffer",
+        "voxel-octree",
+        "quadtree",
+        "screen-dda",
+        "height-field",
+    ];
+    assert_eq!(names_of_skipped, of_device);
     assert!(skipped.iter().all(|each| each["reason"].as_str().unwrap().contains("adapter")));
     assert!(result["machine"]["adapter"].is_null());
     assert!(all.stderr.contains("no graphics adapter was found"), "{all:?}");

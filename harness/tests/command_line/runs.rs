@@ -15,7 +15,7 @@ fn lists() {
         items.map(|item| item["name"].as_str().unwrap_or_else(|| panic!("{item}")).to_owned()).collect()
     };
     for (kind, expected) in [
-        ("tracers", vec!["bvh-cpu", "bvh-gpu", "lbvh-gpu", "dirt", "screen-dda"]),
+        ("tracers", vec!["bvh-cpu", "bvh-gpu", "lbvh-gpu", "dirt", "screen-dda", "height-field"]),
         ("scenes", vec!["room", "solids", "cloth", "hangar", "candy", "atrium", "foliage", "smithy"]),
         (
             "rays",
@@ -26,6 +26,8 @@ fn lists() {
                 "visibility",
                 "specular",
                 "glossy",
+                "glossy2",
+                "glossy3",
                 "bounce2",
                 "refraction",
                 "random",
@@ -189,7 +191,7 @@ fn a_smoke_run() {
     }
     let oracle = by_name("controls", "oracle");
     assert_eq!(oracle["traces"][0]["judgement"]["agreement"]["tight"], 1.0);
-    for name in ["bvh-cpu", "bvh-gpu", "lbvh-gpu", "dirt", "screen-dda"] {
+    for name in ["bvh-cpu", "bvh-gpu", "lbvh-gpu", "dirt", "screen-dda", "height-field"] {
         let run = by_name("runs", name);
         assert_eq!(run["traces"][0]["count"], 128);
         assert_eq!(run["traces"][0]["samples_ms"].as_array().unwrap().len(), 3);
@@ -292,8 +294,8 @@ fn empty_ray_sets_are_skipped() {
     };
     let skipped = of_sets(&run);
     let sets: Vec<&str> = skipped.iter().map(|each| each["rays"].as_str().unwrap()).collect();
-    let from_hits = ["diffuse", "ao", "visibility", "specular", "glossy", "bounce2", "refraction", "pixel-random"];
-    assert_eq!(sets, from_hits);
+    let from_hits = ["diffuse", "ao", "visibility", "specular", "glossy", "glossy2", "glossy3", "bounce2"];
+    assert_eq!(sets, [&from_hits[..], &["refraction", "pixel-random"]].concat());
     assert!(skipped.iter().all(|each| each["reason"].as_str().unwrap().contains("empty")));
     assert_eq!(run["runs"][0]["traces"].as_array().unwrap().len(), 6);
     assert_eq!(run["runs"][0]["traces"][0]["judgement"]["classes"]["tight"]["true_miss"], 128);

@@ -16,7 +16,7 @@ fn a_matrix_and_its_files() {
     assert_eq!(names(&bench.path("out")), expected.map(str::to_owned).into());
     assert!(
         outcome.stdout.starts_with(
-            "| case | bvh-cpu | bvh-gpu | lbvh-gpu | ray-query | dirt | fragment-abuffer | voxel-abuffer | voxel-octree | screen-dda |\n"
+            "| case | bvh-cpu | bvh-gpu | lbvh-gpu | ray-query | dirt | fragment-abuffer | voxel-abuffer | voxel-octree | quadtree | screen-dda | height-field |\n"
         ),
         "{}",
         outcome.stdout

@@ -85,12 +85,13 @@ fn cause_step_cap() {
     assert_eq!(case.cause("tight", &[miss()]), "unexplained");
 }
 
-/// Proves `thickness_rejected` and `unexplained`: what was missed is in plain sight, on a pixel's centre, far from the
-/// ray's start, and only the first says a reason.
+/// Proves `thickness_rejected`, `occluded` and `unexplained`: what was missed is in plain sight, on a pixel's centre, far from
+/// the ray's start, and only the first two say a reason.
 #[test]
-fn cause_thickness_rejected_or_unexplained() {
+fn cause_thickness_rejected_occluded_or_unexplained() {
     let case = seen(plate_at(0.0, 1.0), ray([-0.75, 0.1, 0.5], [0.8, 0.0, -0.6]));
     assert_eq!(case.cause("tight", &[status(Status::ThicknessRejected)]), "thickness_rejected");
+    assert_eq!(case.cause("tight", &[status(Status::Occluded)]), "occluded");
     for said in [Status::Miss, Status::LeftViews] {
         assert_eq!(case.cause("tight", &[status(said)]), "unexplained");
     }
@@ -170,6 +171,10 @@ fn cause_assumed_thickness() {
     assert_eq!(case.cause("tight", &[hit(1.0)]), "assumed_thickness");
     // Off the view no view explains it.
     assert_eq!(case.cause("tight", &[hit(100.0)]), "unexplained");
+    // What was made up says so, wherever it lies.
+    for t in [1.0, 100.0] {
+        assert_eq!(case.cause("tight", &[Hit { status: Status::Inpainted as u32, ..hit(t) }]), "inpainted");
+    }
     // In front of everything it is no thickness.
     let before = seen(plate_at(0.0, 1.0), ray([-1.5, 0.1, 0.25], [1.0, 0.0, 0.0]));
     assert_ne!(before.cause("tight", &[hit(1.5)]), "assumed_thickness");

@@ -15,9 +15,11 @@ fn classes_of_a_ray_that_hits() {
     assert_eq!(classes(&case, hit(2.002)), [TrueHit, Late, TrueHit]);
     assert_eq!(classes(&case, hit(1.998)), [TrueHit, Early, TrueHit]);
     assert_eq!(classes(&case, hit(0.0)), [TrueHit, Early, Early]);
-    for status in [Status::Miss, Status::LeftViews, Status::StepCap, Status::ThicknessRejected] {
+    for status in [Status::Miss, Status::LeftViews, Status::StepCap, Status::ThicknessRejected, Status::Occluded] {
         assert_eq!(classes(&case, Hit::miss(status)), [FalseMiss; 3]);
     }
+    // What was made up counts as a hit.
+    assert_eq!(classes(&case, Hit { status: Status::Inpainted as u32, ..hit(2.0) }), [TrueHit; 3]);
 }
 
 /// Proves both classes for a ray that misses; t does not matter then.
@@ -267,7 +269,7 @@ fn what_is_no_answer_is_refused() {
     for query in [Query::Closest, Query::Any] {
         let case = hundred(query);
         let poison = Hit { t: 0.0, primitive: 0, u: 0.0, v: 0.0, status: 0 };
-        let unknown = Hit { status: 6, ..hit(2.0) };
+        let unknown = Hit { status: Status::ALL.len() as u32, ..hit(2.0) };
         for bad in [
             poison,
             unknown,

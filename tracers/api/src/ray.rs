@@ -49,7 +49,7 @@ impl Hit {
 
     /// Whether the tracer says that the ray hit something.
     pub fn is_hit(&self) -> bool {
-        self.status == Status::Hit as u32
+        Status::from_code(self.status).is_some_and(Status::is_hit)
     }
 }
 
@@ -70,12 +70,24 @@ pub enum Status {
     StepCap = 4,
     /// Nothing found; the ray passed behind at least one stored surface by more than the thickness.
     ThicknessRejected = 5,
+    /// Nothing found; the ray passed through space that the method's last layer hides, and what lies there it does not know.
+    Occluded = 6,
+    /// A hit that the method made up where the ray entered space that its layers hide: on what its image shows just before.
+    Inpainted = 7,
 }
 
 impl Status {
     /// Every status, by code.
-    pub const ALL: [Status; 6] =
-        [Self::Unwritten, Self::Hit, Self::Miss, Self::LeftViews, Self::StepCap, Self::ThicknessRejected];
+    pub const ALL: [Status; 8] = [
+        Self::Unwritten,
+        Self::Hit,
+        Self::Miss,
+        Self::LeftViews,
+        Self::StepCap,
+        Self::ThicknessRejected,
+        Self::Occluded,
+        Self::Inpainted,
+    ];
 
     /// The status of a code, `None` for a code that does not exist.
     pub fn from_code(code: u32) -> Option<Self> {
@@ -91,7 +103,14 @@ impl Status {
             Self::LeftViews => "left_views",
             Self::StepCap => "step_cap",
             Self::ThicknessRejected => "thickness_rejected",
+            Self::Occluded => "occluded",
+            Self::Inpainted => "inpainted",
         }
+    }
+
+    /// Whether it says that something was hit; what was made up counts.
+    pub fn is_hit(self) -> bool {
+        matches!(self, Self::Hit | Self::Inpainted)
     }
 }
 
@@ -209,6 +228,9 @@ mod tests {
             assert_eq!(Status::from_code(code as u32), Some(*status));
         }
         assert_eq!(Status::from_code(99), None);
+        // Those of a hit are hits, and no other.
+        let hits: Vec<_> = Status::ALL.into_iter().filter(|status| Hit::miss(*status).is_hit()).collect();
+        assert_eq!(hits, [Status::Hit, Status::Inpainted]);
         for (code, status) in SurfaceStatus::ALL.iter().enumerate() {
             assert_eq!(*status as u32, code as u32);
             assert_eq!(SurfaceStatus::from_code(code as u32), Some(*status));

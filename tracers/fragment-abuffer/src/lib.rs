@@ -5,7 +5,6 @@
 //! marched over these images and hits a fragment whose depth lies within the depths that the ray has in its pixel.
 
 mod arrays;
-mod brute_force;
 mod build;
 mod counting;
 mod description;

@@ -2,8 +2,8 @@
 
 use tracebench_api::glam::Vec3;
 use tracebench_api::{Geometry, TracerError};
+use tracebench_kit::{Allowed, Fragment, allowed_fragments, undecided_border};
 
-use crate::brute_force::{Allowed, allowed_fragments, border};
 use crate::layout::{Layout, Storage};
 use crate::parts::Part;
 use crate::structure::{FragmentStructure, check_order};
@@ -13,15 +13,6 @@ const MOST_COMPARED: u64 = 4096;
 
 /// Relative difference of a fragment's depth in two passes.
 const PASS_SLACK: f32 = 4e-6;
-
-/// A stored fragment.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Fragment {
-    /// Eye depth, scene units.
-    pub depth: f32,
-    pub normal: Vec3,
-    pub material: u32,
-}
 
 /// A part's words, and how to read them.
 struct ReadBack<'a> {
@@ -236,7 +227,7 @@ impl FragmentStructure {
             let [width, height] = self.layout.views[view].size;
             let step = (1..).find(|step| self.layout.pixels_of(view) / (step * step) <= MOST_COMPARED).unwrap_or(1);
             let step = step as u32;
-            let border = border(&tracebench_kit::rasterizer(&self.pipelines.gpu)?);
+            let border = undecided_border(&tracebench_kit::rasterizer(&self.pipelines.gpu)?);
             let allowed = allowed_fragments(&self.layout.views[view], geometry, step, border);
             for y in 0..height {
                 for x in 0..width {

@@ -1,11 +1,14 @@
 //! Device parts that several tracers share: views as uniforms, pipelines and dispatches, buffers that are kept and grow,
-//! pyramids' levels, prefix sums and sorts, rasterized eye depth and triangles, surfaces of hits, counts of rays, bits for what
-//! is touched, the unit cube of methods that sample along axes, how searches read and are launched, work that is the same every
-//! time; and clipping in f64, which what they rasterize is held against.
+//! pyramids' levels, prefix sums and sorts, rasterized eye depth and triangles, layer behind layer, pyramids over eye depth,
+//! surfaces of hits, counts of rays, bits for what is touched, the unit cube of methods that sample along axes, how searches read
+//! and are launched, work that is the same every time; and clipping and drawing in f64, which what they rasterize is held against.
 
+mod behind;
+mod brute_force;
 mod clip;
 mod compute;
 mod counts;
+mod depth_pyramid;
 mod empty_target;
 mod eye_depth;
 mod fixed_work;
@@ -23,37 +26,45 @@ mod raster;
 mod raster_probe;
 mod reads;
 mod room;
+mod seen;
+mod texture;
 mod touched;
 mod unit_space;
 mod view_uniform;
 
+pub use behind::BehindRaster;
+pub use brute_force::{Allowed, AllowedFragments, Fragment, allowed_fragments, undecided_border};
 pub use clip::{TileBounds, clipped_depths, clipped_polygon, eye_space, touched_tiles};
 pub use compute::{
     PipelinesOnDemand, bind_group, bind_group_at, check_limits, compute_pipeline, dispatch_linear,
     dispatch_linear_groups, every_variant, shader_module, shader_module_testing_early,
 };
 pub use counts::{RayCounts, counters_of};
+pub use depth_pyramid::{CellDepths, DepthPyramid, PyramidBuilder, PyramidLayout, PyramidShape};
 pub use empty_target::EmptyTarget;
-pub use eye_depth::{EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
+pub use eye_depth::{DepthCopy, EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
 pub use fixed_work::{FixedWork, FixedWorkPlan, fixed_task};
 pub use gather::{Gather, SurfaceGeometry};
 pub use lanes::{LANES_OF_WORKGROUP, dispatch_rays, rays_per_lane_parameter, rays_within_rounds};
 pub use last_count::LastCount;
 pub use means_probe::{MANY_RAYS, ProbeTimes, probe_means};
-pub use nearest_raster::DEPTH_TEST_FORMAT;
+pub use nearest_raster::{DEPTH_TEST_FORMAT, Passing};
 pub use on_demand::OnDemand;
 pub use prefix_sum::{PrefixSum, PrefixSumPlan};
-pub use primitive_raster::{PrimitiveRaster, PrimitiveTexture, create_texture};
+pub use primitive_raster::{PrimitiveRaster, PrimitiveTexture};
 pub use pyramid::{MOST_LEVELS, Pyramid};
 pub use radix_sort::{RadixSort, RadixSortPlan};
 pub use raster::{RasterTargets, raster_pipeline};
 pub use raster_probe::rasterizer;
 pub use reads::{READS_GROUP, ROW_BITS, ReadSlot, Readable, Reads, bind_arrays, reads_parameter, record_copies};
 pub use room::{Room, grow, storage_buffer, uniform_buffer};
+pub use seen::{Seen, SeenRaster, SeenView};
+pub use texture::create_texture;
 pub use touched::{TouchedBits, bits_on};
 pub use unit_space::{Fit, UnitSpace, across_and_down};
 pub use view_uniform::ViewUniform;
 
+use depth_pyramid::PyramidLevel;
 use gather::GatherSettings;
 use means_probe::ProbeSettings;
 use radix_sort::SortPass;
@@ -66,6 +77,9 @@ pub fn layouts() -> Vec<SharedLayout> {
             eye, tan_half_width, right, tan_half_height, up, near, forward, far, size, padding,
         }
         UnitSpace { low, image, scale, grid, begin, padding }
+        Passing { separation, backs_only, padding }
+        PyramidLevel { size, level, image, begin, begin_below, covered_only, padding }
+        PyramidLayout as DepthPyramid { size, levels, cells, level_offsets }
         GatherSettings { ray_count, padding_a, padding_b, padding_c }
         SortPass { count, blocks, shift }
         ProbeSettings { count, rays_per_lane, last_record, reads }

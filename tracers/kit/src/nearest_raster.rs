@@ -1,15 +1,41 @@
 //! What is nearest at every pixel of one view, by the hardware rasterizer; depths by the triangles' planes.
 
-use tracebench_api::wgpu::{self, BindGroup, RenderPipeline, TextureFormat, TextureView};
+use bytemuck::{Pod, Zeroable};
+use tracebench_api::wgpu::{self, BindGroup, BindingResource, Buffer, RenderPipeline, TextureFormat, TextureView};
 use tracebench_api::{DeviceGeometry, Gpu, TracerError, View};
 use tracebench_shaders::shared::NearestRaster as Variant;
 
-use crate::{RasterTargets, ViewUniform, bind_group, raster_pipeline, shader_module};
+use crate::{RasterTargets, ViewUniform, bind_group, raster_pipeline, shader_module, uniform_buffer};
 
 /// What depth is tested in.
 pub const DEPTH_TEST_FORMAT: TextureFormat = TextureFormat::Depth32Float;
 
 const VIEW: &str = "drawn view";
+const PASSING: &str = "passed layer";
+
+/// What lies behind a layer: `Passing` of shaders/shared/nearest_raster.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct Passing {
+    /// What is nearer to the layer counts as it, scene units.
+    pub separation: f32,
+    /// 1: faces that turn their back to the eye alone.
+    pub backs_only: u32,
+    /// Nothing.
+    pub padding: [u32; 2],
+}
+
+impl Passing {
+    /// Everything farther behind the layer than that.
+    pub fn behind(separation: f32) -> Self {
+        Self { separation, backs_only: 0, padding: [0; 2] }
+    }
+
+    /// Backs of faces, however near.
+    pub fn backs() -> Self {
+        Self { separation: 0.0, backs_only: 1, padding: [0; 2] }
+    }
+}
 
 /// A pipeline that draws what is nearest.
 #[derive(Debug)]
@@ -36,18 +62,32 @@ impl NearestRaster {
     /// Name and bytes of what drawing takes while it runs, beside its targets.
     pub(crate) const UNIFORM: (&str, u64) = (VIEW, size_of::<ViewUniform>() as u64);
 
-    /// Prepares one view.
+    /// The same of drawing what lies behind a layer.
+    pub(crate) const PASSING_UNIFORM: (&str, u64) = (PASSING, size_of::<Passing>() as u64);
+
+    /// Prepares one view; of a variant that draws what lies behind a layer with that layer's depths.
     ///
     /// # Errors
     /// [`TracerError::TooLarge`] if the device cannot bind the scene.
-    pub(crate) fn bind(&self, gpu: &Gpu, view: &View, geometry: &DeviceGeometry) -> Result<BindGroup, TracerError> {
+    pub(crate) fn bind(
+        &self,
+        gpu: &Gpu,
+        view: &View,
+        geometry: &DeviceGeometry,
+        passed: Option<(&TextureView, Passing)>,
+    ) -> Result<BindGroup, TracerError> {
         for (name, buffer) in [("vertex positions", &geometry.positions), ("vertex indices", &geometry.indices)] {
             gpu.check_storage_binding(name, buffer.size(), "the scene's triangle count")?;
         }
         let uniform = ViewUniform::from(view);
         let uniform =
             gpu.buffer_with(VIEW, bytemuck::bytes_of(&uniform), wgpu::BufferUsages::UNIFORM, "the number of views")?;
-        let resources = [&uniform, &geometry.positions, &geometry.indices].map(|buffer| buffer.as_entire_binding());
+        let mut resources: Vec<BindingResource<'_>> =
+            [&uniform, &geometry.positions, &geometry.indices].map(Buffer::as_entire_binding).to_vec();
+        let passing = passed.map(|(_, passing)| uniform_buffer(gpu, PASSING, &passing)).transpose()?;
+        if let Some(((depths, _), passing)) = passed.zip(passing.as_ref()) {
+            resources.extend([passing.as_entire_binding(), BindingResource::TextureView(depths)]);
+        }
         Ok(bind_group(gpu, &self.pipeline.get_bind_group_layout(0), &resources))
     }
 

@@ -5,8 +5,9 @@ use tracebench_api::{DeviceGeometry, Gpu, MemoryEntry, TracerError, View};
 use tracebench_shaders::shared::NearestRaster as Variant;
 
 use crate::nearest_raster::NearestRaster;
+use crate::texture::{create_texture_array, views_of};
 
-const FORMAT: TextureFormat = TextureFormat::R32Uint;
+pub(crate) const PRIMITIVE_FORMAT: TextureFormat = TextureFormat::R32Uint;
 
 const TEXTURE: &str = "primitive id texture";
 
@@ -16,54 +17,47 @@ pub struct PrimitiveRaster {
     raster: NearestRaster,
 }
 
-/// One u32 a pixel: the nearest triangle at the pixel's centre, or [`tracebench_api::NO_PRIMITIVE`].
+/// One u32 a pixel: the nearest triangle at the pixel's centre, or [`tracebench_api::NO_PRIMITIVE`]; of one layer, or of several.
 #[derive(Clone, Debug)]
 pub struct PrimitiveTexture {
-    /// The texture.
+    /// The first layer.
     pub view: TextureView,
+    /// Each layer by itself.
+    pub layers: Vec<TextureView>,
+    /// All of them as an array.
+    pub all: TextureView,
     /// What it takes: as the device's allocator says, or by its pixels where that says nothing.
     pub memory: MemoryEntry,
 }
 
 impl PrimitiveTexture {
     /// What a texture takes by its pixels.
-    pub fn memory_of([width, height]: [u32; 2]) -> MemoryEntry {
-        MemoryEntry::whole(TEXTURE, u64::from(width) * u64::from(height) * 4)
+    pub fn memory_of([width, height]: [u32; 2], layers: u32) -> MemoryEntry {
+        MemoryEntry::whole(TEXTURE, u64::from(width) * u64::from(height) * u64::from(layers) * 4)
     }
 
-    /// Creates the texture.
+    /// Creates the texture of one layer.
     ///
     /// # Errors
     /// [`TracerError::Failed`] if the device refuses it.
     pub fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, TracerError> {
+        Self::of_layers(gpu, size, 1)
+    }
+
+    /// Creates that of so many.
+    ///
+    /// # Errors
+    /// As [`PrimitiveTexture::new`].
+    pub fn of_layers(gpu: &Gpu, size: [u32; 2], layers: u32) -> Result<Self, TracerError> {
         let before = gpu.allocations();
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
-        let texture = create_texture(gpu, TEXTURE, size, FORMAT, usage);
+        let texture = create_texture_array(gpu, TEXTURE, size, layers, PRIMITIVE_FORMAT, usage);
         gpu.check()?;
-        let mut memory = Self::memory_of(size);
+        let mut memory = Self::memory_of(size, layers);
         memory.allocated_bytes = gpu.allocations().added_since(&before, TEXTURE).unwrap_or(memory.used_bytes);
-        Ok(Self { view: texture.create_view(&Default::default()), memory })
+        let (each, all) = views_of(&texture);
+        Ok(Self { view: each[0].clone(), layers: each, all, memory })
     }
-}
-
-/// A texture of one level and one layer.
-pub fn create_texture(
-    gpu: &Gpu,
-    name: &str,
-    [width, height]: [u32; 2],
-    format: TextureFormat,
-    usage: TextureUsages,
-) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(name),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage,
-        view_formats: &[],
-    })
 }
 
 impl PrimitiveRaster {
@@ -72,7 +66,7 @@ impl PrimitiveRaster {
     /// # Errors
     /// [`TracerError::Failed`] if the device refuses it.
     pub fn new(gpu: &Gpu) -> Result<Self, TracerError> {
-        Ok(Self { raster: NearestRaster::new(gpu, Variant { primitives: true }, FORMAT)? })
+        Ok(Self { raster: NearestRaster::new(gpu, Variant { primitives: true, behind: false }, PRIMITIVE_FORMAT)? })
     }
 
     /// What drawing takes while it runs, beside the texture.
@@ -86,7 +80,7 @@ impl PrimitiveRaster {
     /// # Errors
     /// [`TracerError::TooLarge`] if the device cannot bind the scene.
     pub fn bind(&self, gpu: &Gpu, view: &View, geometry: &DeviceGeometry) -> Result<BindGroup, TracerError> {
-        self.raster.bind(gpu, view, geometry)
+        self.raster.bind(gpu, view, geometry, None)
     }
 
     /// Records the pass that draws all triangles, with a depth test in a texture of the same size.

@@ -1,15 +1,28 @@
 //! The parameters of `screen-dda`.
 
-use tracebench_api::ParameterScope::Trace;
+use tracebench_api::ParameterScope::{Build, Trace};
 use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
 use tracebench_kit::{Reads, rays_per_lane_parameter, reads_parameter};
 
-use crate::structure::layouts;
+use crate::trace::layouts;
 
 choice! {
     /// Where in its step a hit is placed; in the order of the shader's codes.
     pub(crate) enum HitPoint { Step = "step", Depth = "depth" }
 }
+
+choice! {
+    /// How a ray goes over its samples.
+    pub(crate) enum March { Pixels = "pixels", HiZ = "hi-z" }
+}
+
+choice! {
+    /// What says how thick a stored surface is.
+    pub(crate) enum ThicknessFrom { Assumed = "assumed", BackFaces = "back_faces" }
+}
+
+/// Most layers, as many as the authors' released code has.
+pub(crate) const MOST_LAYERS: u32 = 4;
 
 parameters! {
     /// What `screen-dda` is told.
@@ -26,10 +39,11 @@ parameters! {
             Trace,
             1..=65_536,
             4096,
-            "depth samples after which a ray is given up with status step_cap",
+            "depth samples of its way after which a ray is given up with status step_cap, those that march=hi-z skips among them; \
+             WKP15 set 200 for stereo, 500 for temporal and 25 for lens rays",
         )
         .unit("samples")
-        .sweep([16, 64, 256, 1024, 4096]),
+        .sweep([16, 25, 64, 200, 256, 500, 1024, 4096]),
         thickness: f64 = Parameter::real(
             Trace,
             0.0..=10.0,
@@ -53,6 +67,35 @@ parameters! {
             "where in its step a hit is placed: at the step's position (listing 1), or at the stored eye depth; rays that \
              fall on one pixel always at the stored depth",
         ),
+        layers: u32 = Parameter::integer(
+            Build,
+            1..=MOST_LAYERS,
+            1,
+            "depths stored at a pixel, the nearest and those behind it: more find what is hidden, for more to draw and to look at",
+        )
+        .unit("layers")
+        .sweep([1, 2, 4]),
+        layer_separation: f64 = Parameter::real(
+            Build,
+            0.0..=1.0,
+            0.0,
+            "least distance in eye depth of a layer from the one before: more keeps close surfaces from filling all layers, and loses \
+             them",
+        )
+        .unit("scene diagonals")
+        .sweep([0.0, 0.002, 0.01, 0.05]),
+        thickness_from: ThicknessFrom = Parameter::choice(
+            Build,
+            ThicknessFrom::Assumed,
+            "what says how thick a stored surface is: thickness alone, or the nearest back face behind it and thickness where there \
+             is none",
+        ),
+        march: March = Parameter::choice(
+            Build,
+            March::Pixels,
+            "how a ray goes over its samples: one after the other, or up and down a pyramid of depth bounds, built for it, which \
+             skips samples that cannot hit; the hits are the same",
+        ),
         reads: Reads = reads_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),
     }
@@ -66,7 +109,7 @@ pub fn description() -> Description {
     Description {
         name: "screen-dda",
         citation: "McGuire, Mara: Efficient GPU Screen-Space Ray Tracing, JCGT 3(4), 2014",
-        summary: "perspective-correct DDA over the depth buffer of one view",
+        summary: "perspective-correct DDA over the depth buffer of one view, or over several depth layers",
         residency: Residency::Device,
         invalidated_by: &[Invalidation::Geometry, Invalidation::Viewpoint, Invalidation::Resolution],
         names_primitives: false,

@@ -5,8 +5,20 @@
 //! interval in a pixel meets the stored surface, which is taken to be `thickness` thick. It sees what the view shows and
 //! nothing else.
 //!
+//! Beside what the paper has, each off in the preset `published`:
+//! - `layers`: up to four depths a pixel, drawn one behind the other (depth peeling), as the authors' released code
+//!   (G3D, `screenSpaceRayTrace.glsl`) searches them: every sample asks each layer. With `layer_separation` surfaces that lie
+//!   close behind one another count as one (Mara, McGuire, Luebke, *Lighting Deep G-Buffers*, NVIDIA 2013).
+//! - `thickness_from = back_faces`: a surface is as thick as the nearest back face behind it lies; where there is none, as
+//!   `thickness` says.
+//! - `march = hi-z`: samples that cannot hit are skipped by a pyramid of depth bounds (Uludag, *Hi-Z Screen-Space Cone-Traced
+//!   Reflections*, GPU Pro 5, 2014). The samples are those of the walk, not cells of the pyramid, so hits, statuses and the step
+//!   limit are the same bit for bit. With several layers each has a pyramid, and samples are skipped where none can hit: layers
+//!   with pyramids are what Hofmann, Bogendoerfer, Stamminger and Selgrad, *Hierarchical Multi-Layer Screen-Space Ray Tracing*,
+//!   HPG 2017, combine; of that paper no more than the abstract was at hand, so how it is done here is this suite's own.
+//!
 //! Surfaces: hits name no triangle. A trace that ends at surfaces draws the view once more with the triangles' numbers, in
-//! the trace's own time, and takes normal and material from the triangle at the pixel where a hit was found; its position is
+//! the trace's own time (each layer), and takes normal and material from the triangle at the pixel where a hit was found; its position is
 //! the ray's point at the hit's t, as the method answers it. Hits and the structure are the same for both ends.
 //!
 //! Deviations from the paper, each chosen so that the suite can compare methods:
@@ -19,7 +31,9 @@
 //!   descriptions; thickness is told in scene diagonals, so that it means the same in every scene.
 
 mod description;
+mod images;
 mod structure;
+mod trace;
 
 pub use description::description;
 pub use structure::ScreenDda;

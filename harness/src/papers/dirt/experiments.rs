@@ -5,10 +5,12 @@ use tracebench_api::EndPoint;
 use super::{charts, sections};
 use crate::papers::experiment::{Experiment, Row, Values, at, peer, stands_for};
 use crate::papers::vvp16::abuffer;
+use crate::papers::wkp15::quadtree;
+use crate::papers::{hhz14, wkp15};
 
 /// Every one, in the order of lists.
 pub(super) const EXPERIMENTS: &[Experiment] =
-    &[TABLE1, TABLE2, TABLE3, FIGURE7, FIGURE8, FIGURE9, FIGURE10, FIGURE11, TEXT];
+    &[TABLE1, TABLE2, TABLE3, FIGURE7, FIGURE8, FIGURE9, FIGURE10, FIGURE11, FAMILIES, TEXT];
 
 const fn dirt(values: Values) -> Row {
     Row { tracer: "dirt", values }
@@ -229,6 +231,37 @@ const FIGURE11: Experiment = Experiment {
     ],
 };
 
+/// Section 2.
+const FAMILIES: Experiment = Experiment {
+    name: "dirt-families",
+    summary: "build, memory and accuracy of a method of every family that came before, beside DIRT (DIRT, section 2)",
+    published: &[],
+    scenes: &[stands_for("room", "Bunny"), stands_for("hangar", "Hangar"), stands_for("candy", "Candy")],
+    rays: "diffuse,specular",
+    settings: &[],
+    end: EndPoint::Hit,
+    steps: &[at(
+        1.0,
+        &[
+            Row { tracer: wkp15::DDA, values: &[("layers", &["1", "2"])] },
+            quadtree(&[("layers", &["2"]), ("views", &["frame"])]),
+            quadtree(&[("layers", &["1"]), ("views", &["six"])]),
+            peer(hhz14::ABUFFER),
+            abuffer(&[]),
+            dirt(&[("tile_size", &["2"])]),
+        ],
+    )],
+    means: false,
+    sections: &[sections::families],
+    charts: &[],
+    notes: &[
+        "In the order of the paper: a G-buffer is screen-dda, depth peeling its two layers, a k-buffer the two layers of the quadtree, a cube \
+         of G-buffers the quadtree's six faces of one layer, three orthographic A-buffers are voxel-abuffer, the cube of A-buffers is \
+         fragment-abuffer. Each is its own paper's method, so that more than the storage differs.",
+        "Memory is the structure alone, without what a trace to surfaces fetches.",
+    ],
+};
+
 /// What the text states beside them.
 const TEXT: Experiment = Experiment {
     name: "dirt-text",
@@ -253,7 +286,6 @@ const TEXT: Experiment = Experiment {
                 dirt(&[("tile_size", &["2"]), ("searched", &["all"]), ("accept", &["tile", "distance"])]),
                 dirt(&[("tile_size", &["2"]), ("direct_visibility", &["on"])]),
                 dirt(&[("tile_size", &["2"]), ("march", &["tiles"])]),
-                peer("screen-dda"),
             ],
         ),
         at(0.5, &[dirt(&[("tile_size", &["1", "4"])])]),

@@ -18,6 +18,7 @@ pub(super) const PAPER: Paper = Paper {
     name: "dirt",
     experiments: experiments::EXPERIMENTS,
     part: Part { rays: &["visibility", "diffuse"], step, row },
+    at_paper: None,
     published: include_str!("published.json"),
     claims: include_str!("claims.json"),
     quantities: quantities::QUANTITIES,

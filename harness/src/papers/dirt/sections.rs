@@ -8,6 +8,7 @@ use crate::papers::page::beside::beside;
 use crate::papers::page::measured::{speed_with_accuracy, strings};
 use crate::papers::rows::{integer, statistic, trace};
 use crate::papers::vvp16::ABUFFER;
+use crate::papers::wkp15::DDA;
 use crate::report::format::{NONE, optional, significant, thousands};
 use crate::report::markdown::Table;
 use crate::results::TracerRun;
@@ -120,6 +121,11 @@ pub(super) fn mixes(page: &Page<'_>) -> String {
         }
     }
     format!("\nThe accuracy of the same traces stands below, by scene and resolution.\n\n{}", table.text)
+}
+
+/// Methods of every family beside the first.
+pub(super) fn families(page: &Page<'_>) -> String {
+    beside(page, DDA)
 }
 
 /// DIRT beside the A-buffer.

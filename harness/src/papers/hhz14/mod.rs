@@ -16,6 +16,7 @@ pub(super) const PAPER: Paper = Paper {
     name: "hhz14",
     experiments: experiments::EXPERIMENTS,
     part: Part { rays: &["specular", "refraction", "visibility", "ao", "diffuse"], step, row: in_part },
+    at_paper: None,
     published: include_str!("published.json"),
     claims: include_str!("claims.json"),
     quantities: quantities::QUANTITIES,
@@ -35,7 +36,7 @@ pub(super) const PAPER: Paper = Paper {
 };
 
 /// Its tracer.
-const ABUFFER: &str = "voxel-abuffer";
+pub(super) const ABUFFER: &str = "voxel-abuffer";
 /// The peer of its Table 1.
 const OCTREE: &str = "voxel-octree";
 

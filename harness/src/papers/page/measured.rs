@@ -33,12 +33,13 @@ fn at_resolution(page: &Page<'_>, scene: &SceneRows<'_>) -> String {
     let viewpoint = &first.viewpoint;
     let size = |[width, height]: [u32; 2]| format!("{width}x{height}");
     let mut text = format!(
-        "\n### {} ({} triangles), rays from {}, frame {}, faces {}\n\n",
+        "\n### {} ({} triangles), rays from {}, frame {}, faces {}{}\n\n",
         inline(&scene.label),
         thousands(first.scene.triangles),
         size(viewpoint.ray_image),
         size(viewpoint.frame),
-        viewpoint.face
+        viewpoint.face,
+        inline(&viewpoint.said_of_rays())
     );
     text += &structures(page, scene);
     for set in scene.ray_sets() {

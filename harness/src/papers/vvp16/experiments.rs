@@ -4,6 +4,7 @@ use tracebench_api::EndPoint;
 
 use super::{abuffer, charts, sections};
 use crate::papers::experiment::{Experiment, Row, StandIn, Step, at, at_time, peer, stands_for};
+use crate::papers::wkp15::quadtree;
 
 /// Every one, in the order of lists.
 pub(super) const EXPERIMENTS: &[Experiment] = &[TABLE1, TABLE2, FIGURE10, FIGURE11, FIGURE12, VIEWS];
@@ -164,6 +165,7 @@ const BASE: Step = at(
         abuffer(&[("views", &["six"]), ("centre", &["eye"])]),
         abuffer(&[("storage", &["s-buffer"]), ("binary_search_above", &["16", "0", "64", "1048576"])]),
         abuffer(&[("thickness_in", &["pixels"]), ("thickness", &["1"])]),
+        quadtree(&[("views", &["six"]), ("layers", &["2"])]),
     ],
 );
 /// Faces with pixels no larger than the camera's.
@@ -187,6 +189,7 @@ const VIEWS: Experiment = Experiment {
     notes: &[
         "From one viewpoint a scene; `--view` takes others, as Figure 7 has two. The paper's times have direct lighting in them, \
          these have not; Figure 8 has two bounces, here its refracted and mirrored rays are those of the first.",
+        "The last row of the first part is WKP15's cube of two layers.",
         "The second part has faces of twice the edge, whose pixels are no larger than the camera's; the third has half of every \
          resolution.",
     ],

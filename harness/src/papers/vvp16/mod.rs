@@ -20,6 +20,7 @@ pub(super) const PAPER: Paper = Paper {
     name: "vvp16",
     experiments: experiments::EXPERIMENTS,
     part: Part { rays: &["diffuse", "pixel-random"], step, row: in_part },
+    at_paper: None,
     published: include_str!("published.json"),
     claims: include_str!("claims.json"),
     quantities: quantities::QUANTITIES,

@@ -1,8 +1,8 @@
 //! Agreement with the truth, and rays that are lost.
 
 use crate::papers::quantity::{IN_A_MILLION, Quantity, greatest, least, of_scene};
-use crate::papers::rows::{MILLION, SceneRows, agreement, beyond, false_misses, footprint, trace, wrong};
-use crate::results::{Judgement, TraceRecord, TracerRun};
+use crate::papers::rows::{MILLION, SceneRows, agreement, beyond, false_misses, trace, wrong};
+use crate::results::Judgement;
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     of_scene("least_tight_agreement", "", least_tight_agreement),
@@ -11,7 +11,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     of_scene("early_stop_wrong_rays", IN_A_MILLION, early_stop_wrong_rays),
     of_scene("tile_acceptance_false_misses", IN_A_MILLION, tile_acceptance_false_misses),
     of_scene("one_view_agreement_change", "", one_view_agreement_change),
-    of_scene("one_layer_agreement_less_dirt", "", one_layer_agreement_less_dirt),
 ];
 
 /// Ray sets that start on surfaces.
@@ -67,21 +66,10 @@ fn tile_acceptance_false_misses(scene: &SceneRows<'_>) -> Option<f64> {
     beyond(tile, distance, false_misses)
 }
 
-/// Agreement of one row less another's, of the secondary set where that is greatest.
-fn greatest_difference(one: &TracerRun, other: &TracerRun, of: fn(&TraceRecord) -> Option<f64>) -> Option<f64> {
-    let of_set = |rays: &&str| Some(of(trace(one, rays)?)? - of(trace(other, rays)?)?);
-    greatest(SECONDARY.iter().filter_map(of_set))
-}
-
 /// Agreement of one view less that of six, of the secondary set that loses least.
 fn one_view_agreement_change(scene: &SceneRows<'_>) -> Option<f64> {
     let [one, six] = ["frame", "six"].map(|views| scene.find("dirt", &[("views", views), ("shadow_map", "off")]));
-    greatest_difference(one?, six?, agreement)
-}
-
-/// Footprint agreement of one layer in screen space less DIRT's as published, of the secondary set that loses least.
-fn one_layer_agreement_less_dirt(scene: &SceneRows<'_>) -> Option<f64> {
-    let layer = scene.find("screen-dda", &[])?;
-    let dirt = scene.find("dirt", &as_published(&[("tile_size", "2")]))?;
-    greatest_difference(layer, dirt, footprint)
+    let (one, six) = (one?, six?);
+    let of_set = |rays: &&str| Some(agreement(trace(one, rays)?)? - agreement(trace(six, rays)?)?);
+    greatest(SECONDARY.iter().filter_map(of_set))
 }

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod beside_abuffer;
+mod families;
 pub(super) mod memory;
 pub(super) mod time;
 
@@ -9,4 +10,4 @@ use crate::papers::Quantity;
 
 /// All of them.
 pub(super) const QUANTITIES: &[&[Quantity]] =
-    &[time::QUANTITIES, memory::QUANTITIES, accuracy::QUANTITIES, beside_abuffer::QUANTITIES];
+    &[time::QUANTITIES, memory::QUANTITIES, accuracy::QUANTITIES, beside_abuffer::QUANTITIES, families::QUANTITIES];

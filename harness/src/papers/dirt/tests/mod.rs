@@ -1,5 +1,6 @@
 //! Quantities of DIRT are what they say.
 
+mod families;
 mod pages;
 
 use std::collections::BTreeMap;

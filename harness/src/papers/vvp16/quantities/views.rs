@@ -6,6 +6,7 @@ use crate::papers::estimate::Estimate;
 use crate::papers::quantity::{IN_A_MILLION, PERCENT, Quantity, of_scene, timed_of_scene};
 use crate::papers::rows::{MILLION, SceneRows, beyond, beyond_of, false_misses, footprint, statistic, trace};
 use crate::papers::vvp16::{ABUFFER, PAPER, row};
+use crate::papers::wkp15;
 use crate::results::{Judgement, TraceRecord, TracerRun};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
@@ -18,6 +19,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     of_scene("half_resolution_agreement_change", "", half_resolution_agreement_change),
     timed_of_scene("resolution_exponent", "", resolution_exponent),
     of_scene("off_view_rays_of_six_faces", IN_A_MILLION, off_view_rays_of_six_faces),
+    of_scene("hidden_rays_of_two_layers", IN_A_MILLION, hidden_rays_of_two_layers),
     of_scene("fragments_beyond_centres_in_eye", PERCENT, fragments_beyond_centres_in_eye),
     timed_of_scene("bounds_of_boxes_over_geometry", "", bounds_of_boxes_over_geometry),
     of_scene("camera_view_agreement_change", "", camera_view_agreement_change),
@@ -32,6 +34,8 @@ const TIMED: [&str; 2] = ["diffuse", "ao"];
 const BENT: [&str; 2] = ["specular", "refraction"];
 /// What the judge says of rays whose true hit no view holds.
 const OFF_VIEW: &str = "off_view";
+/// And of those whose true hit lies behind what the views keep.
+const HIDDEN_LAYER: &str = "hidden_layer";
 
 /// Time with seven views over that with the camera's alone, all layers, mean over the ray sets.
 fn seven_views_over_one(scene: &SceneRows<'_>) -> Option<Estimate> {
@@ -117,22 +121,27 @@ fn resolution_exponent(scene: &SceneRows<'_>) -> Option<Estimate> {
     Some(Estimate { value: farther, interval, ..time })
 }
 
-/// Rays in a million of all closest-hit sets whose true hit lies in none of six faces.
-fn off_view_rays_of_six_faces(scene: &SceneRows<'_>) -> Option<f64> {
+/// Rays in a million of all closest-hit sets of a row that are wrong for a cause.
+fn rays_of_cause(run: &TracerRun, cause: &str) -> Option<f64> {
     let mut sums = [0_u64; 2];
-    for trace in &row(scene, &[("views", "six")])?.traces {
-        let Some([rays, lost]) = off_view(trace) else { continue };
-        sums = [sums[0] + rays, sums[1] + lost];
+    for trace in &run.traces {
+        let Judgement::Closest(closest) = &trace.judgement else { continue };
+        let Some(causes) = closest.causes.get("tight") else { continue };
+        let lost = causes.get(cause).copied().unwrap_or(0);
+        sums = [sums[0] + trace.count.saturating_sub(closest.ties), sums[1] + lost];
     }
     let [rays, lost] = sums.map(|sum| sum as f64);
     (rays > 0.0).then(|| lost / rays * MILLION)
 }
 
-/// Rays that count, and of them those lost outside of the views; of closest-hit sets alone.
-fn off_view(trace: &TraceRecord) -> Option<[u64; 2]> {
-    let Judgement::Closest(closest) = &trace.judgement else { return None };
-    let lost = closest.causes.get("tight")?.get(OFF_VIEW).copied().unwrap_or(0);
-    Some([trace.count.saturating_sub(closest.ties), lost])
+/// Of rays whose true hit lies in none of six faces.
+fn off_view_rays_of_six_faces(scene: &SceneRows<'_>) -> Option<f64> {
+    rays_of_cause(row(scene, &[("views", "six")])?, OFF_VIEW)
+}
+
+/// Of rays whose true hit lies behind both layers of the quadtree's six faces.
+fn hidden_rays_of_two_layers(scene: &SceneRows<'_>) -> Option<f64> {
+    rays_of_cause(scene.like_first(wkp15::QUADTREE, &[])?, HIDDEN_LAYER)
 }
 
 /// Fragments of six faces with centres pulled back beyond those with centres in the eye, percent.

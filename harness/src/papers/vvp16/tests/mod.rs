@@ -417,6 +417,12 @@ fn losses_by_views_and_layers() {
     let Judgement::Closest(closest) = &mut trace_of(&mut run.runs[2], "diffuse").judgement else { panic!() };
     closest.causes.get_mut("tight").unwrap().insert("off_view".to_owned(), 10);
     close(value("off_view_rays_of_six_faces", &run), in_a_million(10) / 5.0);
+    let mut cube = run.runs[2].clone();
+    "quadtree".clone_into(&mut cube.tracer.name);
+    let Judgement::Closest(closest) = &mut trace_of(&mut cube, "diffuse").judgement else { panic!() };
+    closest.causes.insert("tight".to_owned(), BTreeMap::from([("hidden_layer".to_owned(), 30)]));
+    assert!(values("hidden_rays_of_two_layers", &run).is_empty());
+    close(value("hidden_rays_of_two_layers", &run_of(vec![cube])), in_a_million(30) / 5.0);
     assert!(values("views_asked_for_at_a_switch", &run).is_empty());
     // The first of six faces is no switch: three views a ray are two switches, which ask for three.
     for (set, _) in SETS {

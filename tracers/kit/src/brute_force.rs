@@ -2,16 +2,26 @@
 
 use tracebench_api::glam::{DVec2, DVec3, Vec3};
 use tracebench_api::{Geometry, Rasterizer, View};
-use tracebench_kit::{TileBounds, clipped_polygon, eye_space};
 
-use crate::validate::Fragment;
+use crate::{TileBounds, clipped_polygon, eye_space};
+
+/// A fragment that a structure stores.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fragment {
+    /// Eye depth, scene units.
+    pub depth: f32,
+    /// The triangle's unit normal.
+    pub normal: Vec3,
+    /// The triangle's material.
+    pub material: u32,
+}
 
 /// Within which distance of a triangle's border the device may decide either way, pixels, beside what it snaps: positions of corners
 /// are f32.
 const BORDER_SLACK: f64 = 1.0 / 64.0;
 
-/// The same with what the device was found to snap.
-pub(crate) fn border(rasterizer: &Rasterizer) -> f64 {
+/// Within which distance of a triangle's border a device may decide either way, pixels, with what it was found to snap.
+pub fn undecided_border(rasterizer: &Rasterizer) -> f64 {
     rasterizer.border_pixels() + BORDER_SLACK
 }
 
@@ -23,11 +33,13 @@ const NORMAL_SLACK: f64 = 1e-4;
 
 /// A fragment that a pixel may have.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Allowed {
+pub struct Allowed {
     /// Whether the pixel must have it: its centre lies well inside of the triangle.
     pub must: bool,
     /// Least and greatest eye depth, scene units.
     pub depths: [f64; 2],
+    /// Whether the eye lies behind the triangle: its corners run clockwise in the view.
+    pub faces_away: bool,
     normal: DVec3,
     normal_slack: f64,
     material: u32,
@@ -35,7 +47,7 @@ pub(crate) struct Allowed {
 
 impl Allowed {
     /// Whether a stored fragment can be this one.
-    pub(crate) fn fits(&self, fragment: &Fragment) -> bool {
+    pub fn fits(&self, fragment: &Fragment) -> bool {
         let depth = f64::from(fragment.depth);
         depth >= self.depths[0]
             && depth <= self.depths[1]
@@ -45,7 +57,8 @@ impl Allowed {
 }
 
 /// The fragments of every `step`-th pixel along both axes of a view.
-pub(crate) struct AllowedFragments {
+#[derive(Clone, Debug)]
+pub struct AllowedFragments {
     step: u32,
     width: u32,
     pixels: Vec<Vec<Allowed>>,
@@ -53,7 +66,7 @@ pub(crate) struct AllowedFragments {
 
 impl AllowedFragments {
     /// Those of a pixel, whose coordinates are multiples of the step.
-    pub(crate) fn of(&self, [x, y]: [u32; 2]) -> &[Allowed] {
+    pub fn of(&self, [x, y]: [u32; 2]) -> &[Allowed] {
         &self.pixels[(y / self.step * self.width + x / self.step) as usize]
     }
 }
@@ -116,7 +129,7 @@ impl Drawn {
 }
 
 /// What every `step`-th pixel of a view may and must have of a scene, where the device decides within `border` of borders.
-pub(crate) fn allowed_fragments(view: &View, scene: &Geometry, step: u32, border: f64) -> AllowedFragments {
+pub fn allowed_fragments(view: &View, scene: &Geometry, step: u32, border: f64) -> AllowedFragments {
     let [width, height] = view.size.map(|edge| edge.div_ceil(step));
     let mut pixels = vec![Vec::new(); (width * height) as usize];
     for (triangle, material) in scene.triangles.iter().zip(scene.triangle_materials.iter()) {
@@ -143,6 +156,7 @@ pub(crate) fn allowed_fragments(view: &View, scene: &Geometry, step: u32, border
                     pixels[(row * width + column) as usize].push(Allowed {
                         must: inside > border && in_range,
                         depths,
+                        faces_away: across.dot(corners[0] - view.eye) > 0.0,
                         normal: across.normalize_or_zero(),
                         normal_slack: NORMAL_SLACK / across.length().max(1e-30),
                         material: *material,

@@ -1,0 +1,185 @@
+//! Cases about what users of screen-space effects meet most: things that float before what a ray passes, rays that come towards the
+//! camera, foregrounds beside a ray's way, ways that are long on the image.
+
+use glam::{DVec3, Vec3};
+use tracebench_api::{Query, TracerError};
+
+use super::sketch::{Camera, PIXEL, RAYS, Shots, Sketch};
+use super::{Case, Feature, Knob, Setup};
+use crate::truth::Ray64;
+
+/// Widens a scene to bounds that no knob changes.
+fn widen(sketch: &mut Sketch, low: DVec3, high: DVec3) {
+    for corner in [low, high] {
+        sketch.speck(corner);
+    }
+}
+
+/// Eye depth of the plate that floats before rays.
+const FLOATING: f64 = 2.0;
+
+pub(super) const BEHIND_FOREGROUND: Case = Case {
+    name: "behind-foreground",
+    summary: "a thin plate floats in the view; three quarters of the rays pass behind it, ever closer, the others hit its front",
+    knob: Knob { name: "gap", unit: "diagonals", values: &[0.1, 0.03, 0.01, 0.003, 0.001] },
+    make: behind_foreground,
+    feature: Feature {
+        what: "pass behind the plate within 0.0015 diagonals",
+        least: 0.6,
+        has: |probe, index| {
+            let ray = probe.ray(index);
+            let gap = -FLOATING - ray.at(-ray.origin.x / ray.direction.x).z;
+            probe.hit(index).is_none() && gap > 0.0 && gap < 0.0015 * probe.truth.diagonal()
+        },
+    },
+};
+
+fn behind_foreground(gap: f64) -> Result<Setup, TracerError> {
+    const HALF_WIDTH: f64 = 0.15;
+    let mut sketch = Sketch::default();
+    widen(&mut sketch, DVec3::new(-1.0, -1.0, -3.0), DVec3::new(1.0, 1.0, -1.0));
+    sketch.plate_around(DVec3::NEG_Z * FLOATING, DVec3::X * HALF_WIDTH, DVec3::Y * 0.8);
+    let stage = sketch.seen_by(Camera::default())?;
+    let gap = gap * stage.geometry.diagonal();
+    let mut shots = Shots::new(30);
+    for index in 0..RAYS {
+        if index % 4 == 0 {
+            let target = DVec3::new(0.9 * HALF_WIDTH * shots.signed(), 0.7 * shots.signed(), -FLOATING);
+            let from = DVec3::new(0.5 * shots.signed(), 0.3 * shots.signed(), -1.2);
+            shots.towards(from, target);
+        } else {
+            let behind = DVec3::new(0.9 * HALF_WIDTH * shots.signed(), 0.5 * shots.signed(), -FLOATING - gap);
+            let side = if index % 2 == 0 { 1.0 } else { -1.0 };
+            // Over the plate's half width a fifth of the gap deeper or less deep.
+            let along = DVec3::new(side, 0.2 * shots.signed(), 0.2 * gap / HALF_WIDTH * shots.signed());
+            shots.towards(behind - along * 0.8, behind);
+        }
+    }
+    Ok(stage.with(shots, Query::Closest))
+}
+
+pub(super) const TOWARDS_CAMERA: Case = Case {
+    name: "towards-camera",
+    summary: "rays from behind onto a slanted plate, ever closer to the way to the eye, which shows them less of their way",
+    knob: Knob { name: "angle to the eye", unit: "degrees", values: &[60.0, 30.0, 10.0, 3.0, 0.5] },
+    make: towards_camera,
+    feature: Feature {
+        what: "hit within a degree of the way to the eye",
+        least: 0.5,
+        has: |probe, index| {
+            probe.point(index).is_some_and(|point| {
+                let to_eye = (probe.view().eye - point).normalize();
+                probe.ray(index).direction.dot(to_eye) > 1.0_f64.to_radians().cos()
+            })
+        },
+    },
+};
+
+fn towards_camera(angle: f64) -> Result<Setup, TracerError> {
+    let centre = DVec3::new(0.0, 0.0, -2.5);
+    let (along, upward) = (DVec3::new(0.5, 0.0, -0.5), DVec3::Y * 0.7);
+    let mut sketch = Sketch::default();
+    widen(&mut sketch, DVec3::new(-1.5, -1.5, -4.5), DVec3::new(1.5, 1.5, -0.5));
+    sketch.plate_around(centre, along, upward);
+    // Finer than the reference pixels that hits are judged by.
+    let stage = sketch.seen_by(Camera { frame: [1024, 1024], ..Camera::default() })?;
+    let (aside, towards) = angle.to_radians().sin_cos();
+    let mut shots = Shots::new(31);
+    for index in 0..RAYS {
+        // A third passes beside the plate.
+        let across = if index % 3 == 0 { 1.3 + 0.2 * shots.unit() } else { 0.9 * shots.signed() };
+        let side = if shots.unit() < 0.5 { 1.0 } else { -1.0 };
+        let target = centre + along * (across * side) + upward * (0.9 * shots.signed());
+        let to_eye = (stage.view.eye - target).normalize();
+        let up = DVec3::Y * if shots.unit() < 0.5 { 1.0 } else { -1.0 };
+        let square = (up - to_eye * up.dot(to_eye)).normalize();
+        shots.towards(target - (to_eye * towards + square * aside) * 1.2, target);
+    }
+    Ok(stage.with(shots, Query::Closest))
+}
+
+/// A post's right border, columns of the default frame: odd, so that the first cell of a pyramid has pixels of both its sides.
+const POST_BORDER: f64 = 141.0;
+
+pub(super) const FOREGROUND_IN_CELL: Case = Case {
+    name: "foreground-in-cell",
+    summary: "a post stands far before rays that pass it in the image, ever closer: coarse cells of the image hold both; half of the \
+              rays hit the wall behind, half nothing",
+    knob: Knob { name: "between post and ray", unit: "pixels", values: &[48.0, 16.0, 4.0, 1.0, 0.5] },
+    make: foreground_in_cell,
+    feature: Feature {
+        what: "have the post within a pixel and a half on the image",
+        least: 0.9,
+        has: |probe, index| {
+            let view = probe.view();
+            let point = probe.ray(index).at(0.3);
+            let Some(at) = view.project(point) else { return false };
+            let direction = view.direction_through(at.x - 1.5, at.y);
+            let beside = Ray64 { origin: view.eye, direction, t_min: view.near, t_max: 0.6 * at.depth };
+            probe.truth.closest(&beside).is_some()
+        },
+    },
+};
+
+fn foreground_in_cell(pixels: f64) -> Result<Setup, TracerError> {
+    let column = |at: f64| (at - 128.0) * PIXEL;
+    let mut sketch = Sketch::default();
+    sketch.plate(DVec3::new(column(POST_BORDER - 28.0), -0.45, -1.0), DVec3::X * (28.0 * PIXEL), DVec3::Y * 0.9);
+    sketch.plate(DVec3::new(-2.0, -2.0, -4.0), DVec3::X * 4.0, DVec3::Y * 4.0);
+    let stage = sketch.seen_by(Camera::default())?;
+    let mut shots = Shots::new(32);
+    for index in 0..RAYS {
+        let across = column(POST_BORDER + pixels + 0.9 * shots.unit());
+        let side = if shots.unit() < 0.5 { 1.0 } else { -1.0 };
+        let [low, high] = [-0.3, 0.3].map(|end| DVec3::new(across, side * (end + 0.08 * shots.signed()), -1.0));
+        let [near, far] = if index % 2 == 0 { [2.2, 4.2] } else { [3.0, 3.0] };
+        shots.towards(low * near, high * far);
+    }
+    Ok(stage.with(shots, Query::Closest))
+}
+
+/// Of long ways, pixels.
+const LONG_FRAME: [u32; 2] = [6144, 24];
+
+pub(super) const LONG_RAYS: Case = Case {
+    name: "long-rays",
+    summary: "rays whose way on the image to a post is ever longer, at last longer than every budget of steps",
+    knob: Knob { name: "length", unit: "pixels", values: &[64.0, 200.0, 500.0, 2000.0, 5000.0] },
+    make: long_rays,
+    feature: Feature {
+        what: "cross more than 4096 pixels before they hit",
+        least: 0.5,
+        has: |probe, index| {
+            let view = probe.view();
+            let ends =
+                view.project(probe.ray(index).origin).zip(probe.point(index).and_then(|point| view.project(point)));
+            ends.is_some_and(|(begin, end)| (end.x - begin.x).abs() > 4096.0)
+        },
+    },
+};
+
+fn long_rays(length: f64) -> Result<Setup, TracerError> {
+    const DEPTH: f64 = 2.0;
+    const POST: [f64; 2] = [5800.0, 5816.0];
+    let [width, height] = LONG_FRAME.map(f64::from);
+    // 90 degrees across: from -1 to 1 at depth 1.
+    let pixel = 2.0 / width;
+    let at = |column: f64, row: f64| DVec3::new((column - 0.5 * width) * pixel, row * pixel, -1.0);
+    let mut sketch = Sketch::default();
+    widen(&mut sketch, DVec3::new(-1.0, -0.5, -3.0), DVec3::new(2.0, 0.5, -1.0));
+    let (low, high) = (at(POST[0], -8.0) * DEPTH, at(POST[1], 8.0) * DEPTH);
+    sketch.plate(low, DVec3::X * (high.x - low.x), DVec3::Y * (high.y - low.y));
+    let vertical_fov = 2.0 * ((height / width) as f32).atan();
+    let camera = Camera { frame: LONG_FRAME, vertical_fov, target: Vec3::NEG_Z, ..Camera::default() };
+    let stage = sketch.seen_by(camera)?;
+    let mut shots = Shots::new(33);
+    for index in 0..RAYS {
+        let column = POST[0] + 2.0 + 12.0 * shots.unit();
+        // A quarter passes over the post.
+        let row = if index % 4 == 0 { 9.5 + 1.5 * shots.unit() } else { 7.0 * shots.signed() };
+        let from = row + 0.4 * shots.signed();
+        let origin = at(column - length, from) * (1.3 + 0.2 * shots.unit());
+        shots.towards(origin, at(column, row) * DEPTH);
+    }
+    Ok(stage.with(shots, Query::Closest))
+}

@@ -1,0 +1,196 @@
+//! The room of `quadtree`: two depth layers of the frame, each pixel a small plane, merged by thresholds in the unit cube.
+
+use super::expectation::{fails, of_huge_triangles, of_plates_along_rows};
+use super::{Column, Expectation, Family, Registration, Remedy, Rule};
+
+pub(crate) const ROOM: Registration = Registration {
+    expectations: EXPECTATIONS,
+    ladder: LADDER,
+    sweep: &["gamma_norm", "gamma_dist", "layers"],
+    tune: Some("gamma_dist"),
+    ..Registration::sampled(tracebench_quadtree::description, Family::Image, |gpu| {
+        Ok(Box::new(tracebench_quadtree::Quadtree::new(gpu?)?))
+    })
+};
+
+const fn few(rule: Rule, most_wrong: f64, reason: &'static str) -> Expectation {
+    Expectation::Bounded { rule, most_wrong, reason }
+}
+
+/// Rays through the frame's own pixel centres find the depth that is stored there, as far as thresholds leave it.
+const AT_SAMPLES: Expectation = few(
+    Rule::Footprint,
+    0.01,
+    "eye rays through pixel centres get the plane that stands for the depth that was sampled there; only where an edge runs through a \
+     centre does the rasterizer's rounding decide otherwise",
+);
+
+const BEHIND: &str = "two layers: what lies behind the second surface is not stored";
+const BEFORE_NEAR: &str = "what is nearer than near is clipped away when layers are drawn";
+const BETWEEN: &str = "what covers no pixel's centre is not stored, and what covers one fills its pixel";
+const MERGED: &str = "near is a thousandth of the diagonal, so that 1e-5 of the unit cube is a hundredth of the diagonal at a diagonal's distance: \
+                      there planes stand for others as far away as that";
+const MERGED_SOURCE: &str =
+    "WKP15, section 3.3 and section 6: thresholds in normalized device coordinates; near and far are not stated";
+const LAYERS_SOURCE: &str = "WKP15, section 4.1: what lies in the occlusion volume of the last layer is not known";
+const NEAR_START: &str = "a ray begins to look a pixel's height away from its start, so as not to meet the surface that it starts on: beyond what \
+                          lies nearer";
+const NEAR_START_SOURCE: &str = "WKP15, section 4, which says nothing of rays that start on a surface";
+const SAMPLES_SOURCE: &str = "WKP15, section 3.2: each pixel is a small plane";
+const ASIDE_SOURCE: &str = "WKP15, section 5.4: what is outside of the view needs a cube map";
+const NEAR_SOURCE: &str = "VVP16, section 3.2, which pulls its views back by near to cover what is clipped";
+
+const EXPECTATIONS: Column = &[
+    (
+        "edge-on",
+        fails(
+            Rule::HitMiss,
+            87.0,
+            0.02,
+            0.6,
+            "a surface along the line of sight covers few pixel centres or none, so rays that \
+        cross it find nothing",
+            SAMPLES_SOURCE,
+        ),
+    ),
+    ("wires", fails(Rule::HitMiss, 1.0, 0.12, 0.4, BETWEEN, SAMPLES_SOURCE)),
+    ("leaves", fails(Rule::HitMiss, 1.0, 0.12, 0.3, BETWEEN, SAMPLES_SOURCE)),
+    ("close-sheets", fails(Rule::Footprint, 1e-3, 0.05, 0.4, NEAR_START, NEAR_START_SOURCE)),
+    (
+        "voxel-stack",
+        fails(
+            Rule::Footprint,
+            2.0,
+            0.2,
+            0.4,
+            "of a crowd of small triangles at all angles two layers are stored, and those seen from their edges cover few pixels, all of \
+             them near a discontinuity: rays pass between their planes",
+            LAYERS_SOURCE,
+        ),
+    ),
+    ("open-mesh", AT_SAMPLES),
+    ("huge-triangle", of_huge_triangles(&AT_SAMPLES)),
+    ("needles", AT_SAMPLES),
+    ("coplanar-copies", AT_SAMPLES),
+    (
+        "eye-inside-object",
+        few(Rule::Footprint, 0.02, "of what the eye looks out of both sides are layers; wrong are rays at rims"),
+    ),
+    ("eye-on-surface", fails(Rule::Footprint, 1e-4, 0.02, 0.4, BEFORE_NEAR, NEAR_SOURCE)),
+    (
+        "plane-through-eye",
+        fails(
+            Rule::Footprint,
+            0.1,
+            0.0,
+            0.6,
+            "rays from beside the view, onto a plane that is at last no more than a line in it",
+            ASIDE_SOURCE,
+        ),
+    ),
+    ("eye-at-vertex", fails(Rule::Footprint, 1e-4, 0.05, 0.35, BEFORE_NEAR, NEAR_SOURCE)),
+    ("before-near", fails(Rule::Footprint, 0.75, 0.02, 0.25, BEFORE_NEAR, NEAR_SOURCE)),
+    (
+        "cube-borders",
+        fails(
+            Rule::HitMiss,
+            0.1,
+            0.2,
+            0.4,
+            "most of the directions between cube faces leave the one view that there is",
+            ASIDE_SOURCE,
+        ),
+    ),
+    ("depth-range", fails(Rule::Footprint, 8.0, 0.01, 0.04, MERGED, MERGED_SOURCE)),
+    ("secondary-depth-ratio", fails(Rule::Footprint, 8.0, 0.04, 0.1, MERGED, MERGED_SOURCE)),
+    ("coarse-frame", fails(Rule::Footprint, 17.0, 0.06, 0.8, BETWEEN, SAMPLES_SOURCE)),
+    ("wide-frame", of_plates_along_rows(&few(Rule::Footprint, 0.09, MERGED))),
+    (
+        "surface-starts",
+        few(
+            Rule::HitMiss,
+            0.05,
+            "rays begin a pixel away from their start, and small planes follow the surface that they start on",
+        ),
+    ),
+    ("cell-borders", few(Rule::HitMiss, 0.04, "either pixel at a border shows the wall, but at its rim")),
+    (
+        "face-cell-borders",
+        few(Rule::HitMiss, 0.04, "no borders of its own frame: the wall is seen, its rim by a pixel more or less"),
+    ),
+    (
+        "through-view-centre",
+        few(Rule::HitMiss, 0.08, "planes are met wherever the ray's image is a single pixel, but at rims"),
+    ),
+    ("flat-tile", few(Rule::Footprint, 0.17, MERGED)),
+    ("equal-triangles", AT_SAMPLES),
+    ("stacked-layers", fails(Rule::Footprint, 4.0, 0.2, 0.35, BEHIND, LAYERS_SOURCE)),
+    ("crowded-pixel", fails(Rule::HitMiss, 8.0, 0.05, 0.15, BETWEEN, SAMPLES_SOURCE)),
+    ("thin-walls", few(Rule::HitMiss, 0.02, "what hides a wall's far side is its near one, which is hit")),
+    ("long-scene", AT_SAMPLES),
+    (
+        "behind-foreground",
+        few(
+            Rule::HitMiss,
+            0.02,
+            "a ray that passes behind a plane, however near, lies in its occlusion volume, and the next layer is asked",
+        ),
+    ),
+    (
+        "towards-camera",
+        few(
+            Rule::Footprint,
+            0.02,
+            "small planes are met at their own place, also from behind, where a ray comes out of their volume",
+        ),
+    ),
+    (
+        "foreground-in-cell",
+        few(
+            Rule::HitMiss,
+            0.01,
+            "a box that holds more than the ray's way is opened, down to the pixels, which hold that alone",
+        ),
+    ),
+    (
+        "long-rays",
+        few(
+            Rule::HitMiss,
+            0.01,
+            "what a ray passes over is skipped by nodes as large as 512 pixels: its budget of steps lasts",
+        ),
+    ),
+];
+
+const LADDER: &[Remedy] = &[
+    Remedy {
+        cause: "outside_of_the_view",
+        parameter: "views",
+        value: "six",
+        source: "WKP15, section 5.4: reflections come from outside of the view; six faces show every direction",
+    },
+    Remedy {
+        cause: "further_layers",
+        parameter: "layers",
+        value: "4",
+        source: "WKP15, section 4.1: what lies in the occlusion volume of the last layer is not known",
+    },
+    Remedy {
+        cause: "merged_by_distance",
+        parameter: "gamma_dist",
+        value: "0",
+        source: "WKP15, section 3.3: a plane stands for others within a distance",
+    },
+    Remedy {
+        cause: "normals_from_depth",
+        parameter: "normals",
+        value: "geometry",
+        source: "WKP15, sections 3.2 and 6: more precise normals close cracks",
+    },
+    Remedy {
+        cause: "left_out_at_the_start",
+        parameter: "start_bias",
+        value: "0.25",
+        source: "WKP15, section 4, says nothing of rays that start on surfaces: a pixel of their way is left out",
+    },
+];

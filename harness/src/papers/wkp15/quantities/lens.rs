@@ -1,0 +1,81 @@
+//! Table 4 and Figure 8: depth of field.
+
+use super::share_behind_first;
+use crate::papers::estimate::Estimate;
+use crate::papers::quantity::{PERCENT, Quantity, greatest, of_scene, timed_of_scene};
+use crate::papers::rows::{SceneRows, trace};
+use crate::papers::times::{ratio, traced};
+use crate::papers::wkp15::{DDA, QUADTREE, SAMPLES_A_RAY, one_and_two};
+use crate::results::TracerRun;
+
+pub(super) const QUANTITIES: &[Quantity] = &[
+    timed_of_scene("dda_lead_with_build_over_without", "", lead_with_build_over_without),
+    timed_of_scene("three_more_samples_cost", PERCENT, three_more_samples_cost),
+    timed_of_scene("rays_32_over_8", "", rays_32_over_8),
+    timed_of_scene("half_the_rays_with_samples_save", PERCENT, half_the_rays_with_samples_save),
+    of_scene("lens_rays_behind_first_layer", "", rays_behind_first_layer),
+];
+
+const RAYS: &str = "lens";
+
+/// The rows of so many rays a pixel: at the paper's own resolution, or at that of Figure 8's many.
+fn of_count<'a>(scene: &SceneRows<'a>, count: &str, whole: bool) -> Option<SceneRows<'a>> {
+    let mut found = scene.of_rays(&[("lens_count", count)]).by_resolution();
+    // The last has the highest resolution.
+    if whole { found.pop() } else { found.into_iter().next() }
+}
+
+/// Its tracer of so many layers and samples beside a ray.
+fn with<'a>(scene: &SceneRows<'a>, layers: &str, samples: &str) -> Option<&'a TracerRun> {
+    scene.like_first(QUADTREE, &[("layers", layers), (SAMPLES_A_RAY, samples)])
+}
+
+/// Something of one layer and of two, the mean.
+fn of_both(of: impl Fn(&str) -> Option<Estimate>) -> Option<Estimate> {
+    Estimate::mean(["1", "2"].iter().map(|layers| of(layers)).collect::<Option<Vec<_>>>()?)
+}
+
+/// What DDA takes over what the trees take, with the build over the same without it; mean over rays a pixel and layers.
+fn lead_with_build_over_without(scene: &SceneRows<'_>) -> Option<Estimate> {
+    let mut leads = Vec::new();
+    for count in ["4", "8"] {
+        let scene = of_count(scene, count, true)?;
+        for (own, peer) in one_and_two(&scene, QUADTREE)?.into_iter().zip(one_and_two(&scene, DDA)?) {
+            leads.push(scene.total_ratio(peer, own, &[(RAYS, 1.0)])? / scene.trace_ratio(peer, own, RAYS)?);
+        }
+    }
+    Estimate::mean(leads)
+}
+
+/// What three more samples a ray take beside eight rays a pixel alone, percent.
+fn three_more_samples_cost(scene: &SceneRows<'_>) -> Option<Estimate> {
+    let scene = of_count(scene, "8", true)?;
+    of_both(|layers| scene.trace_ratio(with(&scene, layers, "3")?, with(&scene, layers, "0")?, RAYS))
+        .map(Estimate::percent_beyond)
+}
+
+/// Time of 32 rays a pixel over that of 8.
+fn rays_32_over_8(scene: &SceneRows<'_>) -> Option<Estimate> {
+    let (many, few) = (of_count(scene, "32", false)?, of_count(scene, "8", false)?);
+    let same_size = |one: &TracerRun, other: &TracerRun| one.viewpoint.ray_image == other.viewpoint.ray_image;
+    of_both(|layers| {
+        let (many, few) = (with(&many, layers, "0")?, with(&few, layers, "0")?);
+        same_size(many, few).then(|| ratio(scene.run, &traced(many, RAYS)?, &traced(few, RAYS)?))?
+    })
+}
+
+/// By how much less time four rays with seven samples each take than eight alone, percent.
+fn half_the_rays_with_samples_save(scene: &SceneRows<'_>) -> Option<Estimate> {
+    let (four, eight) = (of_count(scene, "4", true)?, of_count(scene, "8", true)?);
+    of_both(|layers| {
+        let (four, eight) = (with(&four, layers, "7")?, with(&eight, layers, "0")?);
+        ratio(scene.run, &traced(four, RAYS)?, &traced(eight, RAYS)?)
+    })
+    .map(Estimate::percent_below)
+}
+
+/// The share of rays through the lens that end in the second layer, the most over rays a pixel.
+fn rays_behind_first_layer(scene: &SceneRows<'_>) -> Option<f64> {
+    let share = |count: &str| share_behind_first(trace(with(&of_count(scene, count, true)?, "2", "0")?, RAYS)?);
+    greatest(["4", "8"].into_iter().filter_map(share))
+}

@@ -1,0 +1,366 @@
+//! Quantities of the quadtree are what they say.
+
+mod pages;
+mod rays;
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+use tracebench_api::Query;
+
+use super::PAPER;
+use crate::papers::PublishedTable;
+use crate::papers::fixture::{
+    self, COUNT, close, contender, count, in_a_million, run_of, set_bytes, set_classes, set_time, trace_of,
+};
+use crate::results::{Judgement, PhaseRecord, Run, TracerRun};
+
+const SETS: [(&str, Query); 8] = [
+    ("stereo", Query::Closest),
+    ("temporal", Query::Closest),
+    ("lens", Query::Closest),
+    ("glossy", Query::Closest),
+    ("glossy2", Query::Closest),
+    ("glossy3", Query::Closest),
+    ("specular", Query::Closest),
+    ("light-field", Query::Closest),
+];
+
+fn contends(tracer: &str, scene: &str, parameters: Value) -> TracerRun {
+    contender(tracer, scene, parameters, &[], &SETS)
+}
+
+/// The tracer with its values as published but for those given.
+fn quadtree(scene: &str, parameters: Value) -> TracerRun {
+    let mut all = json!({
+        "layers": 1, "views": "frame", "normals": "depth", "levels": 9, "gamma_norm": 3.0, "gamma_dist": 1e-5, "gamma_growth": 0.0,
+        "dilated": "continuous", "traversal": "xor", "next_layer": "volumes", "inpainting": "one_layer", "secondary_samples": 0,
+        "minimum_separation": 0.0, "back_faces": "kept",
+    });
+    for (name, value) in parameters.as_object().unwrap() {
+        assert!(all.get(name).is_some(), "{name}");
+        all[name] = value.clone();
+    }
+    contends("quadtree", scene, all)
+}
+
+fn values(name: &str, run: &Run) -> BTreeMap<String, f64> {
+    fixture::values(&PAPER, name, run)
+}
+
+fn value(name: &str, run: &Run) -> f64 {
+    fixture::value(&PAPER, name, run)
+}
+
+/// Says something of a row's rays otherwise than of the run's.
+fn say(run: &mut TracerRun, said: &[(&str, f64)]) {
+    run.viewpoint.ray_parameters = said.iter().map(|(name, value)| ((*name).to_owned(), json!(value))).collect();
+}
+
+/// Takes as long for every one of these sets.
+fn timed(mut run: TracerRun, sets: &[(&str, f64)]) -> TracerRun {
+    sets.iter().for_each(|(rays, ms)| set_time(&mut run, rays, *ms));
+    run
+}
+
+/// Tables whose figures stood in a picture alone have none.
+#[test]
+fn lost_figures_are_named() {
+    assert_eq!(fixture::lost(&PAPER), ["wkp15-figure14", "wkp15-figure15"]);
+}
+
+const SCENES: [&str; 3] = ["SPONZA", "LIVINGROOM", "SANMIGUEL"];
+
+/// A column of a method's rows over that of another's, by scene.
+fn ratios(table: &PublishedTable, column: &str, one: [&str; 2], other: [&str; 2]) -> String {
+    let of = |scene: &str, [method, layers]: [&str; 2]| {
+        table.value(&[("scene", scene), ("method", method), ("layers", layers)], column).unwrap()
+    };
+    SCENES.map(|scene| format!("{:.2}", of(scene, one) / of(scene, other))).join(", ")
+}
+
+/// What claims say of the paper's own tables is computed from these.
+#[test]
+fn claims_agree_with_tables_where_they_say_so() {
+    let tables = PAPER.published().unwrap().tables;
+    let table = |id: &str| tables.iter().find(|table| table.id == id).unwrap();
+    let all = PAPER.claims().unwrap();
+    let own = |id: &str| all.iter().find(|claim| claim.id == id).unwrap().own_figures.clone().unwrap();
+    let says = |id: &str, figures: String| assert!(own(id).contains(&figures), "{id}: {figures} of {}", own(id));
+    let (stereo, temporal) = (table("wkp15-table2"), table("wkp15-table3"));
+    let [tree, two, dda, dda_two, field] =
+        [["quad-tree", "1"], ["quad-tree", "2"], ["DDA", "1"], ["DDA", "2"], ["height field", "1"]];
+    for (one, other) in [(dda, tree), (dda_two, two)] {
+        says("wkp15-dda-stereo-ratio", ratios(stereo, "T_eye", one, other));
+        says("wkp15-dda-stereo-ratio", ratios(stereo, "T_total", one, other));
+        says("wkp15-dda-temporal-closer", ratios(stereo, "T_eye", one, other));
+        says("wkp15-dda-temporal-closer", ratios(temporal, "T_syn", one, other));
+    }
+    says("wkp15-heightfield-ratio", ratios(stereo, "T_eye", field, tree));
+    says("wkp15-heightfield-ratio", ratios(temporal, "T_syn", field, tree));
+    says("wkp15-second-layer-cheap", ratios(stereo, "T_eye", two, tree));
+    says("wkp15-sanmiguel-second-layer", ratios(temporal, "T_syn", two, tree));
+    says("wkp15-inpaint-faster", ratios(stereo, "T_eye", tree, two));
+    says("wkp15-second-layer-render", ratios(stereo, "T_ref", two, tree));
+    let amortized = temporal.rows.iter().flatten().map(|row| {
+        let of = |index: usize| row.values[index].unwrap();
+        ((of(0) + 3.0 * of(1)) / 4.0 - of(3)).abs()
+    });
+    assert!(amortized.fold(0.0, f64::max) < 0.0101);
+    let frames = |method: &str, layers: &str| {
+        let rows = table("wkp15-table4").rows.iter().flatten();
+        let own = rows.filter(|row| row.labels["method"] == method && row.labels["layers"] == layers);
+        own.map(|row| {
+            let of = |index: usize| row.values[index].unwrap();
+            format!("{:.2}", 1000.0 / of(3) - of(0) - of(1))
+        })
+        .collect::<Vec<_>>()
+        .join(", ")
+    };
+    ["1", "2"].iter().for_each(|layers| says("wkp15-fps-includes-build", frames("quad-tree", layers)));
+    let reflections = table("wkp15-table5");
+    let traced = |layers: &str, bounces: &str| {
+        reflections.value(&[("layers", layers), ("N_p", "3"), ("N_s", "8"), ("N_b", bounces)], "T_rr").unwrap()
+    };
+    for layers in ["1", "2"] {
+        says("wkp15-bounces-cost", format!("{:.2}", traced(layers, "3") / traced(layers, "1")));
+    }
+}
+
+/// Every claim of the extraction is there, and those about the paper's own arithmetic and about mesh warping are measured by nothing.
+#[test]
+fn all_claims_are_there() {
+    let claims = PAPER.claims().unwrap();
+    assert_eq!(claims.len(), 71);
+    let unmeasured = |id: &str| claims.iter().find(|claim| claim.id == id).unwrap().table().is_none();
+    for id in ["wkp15-mesh-sponza", "wkp15-mesh-lead-shrinks", "wkp15-total-includes-build", "wkp15-dof-rate"] {
+        assert!(unmeasured(id), "{id}");
+    }
+    assert!(!unmeasured("wkp15-dda-stereo-ratio"));
+}
+
+/// Table 1: a scene at a scale, one layer and two; milliseconds of the trees, of drawing, of copies.
+fn table_1(scene: &str, scale: f64, ms: [f64; 3]) -> Vec<TracerRun> {
+    let make = |layers: u64| {
+        let mut run = quadtree(scene, json!({ "layers": layers }));
+        (run.scene.scale, run.scene.triangles) = (Some(scale), (1000.0 * scale) as u64);
+        run.scene.sha256 = format!("{scene} {scale}");
+        let nodes = [("nodes", 1000), ("plane_leaves", 300), ("boxes", 80), ("empty_nodes", 20)];
+        run.structure_statistics =
+            nodes.iter().map(|(name, count)| ((*name).to_owned(), (count * layers) as f64)).collect();
+        set_bytes(&mut run, &[("quad-tree nodes", 8000 * layers), ("depth layers", 7)]);
+        let [trees, drawing, copies] = ms;
+        set_phases(
+            &mut run,
+            &[
+                ("draw layers", 0.75 * drawing),
+                ("name triangles", 0.25 * drawing * layers as f64),
+                ("bottom level", 0.5 * trees * layers as f64),
+                ("merge level 1", 0.5 * trees * layers as f64),
+                ("copies", copies),
+            ],
+        );
+        run
+    };
+    vec![make(1), make(2)]
+}
+
+fn set_phases(run: &mut TracerRun, phases: &[(&str, f64)]) {
+    let rounds = run.build.times.samples_ms.len();
+    let phase = |(name, ms): &(&str, f64)| PhaseRecord {
+        name: (*name).to_owned(),
+        median_ms: *ms,
+        samples_ms: vec![*ms; rounds],
+    };
+    run.build.times.phases = phases.iter().map(phase).collect();
+}
+
+/// The construction is the tree's phases alone, over the triangles of a scene by name and of the one where it changes most; drawing and
+/// copies are none of it. Scenes of one size tell nothing.
+#[test]
+fn construction_is_held_against_triangles() {
+    let all =
+        [table_1("a", 1.0, [2.0, 9.0, 1.0]), table_1("a", 15.5, [2.2, 90.0, 5.0]), table_1("b", 1.0, [3.0, 9.0, 1.0])];
+    let run = run_of(all.concat());
+    close(value("tree_time_of_most_triangles_over_fewest", &run), 1.1);
+    let faster = run_of([&run.runs[..], &table_1("b", 15.5, [1.5, 9.0, 1.0])].concat());
+    close(value("tree_time_of_most_triangles_over_fewest", &faster), 0.5);
+    assert!(values("tree_time_of_most_triangles_over_fewest", &run_of(table_1("a", 1.0, [2.0, 9.0, 1.0]))).is_empty());
+    let one = run_of(table_1("a", 1.0, [2.0, 8.0, 1.0]));
+    close(value("tree_time_of_two_layers_over_one", &one), 2.0);
+    close(value("drawing_two_layers_over_one", &one), 1.25);
+    close(value("bytes_a_node", &one), 8.0);
+    let mut larger = one.clone();
+    set_bytes(&mut larger.runs[1], &[("quad-tree nodes", 18_000)]);
+    close(value("bytes_a_node", &larger), 9.0);
+}
+
+/// Table 2 of a scene.
+fn table_2(scene: &str) -> Vec<TracerRun> {
+    let row = |tracer: &str, layers: u64, ms: f64, footprint: f64, counters: &[(&str, u64)]| {
+        let mut run = match tracer {
+            "quadtree" => quadtree(scene, json!({ "layers": layers })),
+            "screen-dda" => contends(tracer, scene, json!({ "layers": layers, "max_steps": 200 })),
+            _ => contends(tracer, scene, json!({ "pyramid": "min-max" })),
+        };
+        set_time(&mut run, "stereo", ms);
+        set_classes(&mut run, "stereo", [0, 0], footprint);
+        counters.iter().for_each(|(name, of_ray)| count(&mut run, "stereo", name, of_ray * COUNT));
+        run
+    };
+    let mut rows = vec![
+        row("quadtree", 1, 10.0, 0.95, &[("nodes_visited", 12), ("box_tests", 7)]),
+        row("quadtree", 2, 12.0, 0.97, &[("nodes_visited", 15), ("box_tests", 8)]),
+        row("screen-dda", 1, 40.0, 0.94, &[("depth_samples", 60)]),
+        row("screen-dda", 2, 72.0, 0.99, &[("depth_samples", 60)]),
+        row("height-field", 1, 25.0, 0.9, &[("cells_visited", 16)]),
+    ];
+    count(&mut rows[1], "stereo", "rays_asking_layer_2", COUNT / 4);
+    rows
+}
+
+/// Peers stand beside as many layers, by time and by what they visit; without one of them there is no ratio.
+#[test]
+fn peers_stand_beside_as_many_layers() {
+    let run = run_of(table_2("a"));
+    close(value("height_field_time_over_quadtree", &run), 2.5);
+    close(value("dda_time_over_quadtree", &run), 5.0);
+    close(value("second_layer_time_in_stereo", &run), 1.2);
+    close(value("one_layer_time_over_two", &run), 10.0 / 12.0);
+    close(value("nodes_visited_over_height_field", &run), 0.75);
+    close(value("box_tests_a_ray", &run), 8.0);
+    close(value("rays_asking_second_layer", &run), 0.25);
+    // One layer loses 0.01, two gain 0.02.
+    close(value("dda_agreement_change", &run), 0.02);
+    let own = run_of(run.runs[..2].to_vec());
+    for name in [
+        "height_field_time_over_quadtree",
+        "dda_time_over_quadtree",
+        "nodes_visited_over_height_field",
+        "dda_agreement_change",
+    ] {
+        assert!(values(name, &own).is_empty(), "{name}");
+    }
+}
+
+/// Times are ranked by the nodes that a search can reach, of one layer, over three scenes at least.
+#[test]
+fn time_is_ranked_by_nodes() {
+    let scene = |name: &str, ms: f64, planes: f64| {
+        let mut run = timed(quadtree(name, json!({})), &[("stereo", ms)]);
+        let all = [("nodes", 9e9), ("plane_leaves", planes), ("boxes", 1.0), ("empty_nodes", 1.0)];
+        run.structure_statistics = all.iter().map(|(name, count)| ((*name).to_owned(), *count)).collect();
+        run
+    };
+    let run = run_of(vec![scene("a", 1.0, 10.0), scene("b", 3.0, 30.0), scene("c", 2.0, 20.0)]);
+    close(value("rank_of_time_by_nodes", &run), 1.0);
+    let mut against = run.clone();
+    set_time(&mut against.runs[1], "stereo", 0.5);
+    close(value("rank_of_time_by_nodes", &against), -1.0 / 3.0);
+    assert!(values("rank_of_time_by_nodes", &run_of(run.runs[..2].to_vec())).is_empty());
+}
+
+/// Table 5 of a scene: six faces of one layer and two, and the camera's view alone.
+fn table_5() -> Vec<TracerRun> {
+    let row = |views: &str, layers: u64, ms: [f64; 3], off_view: u64| {
+        let mut run = quadtree("a", json!({ "views": views, "layers": layers }));
+        for (rays, ms) in ["glossy", "glossy2", "glossy3"].into_iter().zip(ms) {
+            set_time(&mut run, rays, ms);
+        }
+        set_cause(&mut run, "glossy", "off_view", off_view);
+        run
+    };
+    vec![
+        row("six", 1, [10.0, 5.0, 4.0], 1),
+        row("six", 2, [20.0, 12.0, 8.0], 1),
+        row("frame", 1, [1.0; 3], 90),
+        row("frame", 2, [1.0; 3], 81),
+    ]
+}
+
+fn set_cause(run: &mut TracerRun, rays: &str, cause: &str, wrong: u64) {
+    let Judgement::Closest(closest) = &mut trace_of(run, rays).judgement else { panic!("{rays} is any-hit") };
+    closest.causes.insert("footprint".to_owned(), BTreeMap::from([(cause.to_owned(), wrong)]));
+}
+
+/// Bounces add up, in as many layers; what one view does not hold is counted beyond what six faces do not.
+#[test]
+fn bounces_add_up() {
+    let mut run = run_of(table_5());
+    // 1.9 and 2.
+    close(value("three_bounces_over_one", &run), 1.95);
+    // 2, 2.4, 2.
+    close(value("second_layer_time_of_reflections", &run), (2.0 + 2.4 + 2.0) / 3.0);
+    run.runs.iter_mut().for_each(|one| one.traces.retain(|trace| trace.rays == "glossy"));
+    close(value("one_view_off_view_beyond_cube", &run), in_a_million(80));
+    assert!(values("three_bounces_over_one", &run).is_empty());
+}
+
+/// Rows of Figures 14 and 15: angle, distance, growth, milliseconds of every set, reachable nodes, footprint agreement.
+fn at_threshold(angle: f64, distance: f64, growth: f64, ms: f64, nodes: f64, footprint: f64) -> TracerRun {
+    let parameters = json!({ "gamma_norm": angle, "gamma_dist": distance, "gamma_growth": growth });
+    let mut run = quadtree("a", parameters);
+    run.traces.retain(|trace| ["stereo", "temporal", "lens"].contains(&trace.rays.as_str()));
+    for rays in ["stereo", "temporal", "lens"] {
+        set_time(&mut run, rays, ms);
+        set_classes(&mut run, rays, [0, 0], footprint);
+    }
+    set_phases(&mut run, &[("bottom level", 1.0), ("merge level 1", nodes)]);
+    let all = [("nodes", 9e9), ("plane_leaves", nodes), ("boxes", 0.0), ("empty_nodes", 0.0)];
+    run.structure_statistics = all.iter().map(|(name, count)| ((*name).to_owned(), *count)).collect();
+    run
+}
+
+const DISTANCES: [f64; 5] = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
+const ANGLES: [f64; 5] = [3.0, 8.0, 14.0, 20.0, 25.0];
+
+fn figure_14() -> Vec<TracerRun> {
+    let step = |step: usize| (10.0 - step as f64, 900.0 - 100.0 * step as f64, 0.95 - 0.01 * step as f64);
+    let over = |place: usize, angle: f64, distance: f64| {
+        let (ms, nodes, footprint) = step(place);
+        at_threshold(angle, distance, 0.0, ms, nodes, footprint)
+    };
+    let distances = DISTANCES.iter().enumerate().map(|(place, distance)| over(place, 3.0, *distance));
+    let angles = ANGLES.iter().enumerate().skip(1).map(|(place, angle)| over(place, *angle, 1e-5));
+    distances.chain(angles).chain([at_threshold(0.0, 0.0, 0.0, 12.5, 1000.0, 0.96)]).collect()
+}
+
+/// What larger tolerances do is ranked over both, the least of what falls and what rises; gains are of time, over lossless thresholds.
+#[test]
+fn tolerances_are_traded() {
+    let run = run_of(figure_14());
+    close(value("least_trend_over_thresholds", &run), 1.0);
+    close(value("usual_thresholds_save", &run), 20.0);
+    close(value("rank_of_tree_time_by_nodes", &run), 41.0 / 45.0);
+    let mut slower = run.clone();
+    // The second of the angles.
+    set_time(&mut slower.runs[5], "stereo", 11.0);
+    close(value("least_trend_over_thresholds", &slower), 0.8);
+    let few = run_of(run.runs[..5].to_vec());
+    for name in ["least_trend_over_thresholds", "usual_thresholds_save"] {
+        assert!(values(name, &few).is_empty(), "{name}");
+    }
+}
+
+/// Thresholds that grow are held against fixed ones of the same size, and the largest against lossless ones.
+#[test]
+fn growing_thresholds_are_held_against_fixed_ones() {
+    let mut rows = Vec::new();
+    for (place, (angle, distance)) in ANGLES.into_iter().zip(DISTANCES).enumerate() {
+        let (ms, footprint) = (10.0 - place as f64, 0.95 - 0.02 * place as f64);
+        rows.push(at_threshold(angle, distance, 0.0, ms, 1.0, footprint));
+        rows.push(at_threshold(angle, distance, 16.0, 0.9 * ms, 1.0, footprint - 0.001 * place as f64));
+    }
+    rows.push(at_threshold(0.0, 0.0, 0.0, 12.0, 1.0, 0.96));
+    let mut run = run_of(rows);
+    set_time(&mut run.runs[1], "lens", 8.5);
+    close(value("growing_thresholds_save_in_views", &run), 10.0);
+    close(value("growing_thresholds_save_in_lens", &run), 15.0);
+    close(value("growing_agreement_change", &run), -0.004);
+    close(value("aggressive_thresholds_save", &run), 50.0);
+    close(value("aggressive_agreement_change", &run), -0.09);
+    let fixed = run_of(run.runs.iter().step_by(2).cloned().collect());
+    for name in ["growing_thresholds_save_in_views", "growing_agreement_change"] {
+        assert!(values(name, &fixed).is_empty(), "{name}");
+    }
+}

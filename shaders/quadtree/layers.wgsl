@@ -1,0 +1,124 @@
+// The depth layers of a view (WKP15, section 3.1): the nearest depths of every pixel, by the rasterizer's own sample rule. Depths
+// are codes that grow towards the eye, 0 for none, so that atomic maxima keep the nearest. The same pipeline catches depths and names
+// the triangles that have them, so that both see the same depth to the bit.
+
+#import tracebench::view::{View, to_eye_space, clip_position}
+#import tracebench::plane_depth::{FlatTriangle, flat_triangle, plane_depth}
+#import tracebench::depth_bounds::near_code
+
+struct LayerPass {
+    view: View,
+    // What the pass does.
+    stage: u32,
+    // The layer that is peeled, and the layers or slots of a pixel.
+    layer: u32,
+    slots: u32,
+    // 1: what faces away is left out.
+    culls: u32,
+    // Pixels of a layer and of a row, and where the view's layers begin.
+    pixels: u32,
+    width: u32,
+    first: u32,
+    // Least distance between layers, eye depth.
+    separation: f32,
+}
+
+// All slots by cascaded minima; the next layer behind the one before; the triangles that layers are of.
+const CATCH: u32 = 0u;
+const PEEL: u32 = 1u;
+
+@group(0) @binding(0) var<uniform> drawn: LayerPass;
+@group(0) @binding(1) var<storage, read> positions: array<f32>;
+@group(0) @binding(2) var<storage, read> indices: array<u32>;
+@group(0) @binding(3) var<storage, read_write> codes: array<atomic<u32>>;
+// The complement of the least triangle of every layer.
+@group(0) @binding(4) var<storage, read_write> names: array<atomic<u32>>;
+
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat) plane: vec4<f32>,
+    @location(1) @interpolate(flat) depths: vec2<f32>,
+    @location(2) @interpolate(flat) primitive: u32,
+}
+
+fn load_position(corner: u32) -> vec3<f32> {
+    let vertex = indices[corner] * 3u;
+    return vec3<f32>(positions[vertex], positions[vertex + 1u], positions[vertex + 2u]);
+}
+
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> Corner {
+    let a = load_position(index);
+    var corner: Corner;
+    corner.position = clip_position(drawn.view, to_eye_space(drawn.view, a));
+    // A triangle's first corner speaks for it.
+    if (index % 3u == 0u) {
+        let triangle = flat_triangle(drawn.view, a, load_position(index + 1u), load_position(index + 2u));
+        corner.plane = triangle.plane;
+        corner.depths = triangle.depths;
+        corner.primitive = index / 3u;
+    }
+    return corner;
+}
+
+// Each slot keeps the nearer of what it has and what comes, and hands the other on. Whatever the order in which depths come,
+// the slots end with the nearest, each depth once, without a lock.
+fn catch_depth(pixel: u32, code: u32) {
+    // Slots only ever get nearer: what lies behind the last of them now will not be among them.
+    if (code <= atomicLoad(&codes[drawn.first + (drawn.slots - 1u) * drawn.pixels + pixel])) {
+        return;
+    }
+    var carried = code;
+    for (var slot = 0u; slot < drawn.slots; slot++) {
+        let before = atomicMax(&codes[drawn.first + slot * drawn.pixels + pixel], carried);
+        if (before == carried) {
+            return;
+        }
+        carried = min(before, carried);
+        if (carried == 0u) {
+            return;
+        }
+    }
+}
+
+// The nearest behind the layer before by more than the separation; that layer is whole.
+fn peel_depth(pixel: u32, depth: f32, code: u32) {
+    if (drawn.layer > 0u) {
+        let before = atomicLoad(&codes[drawn.first + (drawn.layer - 1u) * drawn.pixels + pixel]);
+        if (before == 0u || depth <= bitcast<f32>(~before) + drawn.separation) {
+            return;
+        }
+    }
+    atomicMax(&codes[drawn.first + drawn.layer * drawn.pixels + pixel], code);
+}
+
+// Of triangles of one depth the least.
+fn name_triangle(pixel: u32, code: u32, primitive: u32) {
+    for (var slot = 0u; slot < drawn.slots; slot++) {
+        let at = drawn.first + slot * drawn.pixels + pixel;
+        if (atomicLoad(&codes[at]) == code) {
+            atomicMax(&names[at], ~primitive);
+            return;
+        }
+    }
+}
+
+@fragment
+fn fragment(in: Corner) -> @location(0) vec4<f32> {
+    // The eye lies behind the plane of a triangle that faces away.
+    if (drawn.culls == 1u && in.plane.w > 0.0) {
+        return vec4<f32>(0.0);
+    }
+    let at = vec2<u32>(in.position.xy);
+    let pixel = at.y * drawn.width + at.x;
+    let depth = plane_depth(drawn.view, FlatTriangle(in.plane, in.depths), in.position.xy);
+    let code = near_code(depth);
+    if (drawn.stage == CATCH) {
+        catch_depth(pixel, code);
+    } else if (drawn.stage == PEEL) {
+        peel_depth(pixel, depth, code);
+    } else {
+        name_triangle(pixel, code, in.primitive);
+    }
+    return vec4<f32>(0.0);
+}

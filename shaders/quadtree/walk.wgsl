@@ -1,0 +1,286 @@
+#define_import_path tracebench::quadtree_walk
+
+// The walk of a ray through one quad-tree (WKP15, section 4): planes and boxes are tested in the unit cube; of a box that is hit the
+// child follows in which the ray meets it; of a node that is missed the next of its level on the ray's way, from the level below the
+// last ancestor that both have in common.
+
+#import tracebench::quadtree_forest::{DILATE_NONE, levels_apart, z_of_pixels}
+#import tracebench::quadtree_node::{Plane, is_plane, is_empty, plane_of, box_of, z_on}
+#import tracebench::quadtree_proxy::is_dilated
+#import tracebench::quadtree_track::{Track, Bounds, pixels_at, z_along, bounds_of, leaves_at, enters_at, places_of, part_near, cell_at, child_at, successor}
+#import tracebench::quadtree_store::{forest, search, capped, steps, open, work, visit, pixel_node}
+
+// What no place is: behind the end.
+const NOWHERE: f32 = 2.0;
+
+// How far before an occlusion volume an inpainted hit lies, pixels: on the pixel before it ("slightly dilated", section 4.1).
+const INPAINT_PIXELS: f32 = 0.5;
+
+// How far apart the end of one node and the beginning of the next may be rounded, pixels.
+const SIDE_SLACK: f32 = 0.01;
+
+// Share of z by which boxes are held to be larger than they are: z along a ray is rounded otherwise than z of planes.
+const BOX_SLACK: f32 = 2e-6;
+
+// So many times the reach of planes a walk begins before where a box is met: places are rounded.
+const REACH_SLACK: f32 = 1.001;
+
+// What a walk found.
+struct Found {
+    // The place of a hit, and z there; NOWHERE for none.
+    place: f32,
+    z: f32,
+    // The pixel that shows what was hit.
+    pixel: vec2<u32>,
+    // The first place at which the ray lies in an occlusion volume; NOWHERE for none.
+    volume: f32,
+    // Whether the hit is one with an occlusion volume, and whether the walk ended there, with a hit or without.
+    inpainted: bool,
+    stopped: bool,
+    // The plane that was hit, and its node's middle, pixels.
+    plane: Plane,
+    middle: vec2<f32>,
+}
+
+var<private> found: Found;
+var<private> track: Track;
+// Places between which the tree is walked.
+var<private> begin: f32;
+var<private> end: f32;
+// Where the ray left the node before, if it was before the plane there by no more than it must be behind one to lie in its
+// occlusion volume; NOT_BEFORE for all else.
+var<private> before_until: f32;
+const NOT_BEFORE: f32 = -1.0;
+
+// By how much a plane lies before the ray, in z: above 0 the ray is behind it.
+fn behind_by(plane: Plane, middle: vec2<f32>, place: f32) -> f32 {
+    return z_on(plane, pixels_at(track, place) - middle) - z_along(track, place);
+}
+
+// The place between two at which the ray, behind by so much at both, passes the plane.
+fn crossing(first: f32, second: f32, at_first: f32, at_second: f32) -> f32 {
+    let share = clamp(at_first / (at_first - at_second), 0.0, 1.0);
+    return first * (1.0 - share) + second * share;
+}
+
+// How far behind a plane the ray must be to lie in its occlusion volume.
+fn tolerance_at(place: f32) -> f32 {
+    return z_of_pixels(forest, z_along(track, place), search.occlusion_bias);
+}
+
+fn take(place: f32, plane: Plane, middle: vec2<f32>, bounds: Bounds) {
+    let at = pixels_at(track, place);
+    found.place = place;
+    // By the plane: along a ray from near to far, places are too coarse for the depth of what is far.
+    found.z = clamp(z_on(plane, at - middle), 0.0, 1.0);
+    let last = vec2<f32>(forest.size) - 1.0;
+    found.pixel = vec2<u32>(clamp(floor(at), bounds.low, min(bounds.high - 1.0, last)));
+    found.plane = plane;
+    found.middle = middle;
+}
+
+// The ray lies in a node's occlusion volume from a place on (section 4.1). Where holes are inpainted, it ends there with a hit on what
+// the image shows just before, if it shows something.
+fn pass_volume(image: u32, place: f32) {
+    if (found.volume == NOWHERE) {
+        found.volume = place;
+    }
+    if (search.inpaints == 0u) {
+        return;
+    }
+    found.stopped = true;
+    let before = part_near(track, INPAINT_PIXELS, vec2<f32>(place), begin, end).x;
+    // What begins behind a surface has come from nowhere that the image shows.
+    if (place <= begin || before >= place) {
+        return;
+    }
+    let last = vec2<f32>(forest.size) - 1.0;
+    let pixel = vec2<u32>(clamp(floor(pixels_at(track, before)), vec2<f32>(0.0), last));
+    if (is_empty(pixel_node(image, pixel))) {
+        return;
+    }
+    found.place = before;
+    found.z = z_along(track, before);
+    found.pixel = pixel;
+    found.inpainted = true;
+}
+
+// Tests a plane on the ray's way through its node. What is found does not hang on how the walk came there.
+fn test_plane(image: u32, words: vec2<u32>, bounds: Bounds) {
+    let plane = plane_of(words, vec2<f32>(forest.size));
+    let middle = 0.5 * (bounds.low + bounds.high);
+    let entry = min(enters_at(track, bounds, begin), end);
+    let leaves = leaves_at(track, bounds, entry);
+    let exit = min(min(leaves.x, leaves.y), end);
+    let at_entry = behind_by(plane, middle, entry);
+    let at_exit = behind_by(plane, middle, exit);
+    let tolerance = tolerance_at(entry);
+    let was_before = entry <= before_until + places_of(track, SIDE_SLACK);
+    before_until = select(NOT_BEFORE, exit, (at_exit <= 0.0 && at_exit >= -tolerance_at(exit)));
+    var part = vec2<f32>(entry, exit);
+    if (is_dilated(forest, plane.flagged)) {
+        part = part_near(track, forest.dilation, part, begin, end);
+    }
+    if (at_entry <= 0.0) {
+        let at_end = behind_by(plane, middle, part.y);
+        if (at_end > 0.0) {
+            take(crossing(entry, part.y, at_entry, at_end), plane, middle, bounds);
+        } else if (found.volume < entry && at_entry >= -tolerance) {
+            // Out of a volume, through a crack.
+            let at_begin = behind_by(plane, middle, part.x);
+            if (at_begin > 0.0) {
+                take(crossing(part.x, entry, at_begin, at_entry), plane, middle, bounds);
+            }
+        }
+        return;
+    }
+    if (at_entry <= tolerance) {
+        // Not surely behind: through a crack, on the surface that the ray starts on, or on the way out of a volume.
+        let at_begin = behind_by(plane, middle, part.x);
+        if (at_begin <= 0.0) {
+            take(crossing(part.x, entry, at_begin, at_entry), plane, middle, bounds);
+        } else if (was_before && at_exit > at_entry) {
+            take(entry, plane, middle, bounds);
+        } else if (found.volume < entry && at_exit < 0.0) {
+            take(crossing(entry, exit, at_entry, at_exit), plane, middle, bounds);
+        }
+        return;
+    }
+    pass_volume(image, entry);
+    // Out of the volume, through the plane from behind.
+    let at_end = behind_by(plane, middle, part.y);
+    if (!found.stopped && at_end < 0.0) {
+        take(crossing(entry, part.y, at_entry, at_end), plane, middle, bounds);
+    }
+}
+
+// Where on its way through a node the ray must be looked at more closely; NOWHERE where it meets nothing in a box.
+fn test_box(image: u32, words: vec2<u32>, place: f32, exit: f32) -> f32 {
+    if (is_empty(words)) {
+        return NOWHERE;
+    }
+    let box = box_of(words);
+    let reach = select(forest.dilation, 0.0, (forest.dilated == DILATE_NONE));
+    let part = part_near(track, reach, vec2<f32>(place, exit), begin, end);
+    let ends = vec2<f32>(z_along(track, part.x), z_along(track, part.y));
+    // What the ray passes by less than tolerance_at is looked at.
+    let share = 1.0 - search.occlusion_bias * forest.pixel_angle;
+    let closest = box.greatest + BOX_SLACK * (box.greatest + forest.z_shift)
+        + z_of_pixels(forest, box.greatest, search.occlusion_bias) / max(share, 1e-3);
+    let greatest = select(1e30, closest, share > 1e-3);
+    if (min(ends.x, ends.y) > greatest) {
+        return NOWHERE;
+    }
+    let tolerance = z_of_pixels(forest, box.least, search.occlusion_bias) + BOX_SLACK * (box.least + forest.z_shift);
+    if (max(ends.x, ends.y) < box.least - tolerance) {
+        if (box.holes && found.volume == NOWHERE) {
+            return place;
+        }
+        if (!box.holes) {
+            pass_volume(image, place);
+        }
+        return NOWHERE;
+    }
+    let here = z_along(track, place);
+    if (min(ends.x, here) <= greatest) {
+        return place;
+    }
+    // From before: where it gets as deep as the box begins, or where it leaves a plane that reaches there.
+    let there = z_along(track, exit);
+    var met = exit;
+    if (there < greatest) {
+        met = crossing(place, exit, greatest - here, greatest - there);
+    }
+    return max(place, met - places_of(track, REACH_SLACK * reach));
+}
+
+// Walks the tree of an image between two places, and leaves in `found` what it found.
+fn walk_tree(image: u32, first: f32, limit: f32) {
+    found.place = NOWHERE;
+    found.volume = NOWHERE;
+    found.inpainted = false;
+    found.stopped = false;
+    before_until = NOT_BEFORE;
+    begin = first;
+    end = limit;
+    let last = vec2<i32>(forest.size) - 1;
+    var place = first;
+    var level = forest.top;
+    var cell = cell_at(track, place, level, last >> vec2<u32>(level));
+#ifdef STACK
+    // The cells of all levels on the way down to where the walk is.
+    var path = array<vec2<i32>, 16>();
+#endif
+    open += 1u;
+    loop {
+        if (steps >= search.max_steps) {
+            capped = true;
+            open -= 1u;
+            break;
+        }
+        steps += 1u;
+#ifdef STACK
+        path[level] = cell;
+#endif
+        let bounds = bounds_of(cell, level);
+        let leaves = leaves_at(track, bounds, place);
+        let exit = min(min(leaves.x, leaves.y), end);
+        var down = NOWHERE;
+        // Of cells that are touched at a corner alone it hangs on the way of the walk which are met.
+        if (exit > place) {
+            let words = visit(image, level, vec2<u32>(cell));
+            if (is_plane(words)) {
+#ifdef COUNTERS
+                work[1] += 1u;
+#endif
+                test_plane(image, words, bounds);
+            } else {
+#ifdef COUNTERS
+                work[2] += 1u;
+#endif
+                down = test_box(image, words, place, exit);
+                if (down != place) {
+                    before_until = NOT_BEFORE;
+                }
+            }
+        }
+        if (found.place <= end || found.stopped) {
+            open -= 1u;
+            break;
+        }
+        if (down <= end && level > 0u) {
+            place = max(place, down);
+            cell = child_at(track, place, cell, level, last >> vec2<u32>(level - 1u));
+            level -= 1u;
+            continue;
+        }
+        if (exit >= end) {
+            open -= 1u;
+            break;
+        }
+        var next = successor(track, leaves, cell);
+        if (any(next < vec2<i32>(0)) || any(next > last >> vec2<u32>(level))) {
+            open -= 1u;
+            break;
+        }
+        place = exit;
+#ifdef STACK
+        // Nodes are taken from the stack up to the first that holds the successor.
+        open += 1u;
+        loop {
+            let above = min(level + 1u, forest.top);
+            if (level >= forest.top || all(path[above] == next >> vec2<u32>(1u))) {
+                open -= 1u;
+                break;
+            }
+            next = next >> vec2<u32>(1u);
+            level += 1u;
+        }
+#else
+        let up = min(levels_apart(vec2<u32>(cell), vec2<u32>(next)), forest.top - level);
+        next = next >> vec2<u32>(up);
+        level += up;
+#endif
+        cell = next;
+    }
+}

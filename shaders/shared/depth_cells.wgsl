@@ -1,0 +1,24 @@
+#define_import_path tracebench::depth_cells
+
+// Where the cells of pyramids over images of eye depth lie: image after image, of each its levels from the first above the pixels on.
+
+#import tracebench::pyramid::index_in_level
+
+// The eye depth where there is no surface: beyond every one.
+const NO_SURFACE: f32 = 1e30;
+
+struct DepthPyramid {
+    // Pixels.
+    size: vec2<u32>,
+    // The pixels themselves are the first.
+    levels: u32,
+    // Of one image.
+    cells: u32,
+    // First cell of each level in an image, four a vector.
+    level_offsets: array<vec4<u32>, 4>,
+}
+
+fn depth_cell(pyramid: DepthPyramid, image: u32, level: u32, cell: vec2<u32>) -> u32 {
+    let offset = pyramid.level_offsets[level >> 2u][level & 3u];
+    return image * pyramid.cells + offset + index_in_level(pyramid.size, level, cell);
+}

@@ -1,0 +1,211 @@
+//! How right the quad-tree over depth layers is in rooms, of the rays that one view can answer at all.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use tracebench_api::glam::DVec3;
+use tracebench_api::{Geometry, Gpu, Hit, Parameters, Preset, Projection, Query, Viewpoint};
+use tracebench_harness::judge::{Class, Judge, Rule};
+use tracebench_harness::measure::Contender;
+use tracebench_harness::measure::session::{PreparedRays, RayRequest, Session};
+use tracebench_harness::progress::Progress;
+use tracebench_harness::rays::{RAY_SETS, RaySet, default_parameters};
+use tracebench_harness::registry::find;
+use tracebench_harness::results::Judgement;
+use tracebench_harness::truth::{Cache, Ray64, Truth};
+use tracebench_harness::viewpoint::Pose;
+use tracebench_scenes::procedural;
+use tracebench_tests::gpu;
+
+const NAME: &str = "quadtree";
+const LOSSLESS: [(&str, &str); 2] = [("gamma_norm", "0"), ("gamma_dist", "0")];
+
+/// How much is asked.
+#[derive(Clone, Copy)]
+struct Size {
+    scale: f64,
+    frame: [u32; 2],
+    rays: [u32; 2],
+}
+
+fn rays_of(names: &[&str]) -> Vec<RaySet> {
+    RAY_SETS.iter().filter(|set| names.contains(&set.name)).copied().collect()
+}
+
+/// A scene of the catalogue from its first camera, with rays and truth.
+fn session(gpu: &Arc<Gpu>, scene: &str, sets: &[&str], size: Size) -> Session {
+    let scene = procedural(scene, size.scale).unwrap();
+    let pose = Pose::from(&scene.cameras[0]);
+    let path = scene.camera_path.clone();
+    let geometry = Geometry::new(scene.mesh.positions, scene.mesh.triangles, Some(gpu)).unwrap();
+    let truth = Truth::new(&geometry, &scene.sha256);
+    let viewpoint = pose.viewpoint(&geometry, size.frame, 64);
+    let parameters = default_parameters();
+    let sets = rays_of(sets);
+    let request = RayRequest {
+        sets: &sets,
+        image: size.rays,
+        seed: 1,
+        parameters: &parameters,
+        path: path.as_ref(),
+        mirrors: &[],
+    };
+    let quiet = Progress::new(true);
+    Session::new(&scene.name, truth, viewpoint, request, Some(Arc::clone(gpu)), &Cache::none(), &quiet).unwrap()
+}
+
+/// The tracer with some settings over a preset, built over a session's scene.
+fn built(session: &Session, preset: Preset, settings: &[(&str, &str)]) -> Contender {
+    let registration = find(NAME).unwrap();
+    let description = (registration.describe)();
+    let mut parameters = Parameters::preset(&description.parameters, preset);
+    for (name, value) in settings {
+        parameters.set(&description.parameters, name, value).unwrap();
+    }
+    let device = Ok(session.gpu_handle().unwrap());
+    let mut contender = Contender::create(description, parameters, || registration.create(&device)).unwrap();
+    session.sample_build(&mut contender).unwrap();
+    contender
+}
+
+fn hits(session: &Session, contender: &Contender, rays: &PreparedRays) -> Vec<Hit> {
+    let mut hits = session.hit_buffer(contender, rays).unwrap();
+    session.sample_trace(contender, rays, &mut hits, 1).unwrap();
+    hits.read(session.gpu()).unwrap()
+}
+
+/// What the centre of its pixel shows of a point in the frame: whether it is that point's triangle, or one within a footprint in depth.
+fn is_at_centre(truth: &Truth, viewpoint: &Viewpoint, point: DVec3, primitive: u32) -> bool {
+    let view = viewpoint.frame_view();
+    let projection = Projection::Perspective(view);
+    let Some(at) = view.project_inside(point) else { return false };
+    let line = projection.line_through(at.x.floor() + 0.5, at.y.floor() + 0.5);
+    let along = Ray64 { origin: line.origin, direction: line.direction, t_min: line.near, t_max: line.far };
+    // A reference pixel: 1024 over a right angle.
+    let footprint = 2.0 * point.distance(view.eye) / 1024.0;
+    truth.closest(&along).is_some_and(|hit| hit.primitive == primitive || (hit.t - at.depth).abs() <= footprint)
+}
+
+/// Rays, and right ones among them.
+#[derive(Clone, Copy, Default, Debug)]
+struct Share {
+    right: u32,
+    rays: u32,
+}
+
+impl Share {
+    fn add(&mut self, right: bool) {
+        self.rays += 1;
+        self.right += u32::from(right);
+    }
+
+    fn value(self) -> f64 {
+        f64::from(self.right) / f64::from(self.rays.max(1))
+    }
+}
+
+/// What came of a ray set: of all rays, of those whose true hit is the nearest in the view, of those whose pixel's centre shows it; and the
+/// causes of wrong ones among these.
+struct Outcome {
+    all: Share,
+    visible: Share,
+    at_centre: Share,
+    causes: BTreeMap<String, u64>,
+}
+
+fn outcome(session: &Session, contender: &Contender, rays: &PreparedRays) -> Outcome {
+    let hits = hits(session, contender, rays);
+    let (truth, viewpoint) = (session.truth(), session.viewpoint());
+    let view = viewpoint.frame_view();
+    let (mut all, mut visible, mut at_centre) = (Share::default(), Share::default(), Vec::new());
+    let classes = session.classes(NAME, rays, Rule::Footprint, &hits).unwrap();
+    for (index, class) in classes.iter().enumerate() {
+        let Some(right) = class.map(Class::is_right) else { continue };
+        all.add(right);
+        let Some(hit) = rays.answers[index].hit else { continue };
+        let point = Ray64::from(&rays.buffer.host[index]).at(hit.t);
+        let to_point = Ray64 { origin: view.eye, direction: point - view.eye, t_min: 0.0, t_max: 1.0 - 1e-6 };
+        if view.project_inside(point).is_some() && truth.closest(&to_point).is_none() {
+            visible.add(right);
+        }
+        if is_at_centre(truth, viewpoint, point, hit.primitive) {
+            at_centre.push(index);
+        }
+    }
+    fn of<T: Copy>(indices: &[usize], all: &[T]) -> Vec<T> {
+        indices.iter().map(|index| all[*index]).collect()
+    }
+    let (rays_of, answers, hits) =
+        (of(&at_centre, &rays.buffer.host), of(&at_centre, &rays.answers), of(&at_centre, &hits));
+    let judge = Judge {
+        truth,
+        eye: view.eye,
+        rays: &rays_of,
+        answers: &answers,
+        query: Query::Closest,
+        samplings: &contender.structure().unwrap().samplings(),
+        voxels: None,
+        names_primitives: false,
+    };
+    let Judgement::Closest(judgement) = judge.judge(&hits).unwrap() else { panic!("closest was asked") };
+    let causes = judgement.causes["footprint"].clone();
+    let wrong: u64 = causes.values().sum();
+    let at_centre = Share { right: (at_centre.len() as u64 - wrong) as u32, rays: at_centre.len() as u32 };
+    Outcome { all, visible, at_centre, causes }
+}
+
+/// What a scene's rays at pixels' centres must be right of, at least: diffuse and stereo ones.
+type Least = (&'static str, [f64; 2]);
+
+const SETS: [&str; 2] = ["diffuse", "stereo"];
+
+fn check_lossless(size: Size, scenes: &[Least]) {
+    let gpu = gpu();
+    for (scene, least) in scenes {
+        let session = session(&gpu, scene, &SETS, size);
+        let lossless = built(&session, Preset::Improved, &LOSSLESS);
+        let published = built(&session, Preset::Published, &LOSSLESS);
+        let merged = built(&session, Preset::Improved, &[("gamma_norm", "25"), ("gamma_dist", "64")]);
+        assert_eq!(session.rays.iter().map(|rays| rays.set.name).collect::<Vec<_>>(), SETS);
+        for (rays, least) in session.rays.iter().zip(least) {
+            let name = rays.set.name;
+            for (label, contender) in [("lossless", &lossless), ("lossless, else published", &published)] {
+                let found = outcome(&session, contender, rays);
+                println!(
+                    "{scene} {name}, {label}: right {:.4} of {} at pixels' centres, {:.4} of {} visible, {:.4} of {}; wrong at \
+                     centres: {:?}",
+                    found.at_centre.value(),
+                    found.at_centre.rays,
+                    found.visible.value(),
+                    found.visible.rays,
+                    found.all.value(),
+                    found.all.rays,
+                    found.causes
+                );
+                if label == "lossless" {
+                    assert!(found.at_centre.rays > found.all.rays / 5, "{scene} {name}: {:?}", found.at_centre);
+                    assert!(found.at_centre.value() >= *least, "{scene} {name}: {:?}", found.at_centre);
+                }
+            }
+            // Negative control: planes that stand for whatever lies within 64 pixels.
+            let coarse = outcome(&session, &merged, rays);
+            assert!(coarse.at_centre.value() < least - 0.05, "{scene} {name}: {:?}", coarse.at_centre);
+        }
+    }
+}
+
+/// Proves of a small frame that lossless trees answer most rays whose true hit its pixel's centre shows. Negative control: merged by
+/// large thresholds they do not.
+#[test]
+fn lossless_trees_find_what_pixels_show() {
+    check_lossless(Size { scale: 0.1, frame: [512, 256], rays: [64, 32] }, &[("room", [0.9, 0.97])]);
+}
+
+/// The same of a large one, where nearly all are right. Of diffuse rays in the atrium many hit within two pixels of their start, where it is
+/// not looked, and many pass fluted columns that are seen from aside.
+#[test]
+#[ignore = "wider set: two scenes at full size, half a minute on a software adapter"]
+fn lossless_trees_find_what_pixels_show_at_full_size() {
+    let size = Size { scale: 1.0, frame: [1024, 512], rays: [128, 64] };
+    check_lossless(size, &[("room", [0.95, 0.98]), ("atrium", [0.93, 0.98])]);
+}

@@ -1,0 +1,63 @@
+//! The parameters of `height-field`.
+
+use tracebench_api::ParameterScope::{Build, Trace};
+use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
+use tracebench_kit::{Reads, rays_per_lane_parameter, reads_parameter};
+
+use crate::trace::layouts;
+
+choice! {
+    /// What the pyramid has of a cell.
+    pub(crate) enum Pyramid { MinMax = "min-max", Max = "max" }
+}
+
+parameters! {
+    /// What `height-field` is told.
+    pub(crate) struct HeightParameters {
+        pyramid: Pyramid = Parameter::choice(
+            Build,
+            Pyramid::MinMax,
+            "what is kept of a cell: both of its depth bounds, or the greatest height alone (the nearest depth), half as much memory; \
+             the hits are the same",
+        ),
+        refinement: u32 = Parameter::integer(
+            Trace,
+            0..=32,
+            24,
+            "halvings of a ray's part in the pixel where it comes behind the surface: fewer place hits farther behind it",
+        )
+        .unit("halvings")
+        .sweep([0, 4, 8, 16, 24]),
+        start_bias: f64 = Parameter::real(
+            Trace,
+            0.0..=64.0,
+            0.0,
+            "pixels along the major axis skipped by rays that start in the view: with none a ray that starts behind the stored depth \
+             of its pixel hits at its start",
+        )
+        .unit("pixels")
+        .sweep([0.0, 0.5, 1.0, 2.0, 4.0]),
+        reads: Reads = reads_parameter(),
+        rays_per_lane: u32 = rays_per_lane_parameter(),
+    }
+}
+
+/// Why there is no refit.
+pub(crate) const NO_REFIT: &str = "height-field has no shape to keep: its depth buffer is rebuilt or reused";
+
+/// What `height-field` is and takes.
+pub fn description() -> Description {
+    Description {
+        name: "height-field",
+        citation: "Tevs, Ihrke, Seidel: Maximum Mipmaps for Fast, Accurate, and Scalable Dynamic Height Field Rendering, I3D 2008",
+        summary: "the depth buffer of one view as a height field with a pyramid, all behind it solid",
+        residency: Residency::Device,
+        invalidated_by: &[Invalidation::Geometry, Invalidation::Viewpoint, Invalidation::Resolution],
+        names_primitives: false,
+        ends: &EndPoint::ALL,
+        queries: &Query::ALL,
+        no_refit: Some(NO_REFIT),
+        parameters: HeightParameters::describe(),
+        layouts: layouts(),
+    }
+}

@@ -1,0 +1,121 @@
+//! Surfaces of methods that march over images of depth and whose hits name no triangle: the view is drawn once more with the
+//! triangles' numbers, in the trace's own time, and normal and material are those of the triangle at the pixel of the hit.
+
+use tracebench_api::wgpu::{Buffer, BufferUsages};
+use tracebench_api::{Gpu, HitBuffer, MemoryEntry, PhaseClock, RayBuffer, TracerError, View};
+
+use crate::{BehindRaster, EyeDepthTarget, Gather, Passing, PrimitiveRaster, PrimitiveTexture, SurfaceGeometry};
+
+/// Name of the triangles that rays saw.
+const SEEN: &str = "hit primitives";
+
+/// The pipelines.
+#[derive(Debug)]
+pub struct SeenRaster {
+    nearest: PrimitiveRaster,
+    behind: BehindRaster,
+    gather: Gather,
+}
+
+/// What is drawn again: a view as its depths were drawn, layer behind layer.
+#[derive(Clone, Copy, Debug)]
+pub struct SeenView<'a> {
+    /// The view.
+    pub view: &'a View,
+    /// The scene as the structure has it.
+    pub geometry: &'a SurfaceGeometry,
+    /// Its triangles.
+    pub triangle_count: u32,
+    /// The depths: the first images are the layers.
+    pub target: &'a EyeDepthTarget,
+    /// Layers.
+    pub layers: u32,
+    /// By how much a layer lies behind the one before, scene units.
+    pub separation: f32,
+}
+
+/// What a trace to surfaces holds: the triangles at the view's pixels, and room for the one that each ray saw.
+#[derive(Debug)]
+pub struct Seen {
+    /// Layer by layer.
+    pub primitives: PrimitiveTexture,
+    /// One u32 a ray.
+    pub triangles: Buffer,
+}
+
+impl SeenRaster {
+    /// Creates the pipelines.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the device refuses one.
+    pub fn new(gpu: &Gpu) -> Result<Self, TracerError> {
+        Ok(Self {
+            nearest: PrimitiveRaster::new(gpu)?,
+            behind: BehindRaster::of_primitives(gpu)?,
+            gather: Gather::new(gpu)?,
+        })
+    }
+
+    /// Records the phase "rasterize primitives" and makes room for what so many rays see.
+    ///
+    /// # Errors
+    /// [`TracerError::TooLarge`] if the device cannot bind the scene or the rays' triangles.
+    pub fn draw(
+        &self,
+        gpu: &Gpu,
+        seen: SeenView<'_>,
+        rays: usize,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Seen, TracerError> {
+        let SeenView { view, geometry, triangle_count, target, layers, separation } = seen;
+        let primitives = PrimitiveTexture::of_layers(gpu, view.size, layers)?;
+        let first = self.nearest.bind(gpu, view, &geometry.device)?;
+        let deeper = (1..layers as usize).map(|layer| {
+            let passed = &target.images[layer - 1];
+            self.behind.bind(gpu, view, &geometry.device, passed, Passing::behind(separation))
+        });
+        let deeper = deeper.collect::<Result<Vec<_>, _>>()?;
+        clock.device_phase("rasterize primitives", |encoder| {
+            self.nearest.record(encoder, &first, triangle_count, &primitives.view, &target.test);
+            for (bindings, layer) in deeper.iter().zip(&primitives.layers[1..]) {
+                self.behind.record(encoder, bindings, triangle_count, layer, &target.test);
+            }
+        })?;
+        let bytes = Self::triangle_bytes(rays);
+        gpu.check_storage_binding(SEEN, bytes, "--size")?;
+        let triangles = gpu.buffer(SEEN, bytes, BufferUsages::STORAGE, "--size")?;
+        Ok(Seen { primitives, triangles })
+    }
+
+    /// Records the phase "gather", after the search has written what every ray saw.
+    ///
+    /// # Errors
+    /// As [`Gather::record`].
+    pub fn gather(
+        &self,
+        gpu: &Gpu,
+        geometry: &SurfaceGeometry,
+        rays: &RayBuffer,
+        hits: &HitBuffer,
+        seen: &Seen,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        self.gather.record(gpu, geometry, rays, hits, Some(&seen.triangles), clock)
+    }
+
+    /// What a trace to surfaces takes beside the search; `last` is what the last texture of triangles took.
+    pub fn memory(size: [u32; 2], layers: u32, rays: usize, last: Option<MemoryEntry>) -> Vec<MemoryEntry> {
+        let mut parts = vec![
+            last.unwrap_or_else(|| PrimitiveTexture::memory_of(size, layers)),
+            MemoryEntry::whole(SEEN, Self::triangle_bytes(rays)),
+            PrimitiveRaster::memory(),
+            Gather::memory(),
+        ];
+        parts.extend((1..layers).flat_map(|_| BehindRaster::memory()));
+        parts
+    }
+
+    fn triangle_bytes(rays: usize) -> u64 {
+        rays.max(1) as u64 * 4
+    }
+}

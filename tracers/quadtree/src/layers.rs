@@ -1,0 +1,211 @@
+//! Depth layers (WKP15, section 3.1): the passes that catch them and name their triangles.
+
+use bytemuck::{Pod, Zeroable};
+use tracebench_api::wgpu::{BindGroup, Buffer, ComputePipeline, RenderPipeline};
+use tracebench_api::{Geometry, Gpu, PhaseClock, TracerError};
+use tracebench_kit::{
+    EmptyTarget, ViewUniform, bind_group, bind_group_at, compute_pipeline, dispatch_linear, uniform_buffer,
+};
+use tracebench_shaders::quadtree::{LAYERS, THIN};
+
+use crate::build::WORKGROUP_SIZE;
+use crate::description::Capture;
+use crate::images::Images;
+use crate::layout::Shape;
+
+/// `LayerPass` of shaders/quadtree/layers.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct LayerPass {
+    /// The view that is drawn.
+    pub view: ViewUniform,
+    /// A [`Stage`].
+    pub stage: u32,
+    /// The layer that is peeled.
+    pub layer: u32,
+    /// Layers or slots of a pixel.
+    pub slots: u32,
+    /// 1: what faces away is left out.
+    pub culls: u32,
+    /// Pixels of a layer.
+    pub pixels: u32,
+    /// Pixels of a row.
+    pub width: u32,
+    /// Where the view's layers begin.
+    pub first: u32,
+    /// Least distance between layers, eye depth.
+    pub separation: f32,
+}
+
+/// `ThinPass` of shaders/quadtree/thin.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct ThinPass {
+    /// Pixels of a layer.
+    pub pixels: u32,
+    /// Depths of a pixel that were caught.
+    pub slots: u32,
+    /// Layers of a view.
+    pub layers: u32,
+    /// Where the view's layers begin.
+    pub first: u32,
+    /// Least distance between layers, eye depth.
+    pub separation: f32,
+    /// Nothing.
+    pub padding_a: u32,
+    /// Nothing.
+    pub padding_b: u32,
+    /// Nothing.
+    pub padding_c: u32,
+}
+
+/// What a pass does; codes as in shaders/quadtree/layers.wgsl.
+#[derive(Clone, Copy)]
+enum Stage {
+    /// All slots by cascaded minima.
+    Catch = 0,
+    /// One layer behind the one before.
+    Peel = 1,
+    /// The triangles of all layers.
+    Name = 2,
+}
+
+/// The pipelines.
+pub(crate) struct LayerPipelines {
+    draw: RenderPipeline,
+    thin: ComputePipeline,
+}
+
+/// One step of a view's capture.
+enum Step {
+    /// The view's caught depths are cleared.
+    Clear,
+    /// All triangles are drawn.
+    Draw(BindGroup),
+    /// Layers are chosen from what was caught.
+    Thin(BindGroup),
+}
+
+/// What the capture binds: made before the phases, which only record.
+pub(crate) struct Capturing {
+    catch: Vec<Step>,
+    name: Vec<Step>,
+    vertices: u32,
+}
+
+impl LayerPipelines {
+    pub(crate) fn new(gpu: &Gpu) -> Result<Self, TracerError> {
+        Ok(Self { draw: EmptyTarget::pipeline(gpu, LAYERS)?, thin: compute_pipeline(gpu, THIN, "thin")? })
+    }
+
+    /// Prepares the capture of every view.
+    pub(crate) fn prepare(
+        &self,
+        gpu: &Gpu,
+        shape: &Shape,
+        images: &Images,
+        geometry: &Geometry,
+    ) -> Result<Capturing, TracerError> {
+        let device = geometry.on_device()?;
+        for (name, buffer) in [("vertex positions", &device.positions), ("vertex indices", &device.indices)] {
+            gpu.check_storage_binding(name, buffer.size(), "the scene's triangle count")?;
+        }
+        let mut capturing =
+            Capturing { catch: Vec::new(), name: Vec::new(), vertices: geometry.triangles.len() as u32 * 3 };
+        let (pixels, separation) = (shape.pixels() as u32, shape.separation as f32);
+        for (number, view) in shape.views.iter().enumerate() {
+            let first = number as u32 * shape.layers * pixels;
+            let draw = |stage: Stage, layer: u32, slots: u32, first: u32, codes: &Buffer| {
+                let pass = LayerPass {
+                    view: ViewUniform::from(view),
+                    stage: stage as u32,
+                    layer,
+                    slots,
+                    culls: u32::from(shape.culls),
+                    pixels,
+                    width: view.size[0],
+                    first,
+                    separation,
+                };
+                let pass = uniform_buffer(gpu, "drawn layers", &pass)?;
+                let buffers = [&pass, &device.positions, &device.indices, codes, &images.names.buffer];
+                let resources = buffers.map(Buffer::as_entire_binding);
+                Ok::<_, TracerError>(Step::Draw(bind_group(gpu, &self.draw.get_bind_group_layout(0), &resources)))
+            };
+            let codes = &images.codes.buffer;
+            match (shape.capture, &images.caught) {
+                (Capture::KBuffer, None) => {
+                    capturing.catch.push(draw(Stage::Catch, 0, shape.layers, first, codes)?);
+                }
+                (Capture::KBuffer, Some(caught)) => {
+                    capturing.catch.push(Step::Clear);
+                    capturing.catch.push(draw(Stage::Catch, 0, shape.slots(), 0, &caught.buffer)?);
+                    let thinned = ThinPass {
+                        pixels,
+                        slots: shape.slots(),
+                        layers: shape.layers,
+                        first,
+                        separation,
+                        padding_a: 0,
+                        padding_b: 0,
+                        padding_c: 0,
+                    };
+                    let thinned = uniform_buffer(gpu, "thinned layers", &thinned)?;
+                    let resources = [&thinned, &caught.buffer, codes].map(Buffer::as_entire_binding);
+                    let resources: Vec<_> = (0..).zip(resources).collect();
+                    let bindings = bind_group_at(gpu, &self.thin.get_bind_group_layout(0), &resources);
+                    capturing.catch.push(Step::Thin(bindings));
+                }
+                (Capture::Peeling, _) => {
+                    for layer in 0..shape.layers {
+                        capturing.catch.push(draw(Stage::Peel, layer, shape.layers, first, codes)?);
+                    }
+                }
+            }
+            capturing.name.push(draw(Stage::Name, 0, shape.layers, first, codes)?);
+        }
+        Ok(capturing)
+    }
+
+    /// Records the phases "draw layers" and "name triangles".
+    pub(crate) fn record(
+        &self,
+        shape: &Shape,
+        images: &Images,
+        capturing: &Capturing,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        let phases = [("draw layers", &capturing.catch, true), ("name triangles", &capturing.name, false)];
+        for (name, steps, is_first) in phases {
+            clock.device_phase(name, |encoder| {
+                if is_first {
+                    encoder.clear_buffer(&images.codes.buffer, 0, None);
+                    encoder.clear_buffer(&images.names.buffer, 0, None);
+                }
+                for step in steps {
+                    match step {
+                        Step::Clear => {
+                            if let Some(caught) = &images.caught {
+                                encoder.clear_buffer(&caught.buffer, 0, None);
+                            }
+                        }
+                        Step::Draw(bindings) => {
+                            images.target.draw(encoder, &self.draw, bindings, capturing.vertices);
+                        }
+                        Step::Thin(bindings) => {
+                            dispatch_linear(encoder, &self.thin, bindings, shape.pixels() as u32, WORKGROUP_SIZE);
+                        }
+                    }
+                }
+            })?;
+        }
+        Ok(())
+    }
+}
+
+/// Bytes of the uniforms of a capture, which are kept until it is done.
+pub(crate) fn uniform_bytes(shape: &Shape) -> u64 {
+    let passes = if shape.capture == Capture::Peeling { shape.layers as usize } else { 1 } + 1;
+    let thinned = if shape.thins() { size_of::<ThinPass>() } else { 0 };
+    (shape.views.len() * (passes * size_of::<LayerPass>() + thinned)) as u64
+}

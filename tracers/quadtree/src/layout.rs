@@ -1,0 +1,306 @@
+//! What is built: views, images, levels, and the uniforms that tell shaders of them.
+
+use bytemuck::{Pod, Zeroable};
+use tracebench_api::{SharedLayout, TracerError, View, Viewpoint};
+use tracebench_kit::{MOST_LEVELS, Pyramid, ViewUniform};
+
+use crate::description::{
+    BackFaces, Capture, Dilated, DistanceIn, MOST_TREE_LEVELS, Normals, QuadtreeParameters, Views,
+};
+use crate::layers::{LayerPass, ThinPass};
+use crate::trace::QuadtreeSettings;
+
+/// Views at most: six faces.
+pub(crate) const MOST_VIEWS: usize = 6;
+
+/// `Forest` of shaders/quadtree/forest.wgsl.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Forest {
+    /// Pixels of an image.
+    pub size: [u32; 2],
+    /// Level of the roots.
+    pub top: u32,
+    /// Layers of a view.
+    pub layers: u32,
+    /// Images.
+    pub image_count: u32,
+    /// Nodes of an image.
+    pub image_nodes: u32,
+    /// z = z_scale / eye depth - z_shift.
+    pub z_scale: f32,
+    /// The same.
+    pub z_shift: f32,
+    /// Height of a pixel at eye depth 1.
+    pub pixel_angle: f32,
+    /// How far planes reach beyond their nodes, pixels.
+    pub dilation: f32,
+    /// Which do.
+    pub dilated: u32,
+    /// From what difference on neighbours lie on different surfaces, pixel heights at their depth.
+    pub discontinuity: f32,
+    /// Most angle of a child's normal with the proxy's, as the length of the difference between both.
+    pub gamma_norm: f32,
+    /// Most distance of a child's corners from the proxy plane.
+    pub gamma_dist: f32,
+    /// 1: that is in pixel heights.
+    pub gamma_in_pixels: u32,
+    /// By how many times themselves both grow up to far.
+    pub growth: f32,
+    /// 1: normals are the triangles'.
+    pub normals_of_geometry: u32,
+    /// 1 / far.
+    pub inverse_far: f32,
+    /// Nothing.
+    pub padding: [u32; 2],
+    /// First node of each level in an image.
+    pub level_offsets: [u32; MOST_LEVELS],
+}
+
+/// `TreeView` of shaders/quadtree/store.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct TreeView {
+    /// The view.
+    pub view: ViewUniform,
+    /// Views beyond the right, left, upper and lower side.
+    pub beyond: [u32; 4],
+}
+
+/// Layouts of all that shaders share with this crate.
+pub(crate) fn layouts() -> Vec<SharedLayout> {
+    tracebench_api::layouts! {
+        Forest {
+            size, top, layers, image_count, image_nodes, z_scale, z_shift, pixel_angle, dilation, dilated, discontinuity,
+            gamma_norm, gamma_dist, gamma_in_pixels, growth, normals_of_geometry, inverse_far, padding, level_offsets,
+        }
+        TreeView { view, beyond }
+        LayerPass { view, stage, layer, slots, culls, pixels, width, first, separation }
+        ThinPass { pixels, slots, layers, first, separation, padding_a, padding_b, padding_c }
+        QuadtreeSettings {
+            ray_count, rays_per_lane, unanswered_only, view_count, has_faces, next_layer, any_hit, inpaints, max_steps,
+            start_bias, occlusion_bias, samples, jitter, inverse_sigma, touched_words, padding,
+        }
+    }
+}
+
+/// What is drawn and built.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Shape {
+    /// The camera's view, or six faces; all of one size.
+    pub views: Vec<View>,
+    /// Whether they are faces.
+    pub has_faces: bool,
+    pub layers: u32,
+    pub capture: Capture,
+    pub culls: bool,
+    /// Scene units.
+    pub separation: f64,
+    pub normals: Normals,
+    pub discontinuity: f64,
+    /// Levels above the pixels.
+    pub top: u32,
+    /// Degrees.
+    pub gamma_norm: f64,
+    pub gamma_dist: f64,
+    pub gamma_dist_in: DistanceIn,
+    pub growth: f64,
+    /// Pixels.
+    pub dilation: f64,
+    pub dilated: Dilated,
+}
+
+impl Shape {
+    pub(crate) fn new(
+        viewpoint: &Viewpoint,
+        diagonal: f64,
+        parameters: &QuadtreeParameters,
+    ) -> Result<Self, TracerError> {
+        let has_faces = parameters.views == Views::Six;
+        let views = if has_faces { viewpoint.face_views(0.0).to_vec() } else { vec![viewpoint.frame_view()] };
+        let size = views[0].size;
+        if size.contains(&0) {
+            return Err(TracerError::Failed(format!(
+                "a view of {} x {} pixels shows nothing: turn up {}",
+                size[0],
+                size[1],
+                if has_faces { "--face" } else { "--frame" }
+            )));
+        }
+        let whole = (Pyramid { size }.levels() - 1) as u32;
+        Ok(Self {
+            views,
+            has_faces,
+            layers: parameters.layers,
+            capture: parameters.capture,
+            culls: parameters.back_faces == BackFaces::Culled,
+            separation: parameters.minimum_separation * diagonal,
+            normals: parameters.normals,
+            discontinuity: parameters.discontinuity,
+            top: whole.min(parameters.levels.min(MOST_TREE_LEVELS)),
+            gamma_norm: parameters.gamma_norm,
+            gamma_dist: parameters.gamma_dist,
+            gamma_dist_in: parameters.gamma_dist_in,
+            growth: parameters.gamma_growth,
+            dilation: parameters.dilation,
+            dilated: parameters.dilated,
+        })
+    }
+
+    /// Pixels along x and y of every image.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        self.views[0].size
+    }
+
+    /// Pixels of an image.
+    pub(crate) fn pixels(&self) -> u64 {
+        self.size().map(u64::from).iter().product()
+    }
+
+    /// Layers of all views.
+    pub(crate) fn images(&self) -> u64 {
+        self.views.len() as u64 * u64::from(self.layers)
+    }
+
+    /// Nodes along x and y of a level of an image.
+    pub(crate) fn level_size(&self, level: u32) -> [u32; 2] {
+        Pyramid { size: self.size() }.level_size(level as usize)
+    }
+
+    /// The first node of every level of an image, and how many there are.
+    pub(crate) fn level_offsets(&self) -> ([u32; MOST_LEVELS], u64) {
+        let mut offsets = [0; MOST_LEVELS];
+        let mut end = 0;
+        for level in 0..=self.top {
+            offsets[level as usize] = end as u32;
+            end += Pyramid { size: self.size() }.cells(level as usize);
+        }
+        (offsets, end)
+    }
+
+    /// Depths of a pixel that a pass of the k-buffer catches.
+    pub(crate) fn slots(&self) -> u32 {
+        if self.thins() { 2 * self.layers } else { self.layers }
+    }
+
+    /// Whether layers are chosen from more depths that are caught.
+    pub(crate) fn thins(&self) -> bool {
+        self.capture == Capture::KBuffer && self.separation > 0.0
+    }
+
+    /// The parameter that makes views smaller.
+    pub(crate) fn turn_down(&self) -> &'static str {
+        match self.has_faces {
+            true => "--face or quadtree.layers",
+            false => "--frame or quadtree.layers",
+        }
+    }
+
+    pub(crate) fn forest(&self) -> Forest {
+        let View { near, far, tan_half_height, size, .. } = self.views[0];
+        let (level_offsets, image_nodes) = self.level_offsets();
+        Forest {
+            size,
+            top: self.top,
+            layers: self.layers,
+            image_count: self.images() as u32,
+            image_nodes: image_nodes as u32,
+            z_scale: (near * (far / (far - near))) as f32,
+            z_shift: (near / (far - near)) as f32,
+            pixel_angle: (2.0 * tan_half_height / f64::from(size[1])) as f32,
+            dilation: self.dilation as f32,
+            dilated: if self.dilation > 0.0 { self.dilated as u32 } else { Dilated::None as u32 },
+            discontinuity: self.discontinuity as f32,
+            gamma_norm: (2.0 * (self.gamma_norm.to_radians() / 2.0).sin()) as f32,
+            gamma_dist: self.gamma_dist as f32,
+            gamma_in_pixels: self.gamma_dist_in as u32,
+            growth: self.growth as f32,
+            normals_of_geometry: self.normals as u32,
+            inverse_far: (1.0 / far) as f32,
+            padding: [0; 2],
+            level_offsets,
+        }
+    }
+
+    /// The views as a trace takes them, unused ones zero.
+    pub(crate) fn tree_views(&self) -> [TreeView; MOST_VIEWS] {
+        let mut all: [TreeView; MOST_VIEWS] = Zeroable::zeroed();
+        for (slot, view) in all.iter_mut().zip(&self.views) {
+            let beyond = [view.right, -view.right, view.up, -view.up].map(|side| {
+                let is_beyond = |other: &View| other.forward.dot(side) > 0.99;
+                let found = self.views.iter().position(is_beyond).filter(|_| self.has_faces);
+                found.unwrap_or(self.views.len()) as u32
+            });
+            *slot = TreeView { view: ViewUniform::from(view), beyond };
+        }
+        all
+    }
+
+    /// The views alone, unused ones zero.
+    pub(crate) fn view_uniforms(&self) -> [ViewUniform; MOST_VIEWS] {
+        ViewUniform::array(self.views.iter().map(ViewUniform::from))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tracebench_api::glam::Vec3;
+    use tracebench_api::{Parameters, Preset};
+
+    fn shape(frame: [u32; 2], settings: &[(&str, &str)]) -> Result<Shape, TracerError> {
+        let descriptions = crate::description().parameters;
+        let mut parameters = Parameters::preset(&descriptions, Preset::Published);
+        for (name, value) in settings {
+            parameters.set(&descriptions, name, value).unwrap();
+        }
+        let viewpoint = Viewpoint {
+            eye: Vec3::ZERO,
+            forward: Vec3::NEG_Z,
+            up: Vec3::Y,
+            vertical_fov: 1.0,
+            near: 0.1,
+            far: 100.0,
+            frame,
+            face: 1024,
+        };
+        Shape::new(&viewpoint, 10.0, &QuadtreeParameters::try_from(&parameters).unwrap())
+    }
+
+    /// At the paper's resolution nine levels end in a row of roots, 512 pixels wide each; smaller frames end in one root, and
+    /// a single pixel is one. Faces of 1024 with two layers are what the software adapters' bindings hold.
+    #[test]
+    fn levels_are_those_of_the_paper() {
+        let roots = |frame: [u32; 2]| {
+            let shape = shape(frame, &[]).unwrap();
+            (shape.top, shape.level_size(shape.top))
+        };
+        assert_eq!(roots([1600, 900]), (9, [4, 2]));
+        assert_eq!(roots([1024, 512]), (9, [2, 1]));
+        assert_eq!(roots([512, 512]), (9, [1, 1]));
+        assert_eq!(roots([63, 41]), (6, [1, 1]));
+        assert_eq!(roots([1, 1]), (0, [1, 1]));
+        assert_eq!(roots([1, 3]), (2, [1, 1]));
+        let faces = shape([1, 1], &[("views", "six")]).unwrap();
+        assert!(faces.level_offsets().1 * faces.images() * 8 <= 128 << 20);
+        assert!(shape([0, 4], &[]).unwrap_err().to_string().contains("--frame"));
+    }
+
+    /// Depth goes from 1 at near to 0 at far; every side of a face has the face there that continues the view, a frame has none.
+    #[test]
+    fn uniforms_say_what_views_are() {
+        let frame = shape([20, 10], &[("layers", "3")]).unwrap();
+        let forest = frame.forest();
+        let z = |depth: f32| forest.z_scale / depth - forest.z_shift;
+        assert!((z(0.1) - 1.0).abs() < 1e-6 && z(100.0).abs() < 1e-6, "{forest:?}");
+        assert_eq!((forest.image_count, frame.tree_views()[0].beyond), (3, [1; 4]));
+        let faces = shape([20, 10], &[("views", "six")]).unwrap();
+        for (view, slot) in faces.views.iter().zip(faces.tree_views()) {
+            for ((x, y), other) in [(1025.0, 3.3), (-1.0, 3.3), (3.3, -1.0), (3.3, 1025.0)].into_iter().zip(slot.beyond)
+            {
+                let point = view.eye + view.direction_through(x, y) * 20.0;
+                assert!(faces.views[other as usize].project_inside(point).is_some(), "{x} {y}");
+            }
+        }
+    }
+}
