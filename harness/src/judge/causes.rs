@@ -41,7 +41,8 @@ pub const SELF_HIT: &str = "self_hit";
 /// The answered hit lies behind what the view shows there: a surface was taken to be thick.
 pub const ASSUMED_THICKNESS: &str = "assumed_thickness";
 /// The true hit's surface is stored at its pixel of a view, and the ray was let through: it passed between that fragment and the
-/// next one, or between the pixels that were looked at. Of methods that know surfaces by samples alone and keep every layer.
+/// next one, or between the pixels that were looked at. Of methods that know surfaces by samples alone; of those that keep no more
+/// than the nearest, only where the ray is outside of the pixel when it is as deep as the pixel's centre.
 pub const SLIPPED_THROUGH: &str = "slipped_through";
 /// The tracer's step limit.
 pub const STEP_CAP: &str = "step_cap";
@@ -105,7 +106,12 @@ impl Judge<'_> {
         match Status::from_code(hit.status) {
             Some(Status::ThicknessRejected) => THICKNESS_REJECTED,
             Some(Status::Occluded) => OCCLUDED,
-            _ if !self.names_primitives && showing.iter().any(|view| view.layers != Layers::Nearest) => SLIPPED_THROUGH,
+            _ if !self.names_primitives
+                && (showing.iter().any(|view| view.layers != Layers::Nearest)
+                    || showing.iter().all(|view| self.passes_beside(&view.projection, ray, truth.t))) =>
+            {
+                SLIPPED_THROUGH
+            }
             _ => UNEXPLAINED,
         }
     }
@@ -120,14 +126,52 @@ impl Judge<'_> {
         if self.is_near_start(ray, t) {
             return SELF_HIT;
         }
-        let containing = self.samplings.iter().filter_map(|Sampling { projection, .. }| {
-            projection.project_inside(point).map(|at| (projection, at.depth))
-        });
-        for (projection, depth) in containing {
-            let Some(stored) = self.centre_depth(projection, point) else { continue };
+        // What is told where a ray enters or leaves a view may lie outside of it by rounding.
+        let pixels = VIEW_PIXELS * self.footprint(point) / ray.direction.length();
+        let inside = |projection: &Projection| {
+            let points = [t, t + pixels, t - pixels].map(|near| ray.at(near));
+            points.into_iter().find_map(|near| projection.project_inside(near).map(|at| (near, at.depth)))
+        };
+        let containing = self.samplings.iter().filter_map(|view| Some((view, inside(&view.projection)?)));
+        for (view, (point, depth)) in containing.clone() {
+            let Some(stored) = self.centre_depth(&view.projection, point) else { continue };
             return if depth > stored + self.footprint(point) { ASSUMED_THICKNESS } else { BETWEEN_SAMPLES };
         }
+        // Nothing is shown there: a surface that a pixel beside it shows was met at its own depth.
+        if containing.into_iter().any(|(view, (point, _))| self.is_shown_beside(view, point)) {
+            return BETWEEN_SAMPLES;
+        }
         UNEXPLAINED
+    }
+
+    /// Whether a ray that hits the surface of a pixel at `t` is outside of that pixel where it is as deep as the surface at the
+    /// pixel's centre: one that takes each pixel for a plane at the depth of its centre passes before it or behind.
+    fn passes_beside(&self, projection: &Projection, ray: &Ray64, t: f64) -> bool {
+        let point = ray.at(t);
+        let Some((at, stored)) = projection.project(point).zip(self.centre_depth(projection, point)) else {
+            return false;
+        };
+        // Depth is linear along a ray.
+        let step = self.footprint(point) / ray.direction.length();
+        let Some(ahead) = projection.project(ray.at(t + step)) else { return false };
+        let meets = t + (stored - at.depth) / (ahead.depth - at.depth) * step;
+        let outside =
+            |met: f64, pixel: f64| !(pixel - RASTER_SNAP_PIXELS..=pixel + 1.0 + RASTER_SNAP_PIXELS).contains(&met);
+        !meets.is_finite()
+            || projection
+                .project(ray.at(meets))
+                .is_none_or(|met| outside(met.x, at.x.floor()) || outside(met.y, at.y.floor()))
+    }
+
+    /// Whether a pixel next to the one that a point falls on shows a surface at the point's depth, to a few footprints.
+    fn is_shown_beside(&self, view: &Sampling, point: DVec3) -> bool {
+        let Some(at) = view.projection.project_inside(point) else { return false };
+        let near = SELF_HIT_PIXELS * self.footprint(point);
+        let beside = [-1.0, 0.0, 1.0].map(|moved: f64| moved + 0.5);
+        beside.into_iter().flat_map(|y| beside.map(|x| (at.x.floor() + x, at.y.floor() + y))).any(|(x, y)| {
+            let line = view.projection.line_through(x, y);
+            self.along(line).take(view.layers.most()).any(|found| (found.t - at.depth).abs() <= near)
+        })
     }
 
     /// Whether a wrong hit counts as one with the surface that the ray starts on.

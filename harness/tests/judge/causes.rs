@@ -179,3 +179,55 @@ fn cause_assumed_thickness() {
     let before = seen(plate_at(0.0, 1.0), ray([-1.5, 0.1, 0.25], [1.0, 0.0, 0.0]));
     assert_ne!(before.cause("tight", &[hit(1.5)]), "assumed_thickness");
 }
+
+/// A plate that is steep in the view: across pixel 41, at eye depths from 1.14 to 1.9, of which the centre shows 1.426.
+fn steep() -> Vec<[[f32; 3]; 3]> {
+    rectangle([0.27, -4.0, 1.0], [0.0, 8.0, 0.0], [0.72, 0.0, -2.0]).to_vec()
+}
+
+fn nameless(case: &Case, hit: Hit) -> String {
+    let judge = Judge { names_primitives: false, ..case.judge() };
+    match judge.judge(&[hit]).unwrap() {
+        Judgement::Closest(judged) => judged.causes["tight"].keys().next().unwrap().to_string(),
+        Judgement::Any(_) => panic!("closest was asked"),
+    }
+}
+
+/// Proves `slipped_through` of a method that keeps the nearest layer and knows it by samples: the ray is never as deep as the
+/// pixel's centre, or only beside the pixel. As negative controls, one that is so within the pixel, and a method that names triangles.
+#[test]
+fn cause_slipped_through_a_steep_surface() {
+    let level = seen(steep(), ray([1.2, -0.2, 0.8], [-1.0, 0.0, 0.0]));
+    let slanted = seen(steep(), ray([1.142, -0.2, 1.2], [-0.9, 0.0, -0.45]));
+    for case in [&level, &slanted] {
+        assert!(case.answers[0].hit.is_some());
+        assert_eq!(nameless(case, status(Status::LeftViews)), "slipped_through");
+        assert_eq!(case.cause("tight", &[status(Status::LeftViews)]), "unexplained");
+    }
+    let within = seen(steep(), ray([0.9212, -0.2, 1.08], [-0.5, 0.0, -0.5]));
+    assert!(within.answers[0].hit.is_some());
+    assert_eq!(nameless(&within, status(Status::LeftViews)), "unexplained");
+}
+
+/// Proves `between_samples` of a hit at a pixel that shows nothing, at the depth of what the pixel beside it shows. As negative
+/// controls, one at another depth, and one two pixels aside.
+#[test]
+fn cause_between_samples_beside_what_is_shown() {
+    let edge = 0.5 + 1.0 / 32.0 + 0.005;
+    let beside = |x: f32| seen(plate_at(0.0, edge), down(x, 0.1, 1.0));
+    assert_eq!(beside(0.58).cause("tight", &[hit(1.0)]), "between_samples");
+    assert_eq!(beside(0.58).cause("tight", &[hit(0.5)]), "unexplained");
+    assert_eq!(beside(0.64).cause("tight", &[hit(1.0)]), "unexplained");
+}
+
+/// Proves that a hit told where the ray enters the view is explained, though by rounding it lies outside. As a negative
+/// control, one far outside is not.
+#[test]
+fn cause_of_a_hit_on_the_border_of_a_view() {
+    let mut triangles = plate_at(0.0, 3.0);
+    triangles.extend(rectangle([1.3, -1.0, 0.5], [0.4, 0.0, 0.0], [0.0, 2.0, 0.0]));
+    // It enters at t = 0.5, below the higher plate.
+    let case = seen(triangles, ray([2.2, 0.1, 0.5], [-0.8, 0.0, -0.6]));
+    assert_eq!(case.cause("tight", &[hit(0.499)]), "assumed_thickness");
+    assert_eq!(case.cause("tight", &[hit(0.3)]), "unexplained");
+}

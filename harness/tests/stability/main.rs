@@ -73,7 +73,15 @@ fn check(cases: &[&Case], run: &Run) {
         }
     }
     assert_eq!(found.surprises(), Vec::<String>::new());
-    assert_eq!(unexplained(&found, "voxel-"), Vec::<String>::new());
+    assert_eq!(beyond_rounding(&found), Vec::<String>::new());
+}
+
+/// Cells with more unexplained answers than is allowed, but for what f32 alone decides: needles by a hierarchy, and DIRT's rays
+/// along borders of its cells.
+fn beyond_rounding(found: &Stability) -> Vec<String> {
+    let mut cells = unexplained(found, "");
+    cells.retain(|cell| !["needles, bvh-", "face-cell-borders, dirt"].iter().any(|known| cell.starts_with(known)));
+    cells
 }
 
 /// Cells of tracers whose names begin so where more wrong answers have no cause than is allowed.
@@ -91,15 +99,15 @@ fn unexplained(found: &Stability, tracers: &str) -> Vec<String> {
     cells
 }
 
-/// Proves of the committed matrix that it has every case by every tracer, and that answers through voxels have causes. As a
-/// negative control, those of a hierarchy in f32 do not, on needles.
+/// Proves of the committed matrix that it has every case by every tracer, and that wrong answers have causes. As a negative
+/// control, those of a hierarchy in f32 do not, on needles.
 #[test]
 fn the_committed_matrix_has_causes() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../results/software-stability/run.json.gz");
     let found = Stability::of(&tracebench_harness::report::read_run(path.as_ref()).unwrap()).unwrap();
     let cases: Vec<&str> = found.cases.iter().map(|each| each.case.name.as_str()).collect();
     assert!(CASES.iter().map(|case| case.name).eq(cases), "`tracebench stability` was run before a case came");
-    assert_eq!(unexplained(&found, "voxel-"), Vec::<String>::new());
+    assert_eq!(beyond_rounding(&found), Vec::<String>::new());
     assert!(unexplained(&found, "bvh-cpu").iter().any(|cell| cell.starts_with("needles")));
 }
 
