@@ -46,7 +46,8 @@ const EXPECTATIONS: Column = &[
             45.0,
             0.0,
             0.6,
-            "all behind what the view shows is solid: rays that pass behind the plate hit; and seen from its edge it covers few pixel centres              or none, so that rays which cross it find nothing",
+            "all behind what the view shows is solid: rays that pass behind the plate hit; and seen from its edge it covers few pixel centres \
+             or none, so that rays which cross it find nothing",
             SOLID_SOURCE,
         ),
     ),

@@ -195,7 +195,8 @@ const EXPECTATIONS: Column = &[
             60.0,
             0.0,
             0.5,
-            "a ray that comes from behind meets the thickness first that every surface is taken to have, and the shorter its image, the farther              apart in depth are its samples, a pixel from each other",
+            "a ray that comes from behind meets the thickness first that every surface is taken to have, and the shorter its image, the farther \
+             apart in depth are its samples, a pixel from each other",
             STEP_SOURCE,
         ),
     ),

@@ -30,6 +30,8 @@ pub const WITHIN_FOOTPRINT: &str = "within_footprint";
 pub const OFF_VIEW: &str = "off_view";
 /// The true hit lies behind another surface in every view that contains it.
 pub const HIDDEN_LAYER: &str = "hidden_layer";
+/// A view would show the true hit, and what it keeps leaves it out: it faces away, or lies close behind what is kept.
+pub const LEFT_OUT: &str = "left_out";
 /// A view shows the true hit, but the centre of its pixel (to a rasterizer's precision) shows something else; or the
 /// answer is off by no more than two pixels of the view; or a surface that the pixel's centre shows was hit beside it.
 pub const BETWEEN_SAMPLES: &str = "between_samples";
@@ -84,14 +86,14 @@ impl Judge<'_> {
         if containing.is_empty() {
             return OFF_VIEW;
         }
-        let showing: Vec<&Sampling> = containing.into_iter().filter(|view| self.shows(view, point)).collect();
+        let (showing, hiding): (Vec<_>, Vec<_>) = containing.into_iter().partition(|view| self.shows(view, point));
         if showing.is_empty() {
-            return HIDDEN_LAYER;
+            return if hiding.iter().any(|view| self.leaves_out(view, point)) { LEFT_OUT } else { HIDDEN_LAYER };
         }
         if capped {
             return STEP_CAP;
         }
-        let within_pixels = |view: &&Sampling, from: DVec3, to: DVec3| {
+        let within_pixels = |view: &Sampling, from: DVec3, to: DVec3| {
             let (from, to) = (view.projection.project(from), view.projection.project(to));
             from.zip(to).is_some_and(|(from, to)| (from.x - to.x).abs().max((from.y - to.y).abs()) <= VIEW_PIXELS)
         };
@@ -170,7 +172,7 @@ impl Judge<'_> {
         let beside = [-1.0, 0.0, 1.0].map(|moved: f64| moved + 0.5);
         beside.into_iter().flat_map(|y| beside.map(|x| (at.x.floor() + x, at.y.floor() + y))).any(|(x, y)| {
             let line = view.projection.line_through(x, y);
-            self.along(line).take(view.layers.most()).any(|found| (found.t - at.depth).abs() <= near)
+            self.kept(line, view.layers).any(|found| (found.t - at.depth).abs() <= near)
         })
     }
 
@@ -180,15 +182,34 @@ impl Judge<'_> {
         t * ray.direction.length() <= starts_on_surface.max(tight_tolerance(0.0, self.truth.diagonal()))
     }
 
-    /// Whether a view keeps what lies at a point: more layers than lie before it.
+    /// Whether a view keeps what lies at a point: more layers than lie before it, and nothing leaves it out.
     fn shows(&self, view: &Sampling, point: DVec3) -> bool {
         if view.layers == Layers::All {
             return true;
+        }
+        if matches!(view.layers, Layers::Chosen { .. }) {
+            let reach = self.footprint(point);
+            return self.kept_along(view, point).any(|(depth, found)| (found.t - depth).abs() <= reach);
         }
         let line = view.projection.line_to(point);
         let before = LineOfSight { far: (line.far - self.footprint(point)).max(line.near), ..line };
         let most = view.layers.most();
         self.along(before).take(most).count() < most
+    }
+
+    /// Whether a view has a layer left for what lies at a point, which it does not keep.
+    fn leaves_out(&self, view: &Sampling, point: DVec3) -> bool {
+        let reach = self.footprint(point);
+        let before = self.kept_along(view, point).filter(|(depth, found)| found.t < depth - reach).count();
+        matches!(view.layers, Layers::Chosen { .. }) && before < view.layers.most()
+    }
+
+    /// What a view keeps along the line of sight through a point, each beside the point's own depth.
+    fn kept_along(&self, view: &Sampling, point: DVec3) -> impl Iterator<Item = (f64, TrueHit)> {
+        let at = view.projection.project(point);
+        at.into_iter().flat_map(|at| {
+            self.kept(view.projection.line_through(at.x, at.y), view.layers).map(move |found| (at.depth, found))
+        })
     }
 
     /// Whether the centre of the pixel that a point falls on, moved by a rasterizer's rounding in any direction, shows
@@ -203,7 +224,7 @@ impl Judge<'_> {
                     found.primitive == primitive || (found.t - at.depth).abs() <= self.footprint(point)
                 };
                 let line = view.projection.line_through(x, y);
-                self.along(line).take(view.layers.most()).any(|found| is_it(&found))
+                self.kept(line, view.layers).any(|found| is_it(&found))
             })
         })
     }
@@ -214,6 +235,23 @@ impl Judge<'_> {
         let at = projection.project_inside(point)?;
         let shown = |(x, y)| self.along(projection.line_through(x, y)).next();
         centres(&at).into_iter().find_map(shown).map(|found| found.t)
+    }
+
+    /// The surfaces along a line of sight that are kept; of lines whose lengths are depths.
+    fn kept(&self, line: LineOfSight, layers: Layers) -> impl Iterator<Item = TrueHit> {
+        let (separation, back_faces) = match layers {
+            Layers::Chosen { separation, back_faces, .. } => (separation, back_faces),
+            _ => (0.0, true),
+        };
+        let direction = line.direction;
+        let mut before = f64::NEG_INFINITY;
+        let keeps = move |found: &TrueHit| {
+            let faces = back_faces || self.truth.normal(found.primitive).dot(direction) < 0.0;
+            let kept = faces && found.t - before > separation;
+            before = if kept { found.t } else { before };
+            kept
+        };
+        self.along(line).filter(keeps).take(layers.most())
     }
 
     /// The surfaces along a line of sight, the nearest first.

@@ -225,6 +225,14 @@ pub(crate) fn false_misses(trace: &TraceRecord) -> Option<[u64; 2]> {
     Some([trace.count.saturating_sub(closest.ties), closest.classes.tight.false_miss])
 }
 
+/// Rays that count, and of them those that passed their true hit, into nothing or on to another surface, by more than a footprint; of
+/// closest-hit sets alone.
+pub(crate) fn passed(trace: &TraceRecord) -> Option<[u64; 2]> {
+    let Judgement::Closest(closest) = &trace.judgement else { return None };
+    let classes = &closest.classes.footprint;
+    Some([trace.count.saturating_sub(closest.ties), classes.false_miss + classes.late])
+}
+
 /// Rays that count, and of them those wrong under `tight`; of closest-hit sets alone.
 pub(crate) fn wrong(trace: &TraceRecord) -> Option<[u64; 2]> {
     let Judgement::Closest(closest) = &trace.judgement else { return None };

@@ -78,6 +78,32 @@ fn hidden_layers_are_those_beyond_the_kept() {
     }
 }
 
+/// Proves `left_out`: with a layer to spare a view keeps neither what faces away nor what lies close behind what it keeps, and does
+/// not count it as a layer. As negative controls, it keeps both where it is told so, and what lies behind its last layer is hidden.
+#[test]
+fn what_is_left_out_is_no_layer() {
+    let ray = ray([-0.4, 0.1, -0.5], [0.6, 0.0, -0.8]);
+    let facing_away = |z: f32| rectangle([-1.0, -1.0, z], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0]).to_vec();
+    let chosen = |most, separation, back_faces| Layers::Chosen { most, separation, back_faces };
+    let cause = |layers, triangles: &Vec<_>| seen(layers, triangles.clone(), ray).cause("tight", &[miss()]);
+    let away = [plates(&[0.5]), facing_away(-1.5)].concat();
+    assert_eq!(cause(chosen(2, 0.0, false), &away), "left_out");
+    assert_eq!(cause(chosen(2, 0.0, true), &away), "unexplained");
+    assert_eq!(cause(chosen(1, 0.0, false), &away), "hidden_layer");
+    let close = plates(&[-1.3, -1.5]);
+    let below = super::ray([-0.4, 0.1, -1.4], [0.6, 0.0, -0.08]);
+    let cause_below = |separation| seen(chosen(2, separation, true), close.clone(), below).cause("tight", &[miss()]);
+    assert_eq!(cause_below(0.25), "left_out");
+    assert_eq!(cause_below(0.15), "unexplained");
+    // What is left out takes no layer: the plate behind it is kept.
+    let behind = [plates(&[0.5]), facing_away(0.0), plates(&[-1.5])].concat();
+    assert_eq!(cause(chosen(2, 0.0, false), &behind), "unexplained");
+    assert_eq!(cause(chosen(2, 0.0, true), &behind), "hidden_layer");
+    let near = plates(&[0.5, 0.4, -1.5]);
+    assert_eq!(cause(chosen(2, 0.2, true), &near), "unexplained");
+    assert_eq!(cause(Layers::AtMost(2), &near), "hidden_layer");
+}
+
 /// Proves `between_samples`: a sliver that covers no pixel's centre is missed, on every depth alike; as a negative control,
 /// not one that covers them. A hit two pixels beside the right place is off by the samples, one farther aside is not.
 #[test]

@@ -14,22 +14,40 @@ pub struct Sampling {
 }
 
 /// Which of the surfaces along a pixel's line of sight are kept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Layers {
     /// The nearest.
     Nearest,
     /// So many, from the nearest on.
     AtMost(u32),
+    /// So many, from the nearest on, of those that are not left out.
+    Chosen {
+        /// How many at most.
+        most: u32,
+        /// What lies no farther than this behind the one before is left out, depth in scene units.
+        separation: f64,
+        /// Whether triangles that face away are kept.
+        back_faces: bool,
+    },
     /// Every one.
     All,
 }
 
 impl Layers {
+    /// Of a method that keeps so many and may leave out some: what lies close behind another, and what faces away.
+    pub fn of(most: u32, separation: f64, back_faces: bool) -> Self {
+        match (most, separation > 0.0 || !back_faces) {
+            (_, true) => Self::Chosen { most, separation, back_faces },
+            (1, false) => Self::Nearest,
+            (_, false) => Self::AtMost(most),
+        }
+    }
+
     /// How many that are at most.
     pub fn most(self) -> usize {
         match self {
             Self::Nearest => 1,
-            Self::AtMost(most) => most as usize,
+            Self::AtMost(most) | Self::Chosen { most, .. } => most as usize,
             Self::All => usize::MAX,
         }
     }

@@ -112,7 +112,7 @@ impl Structure for QuadtreeStructure {
     }
 
     fn samplings(&self) -> Vec<Sampling> {
-        let layers = if self.shape.layers == 1 { Layers::Nearest } else { Layers::AtMost(self.shape.layers) };
+        let layers = Layers::of(self.shape.layers, self.shape.separation, !self.shape.culls);
         let of = |view: &tracebench_api::View| Sampling { projection: Projection::Perspective(*view), layers };
         self.shape.views.iter().map(of).collect()
     }

@@ -136,10 +136,8 @@ impl Structure for ScreenDdaStructure {
     }
 
     fn samplings(&self) -> Vec<Sampling> {
-        let layers = match self.images.shape.layers {
-            1 => Layers::Nearest,
-            layers => Layers::AtMost(layers),
-        };
+        let shape = &self.images.shape;
+        let layers = Layers::of(shape.layers, shape.separation * self.diagonal, true);
         vec![Sampling { projection: Projection::Perspective(self.view), layers }]
     }
 

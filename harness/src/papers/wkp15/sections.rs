@@ -2,8 +2,8 @@
 
 use super::quantities::reflections::BOUNCES;
 use super::quantities::{
-    BOXES, HIDDEN_LAYER, NODES, OFF_VIEW, SAMPLES, light_field, share_asking_second, share_behind_first, share_missed,
-    share_of_cause, tree,
+    BOXES, HIDDEN_LAYER, LEFT_OUT, NODES, OFF_VIEW, SAMPLES, light_field, share_asking_second, share_behind_first,
+    share_missed, share_of_cause, tree,
 };
 use super::{DDA, FIELD, QUADTREE, SAMPLES_A_RAY};
 use crate::papers::page::Page;
@@ -310,14 +310,24 @@ pub(super) fn displacement(page: &Page<'_>) -> String {
         "depths a ray ↓",
         "asking layer 2 (%)",
         "missed (%) ↓",
+        "found of what one layer misses (%) ↑",
         "wrong: hidden layer (%) ↓",
+        "wrong: left out (%) ↓",
         "wrong: off view (%) ↓",
     ]));
     for (at, first) in places(page) {
+        let alone = at.like_first(QUADTREE, &[("layers", "1"), ("inpainting", "never")]);
         for rays in at.ray_sets() {
             let (_, first_ms) = timed(first, &[rays]);
+            let missed_alone =
+                alone.and_then(|run| trace(run, rays)).and_then(share_missed).filter(|share| *share > 0.0);
             for run in &at.runs {
                 let Some(traced) = trace(run, rays) else { continue };
+                let deeper = run.tracer.name == QUADTREE && integer(run, "layers").is_some_and(|layers| layers > 1);
+                let found = share_missed(traced)
+                    .zip(missed_alone)
+                    .filter(|_| deeper)
+                    .map(|(missed, alone)| 1.0 - missed / alone);
                 let (cell, ms) = timed(run, &[rays]);
                 let second = share_asking_second(traced);
                 table.row(&[
@@ -330,7 +340,9 @@ pub(super) fn displacement(page: &Page<'_>) -> String {
                     optional(per_ray(traced, SAMPLES), 4),
                     percent(second),
                     percent(share_missed(traced)),
+                    percent(found),
                     percent(share_of_cause(traced, HIDDEN_LAYER)),
+                    percent(share_of_cause(traced, LEFT_OUT)),
                     percent(share_of_cause(traced, OFF_VIEW)),
                 ]);
             }

@@ -38,6 +38,7 @@ const CELLS: &str = "cells_visited";
 pub(super) const SAMPLES: &str = "depth_samples";
 /// What the judge says of rays whose true hit lies behind what the views keep.
 pub(super) const HIDDEN_LAYER: &str = "hidden_layer";
+pub(super) const LEFT_OUT: &str = "left_out";
 /// What it says of those whose true hit no view holds.
 pub(super) const OFF_VIEW: &str = "off_view";
 
