@@ -315,6 +315,13 @@ fn claims_are_set_together() {
     assert!(none.iter().all(|each| matches!(each.verdict, Verdict::NotMeasured | Verdict::NotMeasurable)));
     let missing = none.iter().find(|each| each.claim.id == "dirt-samples-2x2").unwrap();
     assert!(missing.reason.as_ref().unwrap().contains("tracebench table dirt-figure10"));
+    // A run of the same table without the rows adds nothing to one that has them.
+    let without = Run { runs: Vec::new(), ..run.clone() };
+    for runs in [[run.clone(), without.clone()], [without, run.clone()]] {
+        let judged = judge_all(&dirt::PAPER, &runs).unwrap();
+        let found: Vec<_> = judged.iter().filter(|each| each.claim.id == "dirt-references-2x2").collect();
+        assert!(found.len() == 1 && found[0].verdict == Verdict::Holds);
+    }
     let twice = judge_all(&dirt::PAPER, &[run.clone(), run]).unwrap();
     let found: Vec<_> = twice.iter().filter(|each| each.claim.id == "dirt-references-2x2").collect();
     assert!(found.len() == 2 && found.iter().all(|each| each.verdict == Verdict::Holds));

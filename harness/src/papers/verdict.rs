@@ -190,8 +190,8 @@ fn open(rule: &Rule, found: &[OfScene]) -> String {
     if all.is_empty() { "the interval of the median does not separate".to_owned() } else { all.join("; ") }
 }
 
-/// Judges all claims of a paper by the runs that were made for its tables. A claim that several runs measure is judged by each;
-/// one that none measures is named with the table that would.
+/// Judges all claims of a paper by the runs that were made for its tables, of which one may have some rows and another others. A claim
+/// that several runs measure is judged by each; one that none measures is named with the table that would.
 ///
 /// # Errors
 /// If the embedded claims are not as they should be.
@@ -208,6 +208,10 @@ pub fn judge_all(paper: &Paper, runs: &[Run]) -> Result<Vec<JudgedClaim>, DataEr
         let before = judged.len();
         for run in runs.iter().filter(|run| run.table.as_deref() == Some(table)) {
             judged.push(judge(paper, &claim, &Rows::of(&run.aligned())));
+        }
+        if judged[before..].iter().any(|each| each.verdict != Verdict::NotMeasured) {
+            let of_claim = judged.split_off(before);
+            judged.extend(of_claim.into_iter().filter(|each| each.verdict != Verdict::NotMeasured));
         }
         if judged.len() == before {
             let reason = format!("no run of `tracebench table {table}` was given");
