@@ -74,16 +74,30 @@ fn hits(session: &Session, contender: &Contender, rays: &PreparedRays) -> Vec<Hi
     hits.read(session.gpu()).unwrap()
 }
 
-/// What the centre of its pixel shows of a point in the frame: whether it is that point's triangle, or one within a footprint in depth.
-fn is_at_centre(truth: &Truth, viewpoint: &Viewpoint, point: DVec3, primitive: u32) -> bool {
+/// What the centre of a point's pixel shows.
+#[derive(Clone, Copy, PartialEq)]
+enum AtCentre {
+    /// The point's own triangle.
+    Triangle,
+    /// Another, within a footprint in depth.
+    Near,
+    /// Something else, or nothing.
+    Other,
+}
+
+fn at_centre(truth: &Truth, viewpoint: &Viewpoint, point: DVec3, primitive: u32) -> AtCentre {
     let view = viewpoint.frame_view();
     let projection = Projection::Perspective(view);
-    let Some(at) = view.project_inside(point) else { return false };
+    let Some(at) = view.project_inside(point) else { return AtCentre::Other };
     let line = projection.line_through(at.x.floor() + 0.5, at.y.floor() + 0.5);
     let along = Ray64 { origin: line.origin, direction: line.direction, t_min: line.near, t_max: line.far };
     // A reference pixel: 1024 over a right angle.
     let footprint = 2.0 * point.distance(view.eye) / 1024.0;
-    truth.closest(&along).is_some_and(|hit| hit.primitive == primitive || (hit.t - at.depth).abs() <= footprint)
+    match truth.closest(&along) {
+        Some(hit) if hit.primitive == primitive => AtCentre::Triangle,
+        Some(hit) if (hit.t - at.depth).abs() <= footprint => AtCentre::Near,
+        _ => AtCentre::Other,
+    }
 }
 
 /// Rays, and right ones among them.
@@ -104,12 +118,13 @@ impl Share {
     }
 }
 
-/// What came of a ray set: of all rays, of those whose true hit is the nearest in the view, of those whose pixel's centre shows it; and the
-/// causes of wrong ones among these.
+/// What came of a ray set: of all rays, of those whose true hit is the nearest in the view, of those whose pixel's centre shows it or a
+/// triangle as near, of those whose pixel's centre shows the very triangle; and the causes of wrong ones among the last but one.
 struct Outcome {
     all: Share,
     visible: Share,
     at_centre: Share,
+    same_triangle: Share,
     causes: BTreeMap<String, u64>,
 }
 
@@ -117,7 +132,8 @@ fn outcome(session: &Session, contender: &Contender, rays: &PreparedRays) -> Out
     let hits = hits(session, contender, rays);
     let (truth, viewpoint) = (session.truth(), session.viewpoint());
     let view = viewpoint.frame_view();
-    let (mut all, mut visible, mut at_centre) = (Share::default(), Share::default(), Vec::new());
+    let (mut all, mut visible, mut same_triangle) = (Share::default(), Share::default(), Share::default());
+    let mut shown = Vec::new();
     let classes = session.classes(NAME, rays, Rule::Footprint, &hits).unwrap();
     for (index, class) in classes.iter().enumerate() {
         let Some(right) = class.map(Class::is_right) else { continue };
@@ -128,15 +144,18 @@ fn outcome(session: &Session, contender: &Contender, rays: &PreparedRays) -> Out
         if view.project_inside(point).is_some() && truth.closest(&to_point).is_none() {
             visible.add(right);
         }
-        if is_at_centre(truth, viewpoint, point, hit.primitive) {
-            at_centre.push(index);
+        let centre = at_centre(truth, viewpoint, point, hit.primitive);
+        if centre == AtCentre::Triangle {
+            same_triangle.add(right);
+        }
+        if centre != AtCentre::Other {
+            shown.push(index);
         }
     }
     fn of<T: Copy>(indices: &[usize], all: &[T]) -> Vec<T> {
         indices.iter().map(|index| all[*index]).collect()
     }
-    let (rays_of, answers, hits) =
-        (of(&at_centre, &rays.buffer.host), of(&at_centre, &rays.answers), of(&at_centre, &hits));
+    let (rays_of, answers, hits) = (of(&shown, &rays.buffer.host), of(&shown, &rays.answers), of(&shown, &hits));
     let judge = Judge {
         truth,
         eye: view.eye,
@@ -150,16 +169,29 @@ fn outcome(session: &Session, contender: &Contender, rays: &PreparedRays) -> Out
     let Judgement::Closest(judgement) = judge.judge(&hits).unwrap() else { panic!("closest was asked") };
     let causes = judgement.causes["footprint"].clone();
     let wrong: u64 = causes.values().sum();
-    let at_centre = Share { right: (at_centre.len() as u64 - wrong) as u32, rays: at_centre.len() as u32 };
-    Outcome { all, visible, at_centre, causes }
+    let at_centre = Share { right: (shown.len() as u64 - wrong) as u32, rays: shown.len() as u32 };
+    Outcome { all, visible, at_centre, same_triangle, causes }
 }
 
-/// What a scene's rays at pixels' centres must be right of, at least: diffuse and stereo ones.
-type Least = (&'static str, [f64; 2]);
+/// What must be right, at least.
+#[derive(Clone, Copy)]
+struct Least {
+    /// Of rays whose pixel's centre shows the triangle that they hit.
+    same_triangle: f64,
+    /// Of rays whose pixel's centre shows it or another as near.
+    at_centre: f64,
+}
+
+const fn least(same_triangle: f64, at_centre: f64) -> Least {
+    Least { same_triangle, at_centre }
+}
+
+/// What must be right of a scene's diffuse and stereo rays.
+type LeastOf = (&'static str, [Least; 2]);
 
 const SETS: [&str; 2] = ["diffuse", "stereo"];
 
-fn check_lossless(size: Size, scenes: &[Least]) {
+fn check_lossless(size: Size, scenes: &[LeastOf]) {
     let gpu = gpu();
     for (scene, least) in scenes {
         let session = session(&gpu, scene, &SETS, size);
@@ -172,8 +204,10 @@ fn check_lossless(size: Size, scenes: &[Least]) {
             for (label, contender) in [("lossless", &lossless), ("lossless, else published", &published)] {
                 let found = outcome(&session, contender, rays);
                 println!(
-                    "{scene} {name}, {label}: right {:.4} of {} at pixels' centres, {:.4} of {} visible, {:.4} of {}; wrong at \
-                     centres: {:?}",
+                    "{scene} {name}, {label}: right {:.4} of {} whose triangle is at the pixel's centre, {:.4} of {} where one as \
+                     near is, {:.4} of {} visible, {:.4} of {}; wrong at centres: {:?}",
+                    found.same_triangle.value(),
+                    found.same_triangle.rays,
                     found.at_centre.value(),
                     found.at_centre.rays,
                     found.visible.value(),
@@ -184,12 +218,17 @@ fn check_lossless(size: Size, scenes: &[Least]) {
                 );
                 if label == "lossless" {
                     assert!(found.at_centre.rays > found.all.rays / 5, "{scene} {name}: {:?}", found.at_centre);
-                    assert!(found.at_centre.value() >= *least, "{scene} {name}: {:?}", found.at_centre);
+                    assert!(
+                        found.same_triangle.value() >= least.same_triangle,
+                        "{scene} {name}: {:?}",
+                        found.same_triangle
+                    );
+                    assert!(found.at_centre.value() >= least.at_centre, "{scene} {name}: {:?}", found.at_centre);
                 }
             }
             // Negative control: planes that stand for whatever lies within 64 pixels.
             let coarse = outcome(&session, &merged, rays);
-            assert!(coarse.at_centre.value() < least - 0.05, "{scene} {name}: {:?}", coarse.at_centre);
+            assert!(coarse.at_centre.value() < least.at_centre - 0.05, "{scene} {name}: {:?}", coarse.at_centre);
         }
     }
 }
@@ -198,14 +237,18 @@ fn check_lossless(size: Size, scenes: &[Least]) {
 /// large thresholds they do not.
 #[test]
 fn lossless_trees_find_what_pixels_show() {
-    check_lossless(Size { scale: 0.1, frame: [512, 256], rays: [64, 32] }, &[("room", [0.9, 0.97])]);
+    check_lossless(
+        Size { scale: 0.1, frame: [512, 256], rays: [64, 32] },
+        &[("room", [least(0.9, 0.9), least(0.97, 0.97)])],
+    );
 }
 
-/// The same of a large one, where nearly all are right. Of diffuse rays in the atrium many hit within two pixels of their start, where it is
-/// not looked, and many pass fluted columns that are seen from aside.
+/// The same of a large one, where nearly all are right. Of diffuse rays in the atrium that hit beside the triangle that the centre shows,
+/// many do so within two pixels of their start, where it is not looked, and many pass fluted columns that are seen from aside.
 #[test]
 #[ignore = "wider set: two scenes at full size, half a minute on a software adapter"]
 fn lossless_trees_find_what_pixels_show_at_full_size() {
     let size = Size { scale: 1.0, frame: [1024, 512], rays: [128, 64] };
-    check_lossless(size, &[("room", [0.95, 0.98]), ("atrium", [0.93, 0.98])]);
+    let scenes = [("room", [least(0.95, 0.95), least(0.98, 0.98)]), ("atrium", [least(0.95, 0.93), least(0.98, 0.98)])];
+    check_lossless(size, &scenes);
 }
