@@ -2,8 +2,8 @@
 
 use super::quantities::reflections::BOUNCES;
 use super::quantities::{
-    BOXES, HIDDEN_LAYER, LEFT_OUT, NODES, OFF_VIEW, SAMPLES, light_field, share_asking_second, share_behind_first,
-    share_missed, share_of_cause, tree,
+    BOXES, CELLS, HIDDEN_LAYER, LEFT_OUT, NODES, OFF_VIEW, SAMPLES, light_field, share_asking_second,
+    share_behind_first, share_missed, share_of_cause, tree,
 };
 use super::{DDA, FIELD, QUADTREE, SAMPLES_A_RAY};
 use crate::papers::page::Page;
@@ -74,7 +74,7 @@ pub(super) fn construction(page: &Page<'_>) -> String {
         "trees (ms) ↓",
         "drawing the layers (ms) ↓",
         "published: thousand triangles",
-        "trees (ms)",
+        "published: trees (ms)",
     ]));
     for (scene, run) in page.rows.scenes.iter().flat_map(|scene| scene.of_tracer(QUADTREE).map(move |run| (scene, run)))
     {
@@ -105,6 +105,14 @@ struct Warp {
     published: [&'static str; 2],
 }
 
+/// What a hierarchy over pixels visits of itself.
+const VISITS: &str = "nodes or cells a ray ↓";
+
+/// Nodes of a tree, or cells of a pyramid, a ray.
+fn visits(traced: &TraceRecord) -> Option<f64> {
+    per_ray(traced, NODES).or_else(|| per_ray(traced, CELLS))
+}
+
 /// A table of peers: traces and frames over those of the single layer, beside the same of the paper, with what they visit.
 fn beside_peers(page: &Page<'_>, warp: &Warp) -> String {
     let [one, frame] = warp.published;
@@ -117,7 +125,7 @@ fn beside_peers(page: &Page<'_>, warp: &Warp) -> String {
         "frame with build (ms) ↓",
         "× one layer",
         &format!("published: {frame} ×"),
-        "nodes a ray ↓",
+        VISITS,
         "boxes a ray ↓",
         "depths a ray ↓",
         "asking layer 2 (%)",
@@ -140,7 +148,7 @@ fn beside_peers(page: &Page<'_>, warp: &Warp) -> String {
                 optional(frame_ms(run, ms), 4),
                 over(frame_ms(run, ms), frame_ms(first, first_ms)),
                 printed(frame),
-                count(NODES),
+                optional(visits(traced), 4),
                 count(BOXES),
                 count(SAMPLES),
                 percent(second),
@@ -227,7 +235,9 @@ pub(super) fn reflections(page: &Page<'_>) -> String {
             let (mirrored, _) = timed(run, &["specular"]);
             let printed = |bounces: &str| {
                 let [_, layers] = printed_as(run)?;
-                page.printed()?.value(&[("layers", &*layers), ("N_p", "3"), ("N_s", "8"), ("N_b", bounces)], "T_rr")
+                let samples = integer(run, SAMPLES_A_RAY).unwrap_or(0).to_string();
+                let labels = [("layers", &*layers), ("N_p", "3"), ("N_s", &*samples), ("N_b", bounces)];
+                page.printed()?.value(&labels, "T_rr")
             };
             table.row(&[
                 named(&at),
@@ -306,7 +316,7 @@ pub(super) fn displacement(page: &Page<'_>) -> String {
         "rays",
         "time (ms) ↓",
         "× first row",
-        "nodes a ray ↓",
+        VISITS,
         "depths a ray ↓",
         "asking layer 2 (%)",
         "missed (%) ↓",
@@ -336,7 +346,7 @@ pub(super) fn displacement(page: &Page<'_>) -> String {
                     rays.to_owned(),
                     cell,
                     over(ms, first_ms),
-                    optional(per_ray(traced, NODES), 4),
+                    optional(visits(traced), 4),
                     optional(per_ray(traced, SAMPLES), 4),
                     percent(second),
                     percent(share_missed(traced)),

@@ -33,7 +33,7 @@ pub(super) const BOXES: &str = "box_tests";
 const ASKING_SECOND: &str = "rays_asking_layer_2";
 const BEHIND_FIRST: &str = "hits_behind_layer_1";
 /// What the height field counts of cells of its pyramid that a ray visits.
-const CELLS: &str = "cells_visited";
+pub(super) const CELLS: &str = "cells_visited";
 /// What the marching peer counts of depths that it looks at.
 pub(super) const SAMPLES: &str = "depth_samples";
 /// What the judge says of rays whose true hit lies behind what the views keep.
