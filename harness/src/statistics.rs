@@ -76,6 +76,28 @@ pub fn wilson(successes: u64, trials: u64) -> Option<[f64; 2]> {
     Some([low, high])
 }
 
+/// What so many trials without a single success leave possible: the upper end of the 95 % interval of their share (Hanley and
+/// Lippman-Hand 1983, the rule of three); 1 for few trials.
+pub fn rule_of_three(trials: u64) -> f64 {
+    (3.0 / trials.max(1) as f64).min(1.0)
+}
+
+/// By how much a share changed between two judgements of the same trials: those that were `gained` less those that were `lost`, over
+/// all, with its 95 % interval; `None` for no trials. The interval is the adjusted one of Agresti and Min (2005): half a trial is added
+/// to each cell of the table of both judgements, so that no change at all has an interval, too.
+pub fn paired_difference(gained: u64, lost: u64, trials: u64) -> Option<(f64, [f64; 2])> {
+    if trials == 0 {
+        return None;
+    }
+    let n = trials as f64 + 2.0;
+    let (gained_half, lost_half) = (gained as f64 + 0.5, lost as f64 + 0.5);
+    let difference = gained_half - lost_half;
+    let half = Z_95 * (gained_half + lost_half - difference * difference / n).max(0.0).sqrt() / n;
+    let centre = difference / n;
+    let value = (gained as f64 - lost as f64) / trials as f64;
+    Some((value, [(centre - half).max(-1.0), (centre + half).min(1.0)]))
+}
+
 fn sorted(samples: &[f64]) -> Vec<f64> {
     let mut sorted = samples.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -122,5 +144,58 @@ mod tests {
         assert_eq!(wilson(0, 50).unwrap()[0], 0.0);
         assert_eq!(wilson(50, 50).unwrap()[1], 1.0);
         assert!(wilson(0, 0).is_none());
+    }
+
+    /// Against values worked out from the formula of Agresti and Min by hand, and its bounds: signs turn round with the direction, no
+    /// change has an interval about 0, and one that leaves out the pairing is wider.
+    #[test]
+    fn paired_differences_match_the_formula() {
+        let near = |found: f64, expected: f64| (found - expected).abs() < 1e-9;
+        // (30.5 - 10.5) / 1002 and 1.96 sqrt(41 - 400 / 1002) / 1002.
+        let (value, [low, high]) = paired_difference(30, 10, 1000).unwrap();
+        assert!(near(value, 0.02) && near(low, 0.007_496_360_629) && near(high, 0.032_423_799_052), "{low} {high}");
+        let (_, turned) = paired_difference(10, 30, 1000).unwrap();
+        assert!(near(turned[0], -high) && near(turned[1], -low));
+        let (none, [low, high]) = paired_difference(0, 0, 32_768).unwrap();
+        assert!(none == 0.0 && near(low, -high) && high > 0.0 && high < 1e-4);
+        let ends = paired_difference(5, 0, 5).unwrap().1;
+        assert!(ends[1] <= 1.0 && paired_difference(0, 0, 0).is_none());
+        // Unpaired, by the rates of 530 and 510 wrong of 1000 each, of which 500 are the same rays: wider by far.
+        let unpaired = wilson(530, 1000).unwrap()[1] - wilson(510, 1000).unwrap()[0];
+        let (_, paired) = paired_difference(30, 10, 1000).unwrap();
+        assert!(unpaired > 2.0 * paired[1], "{unpaired}");
+    }
+
+    /// The interval of a paired difference covers the true one about as often as it says: of 400 rays of which each becomes wrong
+    /// with one chance and right with another, drawn by a fixed sequence. One half as wide (the negative control) does not.
+    #[test]
+    fn paired_differences_cover() {
+        let mut stream = crate::rays::sampling::Stream::new(3, 911, 0);
+        let (trials, gain, loss) = (400_u64, 0.04, 0.01);
+        let (mut covered, mut narrow) = (0, 0);
+        const LOTS: usize = 2000;
+        for _ in 0..LOTS {
+            let (mut gained, mut lost) = (0, 0);
+            for _ in 0..trials {
+                let drawn = stream.unit();
+                gained += u64::from(drawn < gain);
+                lost += u64::from((gain..gain + loss).contains(&drawn));
+            }
+            let (_, [low, high]) = paired_difference(gained, lost, trials).unwrap();
+            let (centre, half) = (f64::midpoint(low, high), (high - low) / 2.0);
+            covered += usize::from((centre - (gain - loss)).abs() <= half);
+            narrow += usize::from((centre - (gain - loss)).abs() <= half / 2.0);
+        }
+        let share = |count: usize| count as f64 / LOTS as f64;
+        assert!((0.93..=0.985).contains(&share(covered)), "{}", share(covered));
+        assert!(share(narrow) < 0.8, "{}", share(narrow));
+    }
+
+    #[test]
+    fn nothing_of_many_leaves_three_of_many() {
+        assert_eq!((rule_of_three(3000), rule_of_three(1), rule_of_three(0)), (0.001, 1.0, 1.0));
+        // It is what the exact bound, 1 - 0.05 to the power of 1/N, comes to.
+        let exact = 1.0 - 0.05_f64.powf(1.0 / 3000.0);
+        assert!((rule_of_three(3000) / exact - 1.0).abs() < 0.01);
     }
 }

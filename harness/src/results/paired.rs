@@ -231,9 +231,17 @@ pub fn of_rounds(one: &[f64], other: &[f64], coverage: f64) -> Option<Ratio> {
 impl Run {
     /// How many times as long one takes as the other, rows of this record both.
     pub fn paired(&self, one: &Timed<'_>, other: &Timed<'_>) -> Paired {
-        let both = || one.parts.iter().chain(&other.parts);
         let clocks: Vec<ClockKind> = one.clocks().chain(other.clocks()).collect();
-        let by_host = clocks.windows(2).any(|pair| pair[0] != pair[1]);
+        self.paired_by(one, other, clocks.windows(2).any(|pair| pair[0] != pair[1]))
+    }
+
+    /// The same by the host's clock, whatever timed them: work on a device from submission until done.
+    pub fn paired_on_host(&self, one: &Timed<'_>, other: &Timed<'_>) -> Paired {
+        self.paired_by(one, other, true)
+    }
+
+    fn paired_by(&self, one: &Timed<'_>, other: &Timed<'_>, by_host: bool) -> Paired {
+        let both = || one.parts.iter().chain(&other.parts);
         let (ratio, pairing) = self.ratio(one, other, by_host);
         let lots = [one, other].map(|timed| timed.rounds(by_host));
         let fewest = lots.iter().flatten().map(Vec::len).min().unwrap_or(0);

@@ -52,6 +52,23 @@ fn rounds_are_paired() {
     assert!(wrong.interval[1] / wrong.interval[0] > 1.2);
 }
 
+/// Proves that times which the device took are set against one another by submissions where the host's clock is asked for, and by the
+/// device's where it is not.
+#[test]
+fn the_host_may_be_asked() {
+    let mut run = run();
+    let first = run.runs[0].traces[0].times.submit_to_done_samples_ms.clone();
+    let thrice = first.iter().map(|ms| 3.0 * ms).collect();
+    run.runs[1].traces[0].times.submit_to_done_samples_ms = thrice;
+    let (one, other) = (traced(&run, 1, 0), traced(&run, 0, 0));
+    assert!(near(run.paired(&one, &other).sure().unwrap().value, 1.2));
+    assert!(near(run.paired_on_host(&one, &other).sure().unwrap().value, 3.0));
+    run.runs[0].traces[0].times.submit_to_done_samples_ms.clear();
+    let (one, other) = (traced(&run, 1, 0), traced(&run, 0, 0));
+    assert_eq!(run.paired_on_host(&one, &other).answer(0.02), Answer::Undecided(Doubt::NoTimes));
+    assert!(near(run.paired(&one, &other).sure().unwrap().value, 1.2));
+}
+
 /// Proves that phases, sums and multiples are taken round by round, by the clock of both.
 #[test]
 fn parts_are_paired_too() {
