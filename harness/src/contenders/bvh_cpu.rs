@@ -1,6 +1,6 @@
 //! The room of `bvh-cpu`: an analytic method in f32 that sees every triangle and no view.
 
-use super::{Expectation, Family, Registration, Rule};
+use super::{Expectation, Family, OF_HIERARCHIES, Registration, Rule};
 
 const EDGES: Expectation = Expectation::KnownFailure {
     rule: Rule::HitMiss,
@@ -14,5 +14,7 @@ const EDGES: Expectation = Expectation::KnownFailure {
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: &[("needles", EDGES)],
+    aside: &["rebuild_every"],
+    touches: OF_HIERARCHIES,
     ..Registration::analytic(tracebench_bvh::description, Family::Bvh, |_| Ok(Box::new(tracebench_bvh::BvhCpu)))
 };

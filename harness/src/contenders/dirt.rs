@@ -1,11 +1,22 @@
 //! The room of `dirt`: analytic hits on every triangle that touches a tile of six views, found bucket by bucket.
 
-use super::{Column, Expectation, Family, Registration, Remedy, Rule};
+use super::{Column, Expectation, Family, Registration, Remedy, Rule, Shrink, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
     ladder: LADDER,
     sweep: &["tile_size", "buckets", "resolution", "coverage", "clip"],
+    aside: &["near", "direct_visibility", "shadow_map", "shadow_bias", "fetch"],
+    shrinks: &[
+        Shrink { axis: "resolution", steps: &["1/2", "1/4", "1/8", "1/16"] },
+        Shrink { axis: "buckets", steps: &["16", "12", "8", "4", "2", "1"] },
+        Shrink { axis: "tile_size", steps: &["1", "2", "4", "8"] },
+    ],
+    touches: &[Touch {
+        counter: "references_touched",
+        stored: "references",
+        parts: &["nodes (texture)", "id buffer: nodes"],
+    }],
     ..Registration::analytic(tracebench_dirt::description, Family::Image, |gpu| {
         Ok(Box::new(tracebench_dirt::Dirt::new(gpu?)?))
     })

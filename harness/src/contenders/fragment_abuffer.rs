@@ -1,11 +1,22 @@
 //! The room of `fragment-abuffer`: fragments at pixels' centres, every layer, seven views, no thickness.
 
 use super::expectation::{fails, of_huge_triangles, of_plates_along_rows};
-use super::{Column, Expectation, Family, Registration, Rule};
+use super::{Column, Expectation, Family, Registration, Rule, Shrink, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
     tune: Some("thickness"),
+    aside: &["decoupled", "thickness_in", "binary_search_above"],
+    shrinks: &[
+        Shrink { axis: "resolution", steps: &["1/2", "1/4", "1/8", "1/16"] },
+        Shrink { axis: "buckets", steps: &["16", "12", "8", "4", "2", "1"] },
+        Shrink { axis: "layers", steps: &["all", "one"] },
+        Shrink { axis: "views", steps: &["seven", "six", "frame"] },
+    ],
+    touches: &[
+        Touch { counter: "fragments_touched", stored: "fragments", parts: &["id buffer (texture)", "id buffer"] },
+        Touch { counter: "payloads_touched", stored: "fragments", parts: &["data buffer (texture)", "data buffer"] },
+    ],
     ..Registration::sampled(tracebench_fragment_abuffer::description, Family::Image, |gpu| {
         Ok(Box::new(tracebench_fragment_abuffer::FragmentAbuffer::new(gpu?)?))
     })

@@ -1,11 +1,17 @@
 //! The room of `height-field`: one depth a pixel from one view, all behind it solid.
 
 use super::expectation::{fails, of_huge_triangles, of_plates_along_rows};
-use super::{Column, Expectation, Family, Registration, Rule};
+use super::{Column, Expectation, Family, Registration, Rule, Shrink, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
     tune: Some("start_bias"),
+    shrinks: &[Shrink { axis: "resolution", steps: &["1/2", "1/4", "1/8", "1/16"] }],
+    touches: &[Touch {
+        counter: "cells_touched",
+        stored: "cells",
+        parts: &["depth pyramid in a texture", "depth pyramid"],
+    }],
     ..Registration::sampled(tracebench_height_field::description, Family::Image, |gpu| {
         Ok(Box::new(tracebench_height_field::HeightField::new(gpu?)?))
     })

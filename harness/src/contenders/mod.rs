@@ -48,6 +48,33 @@ pub struct Remedy {
     pub source: &'static str,
 }
 
+/// A way to make a structure smaller, for `need`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shrink {
+    /// A parameter of the build, or `resolution`.
+    pub axis: &'static str,
+    /// Its values (of `resolution` multiples) from the largest structure to the smallest. Those that are no smaller than the tracer's own
+    /// are left out, where that can be told.
+    pub steps: &'static [&'static str],
+}
+
+/// How many bytes of a structure a counter of what was touched stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Touch {
+    /// The counter.
+    pub counter: &'static str,
+    /// What the structure says of itself: how many of the same are stored.
+    pub stored: &'static str,
+    /// Where they are: the first of these parts that the structure has.
+    pub parts: &'static [&'static str],
+}
+
+/// What counters of hierarchies stand for.
+const OF_HIERARCHIES: &[Touch] = &[
+    Touch { counter: "nodes_touched", stored: "nodes", parts: &["CWBVH nodes", "BVH2 nodes"] },
+    Touch { counter: "references_touched", stored: "references", parts: &["triangles in leaf order"] },
+];
+
 /// A tracer's room.
 #[derive(Clone, Copy)]
 pub struct Registration {
@@ -69,12 +96,30 @@ pub struct Registration {
     pub sweep: &'static [&'static str],
     /// The parameter that `tune` is about where nothing is said.
     pub tune: Option<&'static str>,
+    /// Parameters that no front is about: aids of proofs, units, and what only matters to refits, surfaces or rays of one kind.
+    pub aside: &'static [&'static str],
+    /// How its structures are made smaller.
+    pub shrinks: &'static [Shrink],
+    /// What its counters of what was touched stand for.
+    pub touches: &'static [Touch],
 }
 
 impl Registration {
     /// The room of a method that samples, with nothing more said of it.
     pub const fn sampled(describe: fn() -> Description, family: Family, create: Create) -> Self {
-        Self { describe, family, create, otherwise: None, expectations: &[], ladder: &[], sweep: &[], tune: None }
+        Self {
+            describe,
+            family,
+            create,
+            otherwise: None,
+            expectations: &[],
+            ladder: &[],
+            sweep: &[],
+            tune: None,
+            aside: &[],
+            shrinks: &[],
+            touches: &[],
+        }
     }
 
     /// The room of a method with analytic hits, which is expected to have no wrong ray where nothing else is said.
@@ -93,6 +138,11 @@ impl Registration {
     /// Why there is no device, if it needs one; [`TracerError::Unavailable`] if this machine cannot run it.
     pub fn create(&self, device: &Device) -> Result<Box<dyn Tracer>, TracerError> {
         (self.create)(device.clone())
+    }
+
+    /// Whether its hits are those of the triangles themselves, rather than of samples.
+    pub fn is_analytic(&self) -> bool {
+        self.otherwise == Some(Expectation::Exact)
     }
 
     /// Its name.

@@ -1,13 +1,23 @@
 //! The room of `quadtree`: two depth layers of the frame, each pixel a small plane, merged by thresholds in the unit cube.
 
 use super::expectation::{fails, of_huge_triangles, of_plates_along_rows};
-use super::{Column, Expectation, Family, Registration, Remedy, Rule};
+use super::{Column, Expectation, Family, Registration, Remedy, Rule, Shrink, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
     ladder: LADDER,
     sweep: &["gamma_norm", "gamma_dist", "layers"],
     tune: Some("gamma_dist"),
+    aside: &["gamma_dist_in", "secondary_samples", "secondary_jitter", "secondary_sigma"],
+    shrinks: &[
+        Shrink { axis: "resolution", steps: &["1/2", "1/4", "1/8", "1/16"] },
+        Shrink { axis: "layers", steps: &["4", "3", "2", "1"] },
+    ],
+    touches: &[Touch {
+        counter: "nodes_touched",
+        stored: "nodes",
+        parts: &["quad-tree nodes (texture)", "quad-tree nodes"],
+    }],
     ..Registration::sampled(tracebench_quadtree::description, Family::Image, |gpu| {
         Ok(Box::new(tracebench_quadtree::Quadtree::new(gpu?)?))
     })

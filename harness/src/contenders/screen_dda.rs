@@ -1,11 +1,16 @@
 //! The room of `screen-dda`: one depth a pixel, sampled at pixel centres, from one view.
 
 use super::expectation::{fails, of_huge_triangles, of_plates_along_rows};
-use super::{Column, Expectation, Family, Registration, Rule};
+use super::{Column, Expectation, Family, Registration, Rule, Shrink, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
     tune: Some("thickness"),
+    shrinks: &[
+        Shrink { axis: "resolution", steps: &["1/2", "1/4", "1/8", "1/16"] },
+        Shrink { axis: "layers", steps: &["4", "3", "2", "1"] },
+    ],
+    touches: &[Touch { counter: "pixels_touched", stored: "pixels", parts: &["eye depth buffer"] }],
     ..Registration::sampled(tracebench_screen_dda::description, Family::Image, |gpu| {
         Ok(Box::new(tracebench_screen_dda::ScreenDda::new(gpu?)?))
     })

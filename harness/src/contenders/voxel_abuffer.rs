@@ -1,13 +1,21 @@
 //! The room of `voxel-abuffer`: layers at texels' centres along three axes of the scene's bounds, inside told from outside.
 
 use super::expectation::fails;
-use super::{Column, Expectation, Family, Registration, Remedy, Rule};
+use super::{Column, Expectation, Family, Registration, Remedy, Rule, Shrink, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
     ladder: LADDER,
     sweep: &["abuffer", "grid"],
     tune: Some("start_bias"),
+    shrinks: &[
+        Shrink { axis: "resolution", steps: &["1/2", "1/4", "1/8", "1/16"] },
+        Shrink { axis: "grid", steps: &["64", "48", "32", "24", "16", "8"] },
+    ],
+    touches: &[
+        Touch { counter: "fragments_touched", stored: "fragments", parts: &["nodes (texture)", "nodes"] },
+        Touch { counter: "payloads_touched", stored: "fragments", parts: &["data (texture)", "data"] },
+    ],
     ..Registration::sampled(tracebench_voxel_abuffer::description, Family::Image, |gpu| {
         Ok(Box::new(tracebench_voxel_abuffer::VoxelAbuffer::new(gpu?)?))
     })

@@ -1,12 +1,17 @@
 //! The room of `voxel-octree`: every voxel that a triangle touches, and hits as precise as one.
 
 use super::expectation::fails;
-use super::{Column, Expectation, Family, Registration, Remedy, Rule};
+use super::{Column, Expectation, Family, Registration, Remedy, Rule, Shrink, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
     ladder: LADDER,
     sweep: &["levels"],
+    shrinks: &[Shrink { axis: "levels", steps: &["9", "8", "7", "6", "5", "4"] }],
+    touches: &[
+        Touch { counter: "nodes_touched", stored: "nodes", parts: &["nodes (texture)", "nodes"] },
+        Touch { counter: "leaves_touched", stored: "leaves", parts: &["leaves (texture)", "leaves"] },
+    ],
     ..Registration::sampled(tracebench_voxel_octree::description, Family::Image, |gpu| {
         Ok(Box::new(tracebench_voxel_octree::VoxelOctree::new(gpu?)?))
     })
