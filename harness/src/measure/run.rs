@@ -207,6 +207,7 @@ pub(crate) fn empty<'r>(requests: impl IntoIterator<Item = &'r TracerRequest>, c
         updates: None,
         cases: None,
         explanation: None,
+        pareto: None,
         ray_parameters: Default::default(),
         control_names: Control::names(),
         controls: Vec::new(),

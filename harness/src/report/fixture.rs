@@ -1,8 +1,12 @@
 //! Runs made up for tests, with the figures that real ones have.
 
+mod fronts;
+
 use std::collections::BTreeMap;
 
 use tracebench_api::{AdapterListing, ClockKind, DeviceLimits, EndPoint, HitBuffer, MemoryEntry, Query, Rasterizer};
+
+pub(crate) use fronts::{FrontQuality, fronts};
 
 use crate::machine::Machine;
 use crate::results::{
@@ -83,6 +87,7 @@ pub(crate) fn run(contenders: &[(&str, Quality)], sets: &[(&str, Query)]) -> Run
         updates: None,
         cases: None,
         explanation: None,
+        pareto: None,
         ray_parameters: BTreeMap::new(),
         control_names: crate::measure::controls::Control::names(),
         controls: controls.iter().map(|(name, missed, blur)| control(name, *missed, *blur, sets)).collect(),

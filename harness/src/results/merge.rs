@@ -109,6 +109,13 @@ fn join(whole: &mut Run, mut shard: Run, machine: u32) {
     if let (Some(whole), Some(shard)) = (&mut whole.explanation, shard.explanation) {
         whole.scenes.extend(shard.scenes);
     }
+    if let (Some(whole), Some(shard)) = (&mut whole.pareto, shard.pareto) {
+        // The points are the same; where each was left out adds up.
+        for (point, other) in whole.points.iter_mut().zip(shard.points) {
+            point.skipped.extend(other.skipped);
+        }
+        whole.scenes.extend(shard.scenes);
+    }
 }
 
 /// The points are the same; where each was left out adds up.

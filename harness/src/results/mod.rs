@@ -13,6 +13,7 @@ mod key;
 mod means;
 mod merge;
 mod paired;
+mod pareto;
 mod provenance;
 mod race;
 mod ratio;
@@ -42,6 +43,7 @@ pub use key::{same_place, same_pose, same_rays, same_work};
 pub use means::{AtMeans, MARGIN, Means, MeansRecord, ProbeRecord, RAYS_PER_LANE, READS, at_means};
 pub use merge::{MergeError, merge};
 pub use paired::{Answer, COVERAGE, Doubt, MOST_CHANGE, Paired, Pairing, Timed, of_rounds};
+pub use pareto::{CheckedRecord, FrontPoint, FrontScene, ParetoRecord, STILL_REFIT};
 pub use provenance::{ConvertedFrom, Provenance, RULES_VERSION, ShardRecord};
 pub use race::{EndedBy, Further, KernelRecord, LEAST_ROUNDS, RaceRecord, Sampling, TwiceRecord};
 pub use ratio::{Movement, Ratio, common_clock, host_ms, time_ratio};
@@ -86,6 +88,9 @@ pub struct Run {
     /// Why rays are wrong.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub explanation: Option<ExplanationRecord>,
+    /// Points of several tracers, for fronts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pareto: Option<ParetoRecord>,
     /// What was said about ray sets: every parameter's value. Empty in files of before there were any.
     #[serde(default)]
     pub ray_parameters: BTreeMap<String, serde_json::Value>,

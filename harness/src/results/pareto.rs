@@ -1,0 +1,94 @@
+//! What a record says of Pareto fronts: which points every tracer was given, and where chosen ones were measured again. Fronts,
+//! operating points and break-even counts are derived from the rows.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::{SceneRecord, TracerRun, ViewpointRecord};
+
+/// The way of rows that were refitted to vertices that stand still, for what a refit takes.
+pub const STILL_REFIT: &str = "refit, standing still";
+
+/// Points of several tracers, for fronts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ParetoRecord {
+    /// The most points that a tracer was given, those of its presets together.
+    pub most_points: u32,
+    /// Rays a pixel of the ray image of which the time of a frame is told.
+    pub rays_per_pixel: Vec<f64>,
+    /// Every point, by tracer, in the order in which the tracer was given it.
+    pub points: Vec<FrontPoint>,
+    /// The scenes.
+    pub scenes: Vec<FrontScene>,
+}
+
+/// A point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrontPoint {
+    /// The tracer.
+    pub tracer: String,
+    /// The preset that it starts from.
+    pub preset: String,
+    /// Its place among its tracer's points, from 0.
+    pub order: u32,
+    /// What it has otherwise than the tracer as it was asked for, by parameter; `resolution` as a multiple.
+    pub values: BTreeMap<String, String>,
+    /// Every parameter of the tracer.
+    pub parameters: BTreeMap<String, serde_json::Value>,
+    /// Width and height of the viewpoint's frame, pixels.
+    pub frame: [u32; 2],
+    /// Edge of the viewpoint's cube faces, pixels.
+    pub face: u32,
+    /// Places where it could not be measured, with the reason.
+    pub skipped: BTreeMap<String, String>,
+}
+
+/// A scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrontScene {
+    /// The scene.
+    pub scene: SceneRecord,
+    /// The viewpoint from which all points were measured; points are chosen by what they do here.
+    pub viewpoint: ViewpointRecord,
+    /// Where the chosen ones were measured again.
+    pub checked: Option<CheckedRecord>,
+    /// Why they were not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub not_checked: Option<String>,
+    /// Further ray images, from which chosen points were traced for what a ray takes beside what a trace does.
+    pub ray_images: Vec<[u32; 2]>,
+}
+
+/// Where points were measured that were chosen elsewhere.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CheckedRecord {
+    /// Seed of the ray sets there.
+    pub seed: u64,
+    /// The viewpoint.
+    pub viewpoint: ViewpointRecord,
+}
+
+impl FrontPoint {
+    /// Whether a row is this point's: it may follow something, or be seen from anywhere.
+    pub fn is_of(&self, row: &TracerRun) -> bool {
+        row.tracer.name == self.tracer
+            && row.tracer.parameters == self.parameters
+            && (row.viewpoint.frame, row.viewpoint.face) == (self.frame, self.face)
+    }
+
+    /// The tracer with its preset unless it is the published one.
+    pub fn contender(&self) -> String {
+        if self.preset == "published" { self.tracer.clone() } else { format!("{}:{}", self.tracer, self.preset) }
+    }
+
+    /// What it has otherwise than its preset, as `name=value`.
+    pub fn values_label(&self) -> String {
+        self.values.iter().map(|(name, value)| format!("{name}={value}")).collect::<Vec<_>>().join(" ")
+    }
+
+    /// Tracer, preset and values.
+    pub fn label(&self) -> String {
+        format!("{} {}", self.contender(), self.values_label()).trim_end().to_owned()
+    }
+}

@@ -1,0 +1,309 @@
+//! Which points a tracer is given, in which order.
+//!
+//! First the tracer as it was asked for. Then in turn a point with one axis at another value, and one with two. Axes take turns, and
+//! every axis takes its values from the nearest to its own outwards, so that whatever number of points there is, no axis has many
+//! more of them than another (`tests::every_prefix_is_fair`). A tracer's presets take turns as well: a tracer with two
+//! of them has no more points than one whose presets are the same.
+
+use std::collections::BTreeMap;
+
+use tracebench_api::{Domain, Invalidation, ParameterDescription, Value};
+
+use crate::measure::records;
+use crate::plan::{Resolution, RunPreset, TracerRequest};
+use crate::results::{FrontPoint, RAYS_PER_LANE, READS};
+use crate::studies::sweep::{Multiple, RESOLUTION, SweepError};
+
+/// Multiples of the resolution, from the nearest to the preset's outwards.
+const RESOLUTIONS: [&str; 4] = ["1/2", "2", "1/4", "1/8"];
+
+/// What may be changed, with the values that it takes in their order; its own is not among them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Axis {
+    /// A parameter, or `resolution`.
+    pub name: String,
+    /// Its values.
+    pub steps: Vec<String>,
+}
+
+/// A point with what is asked for it.
+#[derive(Clone)]
+pub struct Designed {
+    /// The tracer with the point's values and resolution.
+    pub request: TracerRequest,
+    /// As the record has it.
+    pub point: FrontPoint,
+}
+
+/// What may be changed of a tracer: the resolution where it matters, what its room says is swept, then every other parameter that has
+/// values worth sweeping, in the order of its description. Means are equal for all, and what its room puts aside is left out.
+pub fn axes(request: &TracerRequest, preset: RunPreset) -> Vec<Axis> {
+    let description = (request.registration.describe)();
+    let taken = |name: &str| ![READS, RAYS_PER_LANE].contains(&name) && !request.registration.aside.contains(&name);
+    let mut names: Vec<&str> = Vec::new();
+    if description.invalidated_by.contains(&Invalidation::Resolution) {
+        names.push(RESOLUTION);
+    }
+    let all = request.registration.sweep.iter().copied().chain(description.parameters.iter().map(|each| each.name));
+    for name in all.filter(|name| taken(name)) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    let axis = |name: &str| {
+        let described = description.parameters.iter().find(|each| each.name == name);
+        let steps = match described {
+            Some(described) => parameter_steps(request, described),
+            None if names.contains(&name) => resolution_steps(preset),
+            None => Vec::new(),
+        };
+        Axis { name: name.to_owned(), steps }
+    };
+    let axes: Vec<Axis> = names.iter().map(|name| axis(name)).collect();
+    axes.into_iter().filter(|axis| !axis.steps.is_empty()).collect()
+}
+
+/// Multiples that leave whole edges.
+fn resolution_steps(preset: RunPreset) -> Vec<String> {
+    let sound = |text: &&str| Multiple::parse(text).is_some_and(|multiple| multiple.scale(preset).is_ok());
+    RESOLUTIONS.iter().filter(|text| sound(text)).map(|text| (*text).to_owned()).collect()
+}
+
+/// Values from the nearest to the own one outwards, by their places in order: below and above in turn. Choices in their order.
+fn parameter_steps(request: &TracerRequest, described: &ParameterDescription) -> Vec<String> {
+    let own = request.parameters.value(described.name).unwrap_or(&described.published);
+    let mut values: Vec<&Value> = described.sweep.iter().filter(|value| *value != own).collect();
+    if let Domain::Integer { .. } | Domain::Real { .. } = described.domain {
+        let number = |value: &Value| match value {
+            Value::Integer(number) => *number as f64,
+            Value::Real(number) => *number,
+            Value::Choice(_) => f64::NAN,
+        };
+        values.sort_by(|a, b| number(a).total_cmp(&number(b)));
+        let below = values.iter().filter(|value| number(value) < number(own)).count();
+        let (low, high) = values.split_at(below);
+        let mut outwards = Vec::new();
+        let (mut low, mut high) = (low.iter().rev(), high.iter());
+        loop {
+            match (low.next(), high.next()) {
+                (None, None) => break,
+                (down, up) => outwards.extend(down.into_iter().chain(up).copied()),
+            }
+        }
+        values = outwards;
+    }
+    values.into_iter().map(ToString::to_string).collect()
+}
+
+/// All points over axes, in their order: what each changes. The first changes nothing.
+pub fn order(axes: &[Axis]) -> Vec<BTreeMap<String, String>> {
+    let change = |axis: &Axis, round: usize| axis.steps.get(round).map(|step| (axis.name.clone(), step.clone()));
+    let rounds = axes.iter().map(|axis| axis.steps.len()).max().unwrap_or(0);
+    let mut singles: Vec<BTreeMap<String, String>> = Vec::new();
+    let mut pairs: Vec<BTreeMap<String, String>> = Vec::new();
+    for round in 0..rounds {
+        singles.extend(axes.iter().filter_map(|axis| Some(BTreeMap::from([change(axis, round)?]))));
+        // Every axis with the next, then with the next but one, and so on round the circle: each stands in two pairs of a turn.
+        for shift in 1..=axes.len() / 2 {
+            let firsts = if 2 * shift == axes.len() { shift } else { axes.len() };
+            for first in 0..firsts {
+                let both = change(&axes[first], round).zip(change(&axes[(first + shift) % axes.len()], round));
+                pairs.extend(both.map(|(one, other)| BTreeMap::from([one, other])));
+            }
+        }
+    }
+    std::iter::once(BTreeMap::new()).chain(in_turn(vec![singles, pairs])).collect()
+}
+
+/// Lists as one, an element of each in turn.
+fn in_turn<T>(lists: Vec<Vec<T>>) -> Vec<T> {
+    let mut lists: Vec<_> = lists.into_iter().map(Vec::into_iter).collect();
+    let mut joined = Vec::new();
+    loop {
+        let before = joined.len();
+        joined.extend(lists.iter_mut().filter_map(Iterator::next));
+        if joined.len() == before {
+            return joined;
+        }
+    }
+}
+
+/// At most so many points for every tracer of some requests, each once; requests of one tracer share them.
+///
+/// # Errors
+/// [`SweepError::Parameter`] for a value that a parameter does not take.
+pub fn points(requests: &[TracerRequest], preset: RunPreset, most: usize) -> Result<Vec<Designed>, SweepError> {
+    let mut names: Vec<&str> = Vec::new();
+    for request in requests {
+        if !names.contains(&request.name()) {
+            names.push(request.name());
+        }
+    }
+    let mut points = Vec::new();
+    for name in names {
+        let own = requests.iter().filter(|request| request.name() == name);
+        let lists = own.map(|request| {
+            order(&axes(request, preset)).into_iter().map(|values| (request, values)).collect::<Vec<_>>()
+        });
+        let mut given: Vec<Designed> = Vec::new();
+        for (request, values) in in_turn(lists.collect()) {
+            if given.len() == most {
+                break;
+            }
+            let designed = design(request, preset, values, given.len() as u32)?;
+            let same = |other: &Designed| {
+                let (ours, theirs) = (&designed.point, &other.point);
+                (&ours.parameters, ours.frame, ours.face) == (&theirs.parameters, theirs.frame, theirs.face)
+            };
+            if !given.iter().any(same) {
+                given.push(designed);
+            }
+        }
+        points.extend(given);
+    }
+    Ok(points)
+}
+
+/// A request with other values.
+///
+/// # Errors
+/// [`SweepError`] for a value that a parameter does not take, or edges that would be no whole pixels.
+pub fn design(
+    request: &TracerRequest,
+    preset: RunPreset,
+    values: BTreeMap<String, String>,
+    order: u32,
+) -> Result<Designed, SweepError> {
+    // Not being able to measure a point is no error.
+    let mut changed = TracerRequest { required: false, ..request.clone() };
+    let mut resolved = preset;
+    for (name, value) in &values {
+        if name == RESOLUTION {
+            let multiple = Multiple::parse(value).ok_or_else(|| SweepError::Multiple(value.clone()))?;
+            resolved = multiple.scale(preset)?;
+        } else {
+            changed.set(name, value).map_err(SweepError::Parameter)?;
+        }
+    }
+    let RunPreset { frame, face, .. } = resolved;
+    changed.resolution = Some(Resolution { frame, face });
+    let point = FrontPoint {
+        tracer: request.name().to_owned(),
+        preset: request.preset.name().to_owned(),
+        order,
+        values,
+        parameters: records::json_values(&changed.parameters),
+        frame,
+        face,
+        skipped: BTreeMap::new(),
+    };
+    Ok(Designed { request: changed, point })
+}
+
+#[cfg(test)]
+mod tests {
+    use tracebench_api::Preset;
+
+    use super::*;
+    use crate::registry::{self, TRACERS};
+
+    fn preset() -> RunPreset {
+        RunPreset::named("quick").unwrap()
+    }
+
+    fn made_up(steps: &[usize]) -> Vec<Axis> {
+        let axis = |(place, count): (usize, &usize)| Axis {
+            name: format!("axis {place}"),
+            steps: (0..*count).map(|step| step.to_string()).collect(),
+        };
+        steps.iter().enumerate().map(axis).collect()
+    }
+
+    /// How many points of a design change each axis.
+    fn uses(design: &[BTreeMap<String, String>], axes: &[Axis]) -> Vec<usize> {
+        let of = |axis: &Axis| design.iter().filter(|point| point.contains_key(&axis.name)).count();
+        axes.iter().map(of).collect()
+    }
+
+    /// Proves that in every prefix axes with as many values are changed about as often, and that points are all different; an
+    /// order that exhausts one axis after the other (the negative control) is not so.
+    #[test]
+    fn every_prefix_is_fair() {
+        for steps in [vec![4; 2], vec![3; 5], vec![5; 6], vec![4; 11]] {
+            let axes = made_up(&steps);
+            let design = order(&axes);
+            assert!(design[0].is_empty() && design[1].len() == 1 && design[2].len() == 2);
+            assert!(design.iter().enumerate().all(|(place, point)| !design[..place].contains(point)));
+            let apart = |design: &[BTreeMap<String, String>]| {
+                let apart = |length: usize| {
+                    let uses = uses(&design[..length], &axes);
+                    uses.iter().max().unwrap() - uses.iter().min().unwrap()
+                };
+                (1..=design.len()).map(apart).max().unwrap()
+            };
+            // As long as both kinds last, one single and two pairs at most stand between two axes.
+            let whole = 2 * axes.len() * steps[0];
+            assert!(apart(&design[..whole.min(design.len())]) <= 3, "{steps:?}");
+            let mut sorted = design.clone();
+            sorted.sort();
+            assert!(apart(&sorted) > 3, "{steps:?}");
+        }
+        // Axes of different lengths: none is forgotten.
+        let axes = made_up(&[1, 6, 2]);
+        assert!(uses(&order(&axes)[..8], &axes).iter().all(|count| *count > 0));
+        assert_eq!(order(&[]), vec![BTreeMap::new()]);
+    }
+
+    /// Proves that values go outwards from the own one, that means and what rooms put aside are no axes, and that only tracers whose
+    /// structures hang on the resolution have one.
+    #[test]
+    fn axes_are_those_of_descriptions() {
+        let dirt = TracerRequest::of(registry::find("dirt").unwrap(), Preset::Published);
+        let axes = axes(&dirt, preset());
+        let steps = |name: &str| axes.iter().find(|axis| axis.name == name).map(|axis| axis.steps.join(" "));
+        assert_eq!(axes[0].name, RESOLUTION);
+        assert_eq!(axes[1].name, "tile_size");
+        assert_eq!(steps("buckets").as_deref(), Some("16 32 8 40 4 1"));
+        assert_eq!(steps(RESOLUTION).as_deref(), Some("1/2 2 1/4 1/8"));
+        for aside in ["near", "reads", "rays_per_lane"] {
+            assert_eq!(steps(aside), None, "{aside}");
+        }
+        for registration in TRACERS {
+            let described = (registration.describe)();
+            let known = |name: &str| described.parameters.iter().any(|each| each.name == name);
+            assert!(registration.aside.iter().all(|name| known(name)), "{}", described.name);
+            let request = TracerRequest::of(registration, Preset::Published);
+            let sized = super::axes(&request, preset()).iter().any(|axis| axis.name == RESOLUTION);
+            assert_eq!(sized, described.invalidated_by.contains(&Invalidation::Resolution), "{}", described.name);
+        }
+        let narrow = RunPreset { frame: [6, 6], face: 6, ..preset() };
+        assert_eq!(resolution_steps(narrow), ["1/2", "2"]);
+    }
+
+    /// Proves that every tracer gets as many points or all that it has, both presets together, each once and in the order of its
+    /// design, and that a longer design begins with the shorter one.
+    #[test]
+    fn tracers_get_as_many() {
+        let requests: Vec<TracerRequest> = Preset::ALL
+            .into_iter()
+            .flat_map(|preset| TRACERS.iter().map(move |each| TracerRequest::of(each, preset)))
+            .collect();
+        let few = points(&requests, preset(), 3).unwrap();
+        let many = points(&requests, preset(), 9).unwrap();
+        for registration in TRACERS {
+            let of = |points: &[Designed]| -> Vec<FrontPoint> {
+                let own = points.iter().filter(|each| each.point.tracer == registration.name());
+                own.map(|each| each.point.clone()).collect()
+            };
+            let (few, many) = (of(&few), of(&many));
+            assert!((1..=3).contains(&few.len()) && many.len() <= 9 && many.starts_with(&few), "{}", many.len());
+            assert!(many.iter().enumerate().all(|(place, point)| point.order as usize == place));
+            assert!(few[0].values.is_empty() && few[0].preset == "published");
+            let request = |preset| TracerRequest::of(registration, preset).parameters;
+            if request(Preset::Published) != request(Preset::Improved) {
+                assert!(few[1].values.is_empty() && few[1].preset == "improved", "{}", registration.name());
+            }
+        }
+        assert!(many.iter().any(|each| each.point.face != preset().face));
+    }
+}

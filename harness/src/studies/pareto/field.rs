@@ -1,0 +1,398 @@
+//! What was measured of all points over one ray set in one place: costs, errors, and how surely they differ.
+
+use tracebench_api::{ClockKind, Query};
+
+use super::front::{Spot, Standing, front, standings};
+use crate::results::{
+    FrontPoint, FrontScene, Judgement, ParetoRecord, Rule, Run, Timed, Times, TraceRecord, TracerRun, ViewpointRecord,
+    same_rays,
+};
+use crate::statistics::{median, median_interval, rule_of_three};
+use crate::studies::tune;
+
+/// A figure with its interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Amount {
+    /// The figure.
+    pub value: f64,
+    /// Its interval.
+    pub interval: [f64; 2],
+}
+
+impl Amount {
+    /// One that is known exactly.
+    pub fn exact(value: f64) -> Self {
+        Self { value, interval: [value; 2] }
+    }
+
+    /// So many times as much.
+    #[must_use]
+    pub fn times(self, factor: f64) -> Self {
+        let [low, high] = self.interval.map(|end| end * factor);
+        Self { value: self.value * factor, interval: if factor < 0.0 { [high, low] } else { [low, high] } }
+    }
+
+    /// Both together, from the least of both to the greatest of both.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        let ([low, high], [other_low, other_high]) = (self.interval, other.interval);
+        Self { value: self.value + other.value, interval: [low + other_low, high + other_high] }
+    }
+}
+
+/// A time by the host's clock, which every method has: of work on a device from submission until done, milliseconds; `None` where
+/// nothing was timed, or times are void.
+pub fn on_host(times: &Times) -> Option<Amount> {
+    let samples = match times.clock {
+        ClockKind::Host => &times.samples_ms,
+        ClockKind::DeviceTimestamps | ClockKind::SubmitToDone => &times.submit_to_done_samples_ms,
+    };
+    let value = median(samples);
+    let sound = times.void.is_none() && value.is_finite() && value > 0.0;
+    sound.then(|| Amount { value, interval: median_interval(samples).0 })
+}
+
+/// What a point costs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cost {
+    /// Time of the trace.
+    Trace,
+    /// Time of the build.
+    Build,
+    /// Bytes of the structure, and of the geometry that must stay to trace.
+    Bytes,
+    /// Time of a frame: the build and so many rays a pixel of the ray image.
+    Frame(f64),
+}
+
+impl Cost {
+    /// Every cost, with a frame for each number of rays a pixel.
+    pub fn all(rays_per_pixel: &[f64]) -> Vec<Self> {
+        let frames = rays_per_pixel.iter().map(|rays| Self::Frame(*rays));
+        [Self::Trace, Self::Build, Self::Bytes].into_iter().chain(frames).collect()
+    }
+
+    /// The name in tables for programs.
+    pub fn code(self) -> String {
+        match self {
+            Self::Trace => "speed".to_owned(),
+            Self::Build => "build".to_owned(),
+            Self::Bytes => "bytes".to_owned(),
+            Self::Frame(rays) => format!("frame_at_{rays}_rays_per_pixel"),
+        }
+    }
+}
+
+/// How an answer is right: of closest hits by a rule, of any hit by the balanced accuracy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum By {
+    /// By a rule.
+    Rule(Rule),
+    /// The mean of the shares of right answers among occluded and among free rays.
+    BalancedAccuracy,
+}
+
+impl By {
+    /// All by which answers to a query are judged.
+    pub fn all(query: Query) -> &'static [Self] {
+        match query {
+            Query::Closest => &[Self::Rule(Rule::HitMiss), Self::Rule(Rule::Tight), Self::Rule(Rule::Footprint)],
+            Query::Any => &[Self::BalancedAccuracy],
+        }
+    }
+
+    /// The name in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rule(rule) => rule.name(),
+            Self::BalancedAccuracy => "balanced_accuracy",
+        }
+    }
+
+    fn rule(self) -> Rule {
+        match self {
+            Self::Rule(rule) => rule,
+            // Of any-hit sets it is the balanced accuracy, whatever the rule.
+            Self::BalancedAccuracy => Rule::HitMiss,
+        }
+    }
+}
+
+/// The share of wrong answers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wrong {
+    /// The share with its 95 % interval.
+    pub share: Amount,
+    /// What so many rays do not tell from no wrong one: three of them.
+    pub bound: f64,
+}
+
+impl Wrong {
+    /// Of a trace; `None` if nothing could be judged.
+    pub fn of(trace: &TraceRecord, by: By) -> Option<Self> {
+        let right = tune::score(&trace.judgement, by.rule())?;
+        let [low, high] = tune::interval(&trace.judgement, by.rule()).unwrap_or([right; 2]);
+        let wrong = |right: f64| (1.0 - right).max(0.0);
+        let share = Amount { value: wrong(right), interval: [wrong(high), wrong(low)] };
+        Some(Self { share, bound: bound(trace) })
+    }
+
+    /// The share as it is drawn and held against others: not below what can be told from none.
+    pub fn drawn(&self) -> f64 {
+        self.share.value.max(self.bound)
+    }
+
+    /// Whether it is drawn at the bound, since the share lies below.
+    pub fn at_bound(&self) -> bool {
+        self.share.value < self.bound
+    }
+}
+
+/// Three of the rays without ties; of any hit the mean of three of the occluded and three of the free ones.
+fn bound(trace: &TraceRecord) -> f64 {
+    match &trace.judgement {
+        Judgement::Closest(closest) => rule_of_three(trace.count.saturating_sub(closest.ties)),
+        Judgement::Any(any) => {
+            let table = &any.occlusion;
+            let kinds = [table.true_occluded + table.false_free, table.true_free + table.false_occluded];
+            let there: Vec<f64> = kinds.into_iter().filter(|rays| *rays > 0).map(rule_of_three).collect();
+            there.iter().sum::<f64>() / (there.len() as f64).max(1.0)
+        }
+    }
+}
+
+/// A point with what was measured of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry<'a> {
+    /// Its place among the record's points.
+    pub index: usize,
+    /// The point.
+    pub point: &'a FrontPoint,
+    /// Its row.
+    pub row: &'a TracerRun,
+    /// Its trace of the rays.
+    pub trace: &'a TraceRecord,
+}
+
+/// All points over one ray set in one place.
+#[derive(Clone, Debug)]
+pub struct Field<'a> {
+    run: &'a Run,
+    /// The scene.
+    pub scene: &'a FrontScene,
+    /// The viewpoint, by which frame and faces of rows do not count.
+    pub viewpoint: &'a ViewpointRecord,
+    /// The ray set.
+    pub rays: &'a str,
+    /// What was asked.
+    pub query: Query,
+    /// Its number of rays.
+    pub count: u64,
+    /// Points that were measured, in the order of the record.
+    pub entries: Vec<Entry<'a>>,
+    /// The controls on the same rays; they are part of no front.
+    pub controls: Vec<(&'a TracerRun, &'a TraceRecord)>,
+}
+
+/// Whether a row was measured from a viewpoint with its rays; frame and faces are the row's own.
+pub(super) fn is_at(row: &TracerRun, scene: &FrontScene, viewpoint: &ViewpointRecord) -> bool {
+    let bare = |of: &ViewpointRecord| ViewpointRecord { frame: [0; 2], face: 0, ..of.clone() };
+    row.scene.sha256 == scene.scene.sha256
+        && row.scene.name == scene.scene.name
+        && bare(&row.viewpoint) == bare(viewpoint)
+}
+
+/// Every ray set that was traced from a scene's viewpoint, in the order of first appearance.
+pub fn fields<'a>(
+    run: &'a Run,
+    record: &'a ParetoRecord,
+    scene: &'a FrontScene,
+    viewpoint: &'a ViewpointRecord,
+) -> Vec<Field<'a>> {
+    let rows: Vec<&TracerRun> =
+        run.runs.iter().filter(|row| row.way.is_none() && is_at(row, scene, viewpoint)).collect();
+    let mut fields: Vec<Field<'a>> = Vec::new();
+    for (index, point) in record.points.iter().enumerate() {
+        let Some(row) = rows.iter().copied().find(|row| point.is_of(row)) else { continue };
+        for trace in &row.traces {
+            let entry = Entry { index, point, row, trace };
+            match fields.iter_mut().find(|field| field.rays == trace.rays) {
+                Some(field) => field.entries.push(entry),
+                None => fields.push(Field {
+                    run,
+                    scene,
+                    viewpoint,
+                    rays: &trace.rays,
+                    query: trace.query,
+                    count: trace.count,
+                    entries: vec![entry],
+                    controls: controls(run, scene, viewpoint, trace),
+                }),
+            }
+        }
+    }
+    fields
+}
+
+/// The controls beside a trace.
+fn controls<'a>(
+    run: &'a Run,
+    scene: &FrontScene,
+    viewpoint: &ViewpointRecord,
+    trace: &TraceRecord,
+) -> Vec<(&'a TracerRun, &'a TraceRecord)> {
+    let mut controls: Vec<(&TracerRun, &TraceRecord)> = Vec::new();
+    for row in run.controls.iter().filter(|row| is_at(row, scene, viewpoint)) {
+        // Points that were tried alone have controls of their own; they score the same.
+        let known = controls.iter().any(|(other, _)| other.tracer.name == row.tracer.name);
+        controls.extend(row.traces.iter().find(|other| same_rays(other, trace) && !known).map(|found| (row, found)));
+    }
+    controls
+}
+
+impl<'a> Field<'a> {
+    /// Names of the tracers, each once, in the order of their points.
+    pub fn tracers(&self) -> Vec<&'a str> {
+        let mut names: Vec<&str> = Vec::new();
+        for entry in &self.entries {
+            if !names.contains(&entry.point.tracer.as_str()) {
+                names.push(&entry.point.tracer);
+            }
+        }
+        names
+    }
+
+    /// Rays of a frame with so many of them a pixel of the ray image.
+    pub fn rays_of_frame(&self, rays_per_pixel: f64) -> f64 {
+        let [width, height] = self.viewpoint.ray_image.map(f64::from);
+        rays_per_pixel * width * height
+    }
+
+    /// What an entry costs; `None` where it was not timed.
+    pub fn cost(&self, entry: &Entry<'_>, cost: Cost) -> Option<Amount> {
+        match cost {
+            Cost::Trace => on_host(&entry.trace.times),
+            Cost::Build => on_host(&entry.row.build.times),
+            Cost::Bytes => Some(Amount::exact(bytes(entry.row) as f64)),
+            Cost::Frame(rays_per_pixel) => {
+                let times = self.rays_of_frame(rays_per_pixel) / self.count.max(1) as f64;
+                Some(on_host(&entry.row.build.times)?.and(on_host(&entry.trace.times)?.times(times)))
+            }
+        }
+    }
+
+    /// Whether one costs less than another beyond noise: by every byte, of times by the rounds in which both were timed.
+    fn surely_cheaper(&self, one: &Entry<'a>, other: &Entry<'a>, cost: Cost) -> bool {
+        let timed = |entry: &Entry<'a>| match cost {
+            Cost::Trace => Some(Timed::trace(entry.row, entry.trace)),
+            Cost::Build => Some(Timed::build(entry.row)),
+            Cost::Bytes => None,
+            Cost::Frame(rays_per_pixel) => {
+                let times = self.rays_of_frame(rays_per_pixel) / self.count.max(1) as f64;
+                Some(Timed::build(entry.row).and(Timed::trace(entry.row, entry.trace).times(times)))
+            }
+        };
+        match (timed(one), timed(other)) {
+            (Some(one), Some(other)) => {
+                let ratio = self.run.paired_on_host(&one, &other).sure();
+                ratio.is_ok_and(|ratio| ratio.interval[1] < 1.0)
+            }
+            _ => bytes(one.row) < bytes(other.row),
+        }
+    }
+
+    /// Entries with their places, those that lack cost or error left out.
+    fn spots(&self, entries: &[Entry<'a>], cost: Cost, by: By) -> Vec<(Entry<'a>, Spot)> {
+        let spot = |entry: &Entry<'a>| {
+            let spot = Spot { cost: self.cost(entry, cost)?.value, error: Wrong::of(entry.trace, by)?.drawn() };
+            Some((*entry, spot))
+        };
+        entries.iter().filter_map(spot).collect()
+    }
+
+    /// The front of a choice of entries, the cheapest first.
+    pub fn front(&self, entries: &[Entry<'a>], cost: Cost, by: By) -> Vec<(Entry<'a>, Spot)> {
+        let all = self.spots(entries, cost, by);
+        let spots: Vec<Spot> = all.iter().map(|(_, spot)| *spot).collect();
+        front(&spots).into_iter().map(|place| all[place]).collect()
+    }
+
+    /// How the entries of a choice stand to their own front; entries that lack cost or error are in no choice.
+    pub fn standings(&self, entries: &[Entry<'a>], cost: Cost, by: By) -> Vec<(Entry<'a>, Spot, Standing)> {
+        let all = self.spots(entries, cost, by);
+        let spots: Vec<Spot> = all.iter().map(|(_, spot)| *spot).collect();
+        let wrong = |place: usize| Wrong::of(all[place].0.trace, by).map(|wrong| wrong.share.interval);
+        let surely = |one: usize, other: usize| {
+            let fewer = wrong(one).zip(wrong(other)).is_some_and(|(one, other)| one[1] < other[0]);
+            fewer || self.surely_cheaper(&all[one].0, &all[other].0, cost)
+        };
+        let standings = standings(&spots, surely);
+        all.into_iter().zip(standings).map(|((entry, spot), standing)| (entry, spot, standing)).collect()
+    }
+
+    /// The entries of one tracer, published and improved.
+    pub fn of_tracer(&self, tracer: &str) -> Vec<Entry<'a>> {
+        self.entries.iter().copied().filter(|entry| entry.point.tracer == tracer).collect()
+    }
+
+    /// Entries that cost no more than so much.
+    pub fn within(&self, cost: Cost, most: f64) -> Vec<Entry<'a>> {
+        let is_within = |entry: &Entry<'a>| self.cost(entry, cost).is_some_and(|cost| cost.value <= most);
+        self.entries.iter().copied().filter(is_within).collect()
+    }
+
+    /// Budgets at which methods are matched: within each a third, two thirds, all of the tracers have a point.
+    pub fn budgets(&self, cost: Cost) -> Vec<f64> {
+        let costs = |tracer: &str| -> Vec<f64> {
+            self.of_tracer(tracer).iter().filter_map(|entry| Some(self.cost(entry, cost)?.value)).collect()
+        };
+        let least = |tracer: &str| costs(tracer).into_iter().min_by(f64::total_cmp);
+        let mut leasts: Vec<f64> = self.tracers().into_iter().filter_map(least).collect();
+        leasts.sort_by(f64::total_cmp);
+        let mut budgets: Vec<f64> = Vec::new();
+        for part in 1..=3 {
+            let place = (leasts.len() * part).div_ceil(3);
+            let budget = place.checked_sub(1).and_then(|place| leasts.get(place)).map(|least| rounded_up(*least));
+            budgets.extend(budget.filter(|budget| !budgets.contains(budget)));
+        }
+        budgets
+    }
+}
+
+/// The next number with two digits that is no less.
+fn rounded_up(value: f64) -> f64 {
+    if value <= 0.0 || !value.is_finite() {
+        return value;
+    }
+    let unit = 10.0_f64.powf(value.log10().floor() - 1.0);
+    let rounded = (value / unit - 1e-9).ceil() * unit;
+    rounded.max(value)
+}
+
+/// Bytes that must be there to trace.
+pub fn bytes(row: &TracerRun) -> u64 {
+    row.memory.structure_bytes + row.memory.geometry_bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Budgets are rounded up to two digits, and never to less than what they must hold.
+    #[test]
+    fn budgets_are_round() {
+        for (value, expected) in [(1234.0, 1300.0), (0.0123, 0.013), (10.0, 10.0), (99.5, 100.0), (1.0, 1.0)] {
+            assert!((rounded_up(value) / expected - 1.0).abs() < 1e-9, "{value}: {}", rounded_up(value));
+        }
+        assert!((1..500).all(|step| rounded_up(1.37_f64.powi(step - 250)) >= 1.37_f64.powi(step - 250)));
+        assert_eq!(rounded_up(0.0), 0.0);
+    }
+
+    /// Intervals of sums and multiples enclose what their parts enclose.
+    #[test]
+    fn amounts_add_up() {
+        let one = Amount { value: 2.0, interval: [1.0, 4.0] };
+        assert_eq!(one.and(Amount::exact(3.0)), Amount { value: 5.0, interval: [4.0, 7.0] });
+        assert_eq!(one.times(-2.0), Amount { value: -4.0, interval: [-8.0, -2.0] });
+    }
+}

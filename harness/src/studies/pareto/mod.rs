@@ -1,0 +1,295 @@
+//! Fronts of speed, bytes and build against error over every method's parameters: the same number of points for every tracer, all over
+//! the same rays. What follows from the rows, fronts, operating points and break-even, is derived and not kept.
+//!
+//! In every scene all points are measured from its viewpoint. Points that are an operating point there are measured again
+//! from another viewpoint with rays of another seed; traced with fewer rays, for what a ray takes beside what a trace does; and
+//! refitted.
+
+mod design;
+mod field;
+mod front;
+mod operating;
+mod overtaking;
+#[cfg(test)]
+mod tests;
+mod verdicts;
+
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+
+use tracebench_api::Update;
+use tracebench_scenes::Scene;
+
+pub use design::{Axis, Designed, axes, order, points};
+pub use field::{Amount, By, Cost, Entry, Field, Wrong, bytes, fields, on_host};
+pub use front::{Spot, Standing, front, standings};
+pub use operating::{Aim, Check, LEVELS, best, check, chosen, farthest};
+pub use overtaking::{BEYOND, Fit, FrameCost, Motion, Overtaking, Stretch, overtaking, stretches};
+pub use verdicts::{Class, ClassCost, SceneFronts, classes, contested, scene_fronts};
+
+use crate::measure::{self, Context, Effort, Film, Measured, Place, Placed, Request, RunError};
+use crate::plan::{Plan, RunPreset, ViewRequest};
+use crate::results::{
+    CheckedRecord, FrontScene, ParetoRecord, Run, STILL_REFIT, Skipped, TracerRun, ViewpointRecord, WayRecord,
+};
+use crate::studies::sweep::SweepError;
+
+/// Points that a tracer is given where nothing is said.
+pub const DEFAULT_POINTS: usize = 8;
+
+/// The most points that a tracer may be given.
+pub const MOST_POINTS: usize = 256;
+
+/// Rays a pixel of which the time of a frame is told where nothing is said.
+pub const RAYS_PER_PIXEL: [f64; 2] = [1.0, 16.0];
+
+/// Parts of the edges of the ray image at which chosen points are traced besides: a quarter and a sixteenth of the rays.
+const SMALLER_IMAGES: [u32; 2] = [2, 4];
+
+/// By how much the seed of rays differs by which chosen points are checked: seeds that differ in their lowest bit alone draw the same
+/// numbers.
+pub(crate) const FURTHER_SEED: u64 = 2;
+
+/// Places that a scene may have: all points, the check, the smaller ray images, refits.
+const PLACES: usize = 3 + SMALLER_IMAGES.len();
+
+/// How much of a front there is to be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Extent {
+    /// The most points of a tracer.
+    pub most_points: usize,
+    /// Rays a pixel of which the time of a frame is told.
+    pub rays_per_pixel: Vec<f64>,
+}
+
+impl Default for Extent {
+    fn default() -> Self {
+        Self { most_points: DEFAULT_POINTS, rays_per_pixel: RAYS_PER_PIXEL.to_vec() }
+    }
+}
+
+/// Fronts that are ready to be measured.
+pub struct Pareto {
+    plan: Plan,
+    points: Vec<Designed>,
+    record: ParetoRecord,
+}
+
+impl Pareto {
+    /// Lays out the points of a plan's tracers.
+    ///
+    /// # Errors
+    /// [`SweepError`] for a value that a parameter does not take.
+    pub fn new(plan: &Plan, extent: &Extent) -> Result<Self, SweepError> {
+        let points = points(&plan.tracers, plan.preset, extent.most_points)?;
+        let record = ParetoRecord {
+            most_points: extent.most_points as u32,
+            rays_per_pixel: extent.rays_per_pixel.clone(),
+            points: points.iter().map(|each| each.point.clone()).collect(),
+            scenes: Vec::new(),
+        };
+        Ok(Self { plan: plan.clone(), points, record })
+    }
+
+    /// The number of points.
+    pub fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Whether there is nothing to measure.
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
+    /// Measures every point in every scene; what could not be is skipped with the reason.
+    ///
+    /// # Errors
+    /// As [`measure::execute`].
+    pub fn execute(mut self, required: bool, context: &Context<'_>) -> Result<Run, RunError> {
+        // What is wrong with the last scene is said before the first is measured.
+        drop(measure::load(&self.plan, context.progress)?);
+        context.check_rays(&self.plan, required)?;
+        let mut run = measure::begin(std::slice::from_ref(&self.plan), context);
+        for (index, source) in self.plan.scenes.clone().into_iter().enumerate() {
+            if context.takes(index) {
+                let plan = Plan { scenes: vec![source], ..self.plan.clone() };
+                self.scene(PLACES * index, &plan, &mut run, context)?;
+            }
+        }
+        run.skipped.extend(left_out(&self.record));
+        if run.runs.is_empty() && context.shard.is_none() {
+            return Err(measure::nothing(&run));
+        }
+        run.pareto = Some(self.record);
+        Ok(run)
+    }
+
+    /// One scene, in all of its places from an index on.
+    fn scene(&mut self, index: usize, plan: &Plan, run: &mut Run, context: &Context<'_>) -> Result<(), RunError> {
+        let all: Vec<usize> = (0..self.points.len()).collect();
+        let Some(found) = self.place(index, plan, &all, context)? else { return Ok(()) };
+        let (scene, viewpoint) = (found.scene.clone(), found.viewpoint.clone());
+        self.add(run, &all, found, &scene.name);
+        let (checked, not_checked, ray_images) = (None, None, Vec::new());
+        self.record.scenes.push(FrontScene { scene, viewpoint, checked, not_checked, ray_images });
+        let chosen: Vec<usize> = self.chosen(run).into_iter().collect();
+        if chosen.is_empty() {
+            return Ok(());
+        }
+        context.progress.say(&format!("{} of {} points are chosen", chosen.len(), self.points.len()));
+        let name = self.told(|scene| scene.scene.name.clone());
+        match self.elsewhere(index + 1, plan, &chosen, context) {
+            Ok(Some((found, checked))) => {
+                self.add(run, &chosen, found, &format!("{name} from {}", checked.viewpoint.name));
+                self.tell(|scene| scene.checked = Some(checked));
+            }
+            Ok(None) => {}
+            Err(error @ RunError::NoOtherView { .. }) => {
+                let reason = error.to_string();
+                run.skipped.push(Skipped { tracer: None, scene: name.clone(), rays: None, reason: reason.clone() });
+                self.tell(|scene| scene.not_checked = Some(reason));
+            }
+            Err(error) => return Err(error),
+        }
+        for (place, part) in SMALLER_IMAGES.into_iter().enumerate() {
+            let ray_image = plan.preset.ray_image.map(|edge| (edge / part).max(1));
+            let smaller = Plan { preset: RunPreset { ray_image, ..plan.preset }, ..plan.clone() };
+            let Some(found) = self.place(index + 2 + place, &smaller, &chosen, context)? else { continue };
+            let ray_image = found.viewpoint.ray_image;
+            self.add(run, &chosen, found, &format!("{name} with {}×{} pixels", ray_image[0], ray_image[1]));
+            self.tell(|scene| scene.ray_images.push(ray_image));
+        }
+        self.refits(index + 2 + SMALLER_IMAGES.len(), plan, &chosen, run, context)
+    }
+
+    /// The scene that is measured.
+    fn told<T>(&self, of: impl FnOnce(&FrontScene) -> T) -> T
+    where
+        T: Default,
+    {
+        self.record.scenes.last().map(of).unwrap_or_default()
+    }
+
+    fn tell(&mut self, what: impl FnOnce(&mut FrontScene)) {
+        if let Some(scene) = self.record.scenes.last_mut() {
+            what(scene);
+        }
+    }
+
+    /// Points that are chosen by what was measured in the last scene, as its page will say.
+    fn chosen(&self, run: &Run) -> BTreeSet<usize> {
+        let Some(scene) = self.record.scenes.last() else { return BTreeSet::new() };
+        let aligned = run.aligned();
+        chosen(&fields(&aligned, &self.record, scene, &scene.viewpoint))
+    }
+
+    /// Some points in a plan's only scene.
+    fn place(
+        &self,
+        index: usize,
+        plan: &Plan,
+        points: &[usize],
+        context: &Context<'_>,
+    ) -> Result<Option<Measured>, RunError> {
+        let Some(scene) = measure::load(plan, context.progress)?.pop() else { return Ok(None) };
+        let requests: Vec<Request> = points.iter().map(|point| Request::of(&self.points[*point].request)).collect();
+        measure::measure_scene(index, plan, scene, &requests, Effort::timed(plan), None, context).map(Some)
+    }
+
+    /// Some points from another viewpoint, with rays of another seed.
+    fn elsewhere(
+        &self,
+        index: usize,
+        plan: &Plan,
+        points: &[usize],
+        context: &Context<'_>,
+    ) -> Result<Option<(Measured, CheckedRecord)>, RunError> {
+        let seed = plan.seed.wrapping_add(FURTHER_SEED);
+        let plan = Plan { view: ViewRequest::Other(Box::new(plan.view.clone())), seed, ..plan.clone() };
+        let Some(found) = self.place(index, &plan, points, context)? else { return Ok(None) };
+        let viewpoint: ViewpointRecord = found.viewpoint.clone();
+        Ok(Some((found, CheckedRecord { seed, viewpoint })))
+    }
+
+    /// Refits of those points that can be refitted, to vertices that stand still: what a refit does is the same however far they moved.
+    fn refits(
+        &mut self,
+        index: usize,
+        plan: &Plan,
+        points: &[usize],
+        run: &mut Run,
+        context: &Context<'_>,
+    ) -> Result<(), RunError> {
+        let can = |point: &usize| {
+            let registration = self.points[*point].request.registration;
+            (registration.describe)().serves(Update::Refit).is_ok()
+        };
+        let points: Vec<usize> = points.iter().copied().filter(can).collect();
+        if points.is_empty() {
+            return Ok(());
+        }
+        let plan = Plan { ray_sets: Vec::new(), ..plan.clone() };
+        let Some(scene) = measure::load(&plan, context.progress)?.pop() else { return Ok(()) };
+        let refit =
+            |point: &usize| Request { follows: Some(Update::Refit), ..Request::of(&self.points[*point].request) };
+        let requests: Vec<Request> = points.iter().map(refit).collect();
+        let (name, sha256) = (scene.name.clone(), scene.sha256.clone());
+        let film = still(&scene, plan.preset.sampling.least_rounds);
+        let frame = RefCell::new(Some((scene, film)));
+        let prepare = || match frame.take() {
+            Some((scene, film)) => Ok(Placed { film: Some(film), ..measure::placed(&plan, scene, context)? }),
+            None => Err(RunError::Nothing("a scene was prepared twice".to_owned())),
+        };
+        let effort = Effort::timed(&plan);
+        let place =
+            Place { index, scene_sha256: Some(&sha256), prepare: &prepare, requests: &requests, effort, hook: None };
+        let mut found = measure::measure(&place, context)?;
+        for row in found.rows.iter_mut().flatten() {
+            row.way = Some(WayRecord {
+                name: STILL_REFIT.to_owned(),
+                parameters: Default::default(),
+                frame: None,
+                stale_by: Vec::new(),
+            });
+        }
+        self.add(run, &points, found, &format!("{name}, refits"));
+        Ok(())
+    }
+
+    /// Adds what was measured of some points, and notes those that could not be.
+    fn add(&mut self, run: &mut Run, points: &[usize], found: Measured, place: &str) {
+        for (request, (_, refusal)) in measure::add(run, found) {
+            self.record.points[points[request]].skipped.insert(place.to_owned(), refusal.reason);
+        }
+    }
+}
+
+/// Points that could not be measured, by place and reason; all of a tracer's as one.
+fn left_out(record: &ParetoRecord) -> Vec<Skipped> {
+    let mut all: Vec<Skipped> = Vec::new();
+    for point in &record.points {
+        for (scene, reason) in &point.skipped {
+            let own = || record.points.iter().filter(|other| other.tracer == point.tracer);
+            let is_alike = own().all(|other| other.skipped.get(scene) == Some(reason));
+            let tracer = Some(if is_alike { point.tracer.clone() } else { point.label() });
+            let found = Skipped { tracer, scene: scene.clone(), rays: None, reason: reason.clone() };
+            if !all.contains(&found) {
+                all.push(found);
+            }
+        }
+    }
+    all
+}
+
+/// Frames over which nothing moves, with a counted refit in each pass.
+fn still(scene: &Scene, passes: u32) -> Film {
+    let positions = vec![scene.mesh.positions.clone(); 2];
+    Film::new(scene, positions, None, passes)
+}
+
+/// The refit of a point in a scene, if it was measured.
+pub fn refit<'a>(run: &'a Run, scene: &FrontScene, entry: &Entry<'_>) -> Option<&'a TracerRun> {
+    let is_refit = |row: &&TracerRun| row.way.as_ref().is_some_and(|way| way.name == STILL_REFIT);
+    let here = |row: &&TracerRun| entry.point.is_of(row) && field::is_at(row, scene, &scene.viewpoint);
+    run.runs.iter().filter(is_refit).find(here)
+}

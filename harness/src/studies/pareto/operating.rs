@@ -1,0 +1,115 @@
+//! Operating points: of the points that are right often enough the fastest, the smallest and the quickest to build; and what becomes of
+//! them on rays and from a viewpoint by which they were not chosen.
+
+use std::collections::BTreeSet;
+
+use super::field::{By, Cost, Entry, Field, Wrong};
+use crate::results::FrontPoint;
+
+/// Agreements that are asked for.
+pub const LEVELS: [f64; 3] = [0.99, 0.999, 0.9999];
+
+/// What an operating point is chosen for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Aim {
+    /// The shortest trace.
+    Fastest,
+    /// The fewest bytes.
+    Smallest,
+    /// The shortest build.
+    QuickestBuilt,
+}
+
+impl Aim {
+    /// Every aim.
+    pub const ALL: [Self; 3] = [Self::Fastest, Self::Smallest, Self::QuickestBuilt];
+
+    /// The name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fastest => "fastest",
+            Self::Smallest => "smallest",
+            Self::QuickestBuilt => "quickest to build",
+        }
+    }
+
+    /// What it makes least.
+    pub fn cost(self) -> Cost {
+        match self {
+            Self::Fastest => Cost::Trace,
+            Self::Smallest => Cost::Bytes,
+            Self::QuickestBuilt => Cost::Build,
+        }
+    }
+}
+
+/// Of some entries that which costs least of those that agree as often as is asked for; of equal ones the first.
+pub fn best<'a>(field: &Field<'a>, entries: &[Entry<'a>], by: By, level: f64, aim: Aim) -> Option<Entry<'a>> {
+    let told = |entry: &Entry<'a>| {
+        let wrong = Wrong::of(entry.trace, by)?.share.value;
+        let cost = field.cost(entry, aim.cost())?.value;
+        meets(1.0 - wrong, level).then_some((cost, *entry))
+    };
+    let all = entries.iter().filter_map(told);
+    all.min_by(|(one, _), (other, _)| one.total_cmp(other)).map(|(_, entry)| entry)
+}
+
+/// Whether a share of right answers is as great as asked for; a share of whole rays that is just so counts.
+fn meets(right: f64, level: f64) -> bool {
+    right >= level - 1e-12
+}
+
+/// How far entries get: that with the fewest wrong rays, of equal ones the fastest.
+pub fn farthest<'a>(field: &Field<'a>, entries: &[Entry<'a>], by: By) -> Option<Entry<'a>> {
+    let told = |entry: &Entry<'a>| {
+        let cost = field.cost(entry, Cost::Trace).map_or(f64::INFINITY, |cost| cost.value);
+        Some(((Wrong::of(entry.trace, by)?.share.value, cost), *entry))
+    };
+    let all = entries.iter().filter_map(told);
+    all.min_by(|(one, _), (other, _)| one.0.total_cmp(&other.0).then(one.1.total_cmp(&other.1))).map(|(_, entry)| entry)
+}
+
+/// Places of all points that are an operating point of their tracer in any of the fields, or the farthest that it gets.
+pub fn chosen(fields: &[Field<'_>]) -> BTreeSet<usize> {
+    let mut chosen = BTreeSet::new();
+    for field in fields {
+        for by in By::all(field.query) {
+            for tracer in field.tracers() {
+                let own = field.of_tracer(tracer);
+                for level in LEVELS {
+                    chosen.extend(Aim::ALL.iter().filter_map(|aim| Some(best(field, &own, *by, level, *aim)?.index)));
+                }
+                chosen.extend(farthest(field, &own, *by).map(|entry| entry.index));
+            }
+        }
+    }
+    chosen
+}
+
+/// What became of a chosen point elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Check {
+    /// It agrees there as often as it was chosen for.
+    Holds(Wrong),
+    /// It does not, by so many shares, and the interval of what it does holds what was asked for: so many rays cannot tell.
+    WithinNoise(Wrong, f64),
+    /// It does not, by so many shares.
+    Misses(Wrong, f64),
+    /// It was not measured there.
+    NotMeasured,
+}
+
+/// Holds a chosen point against the same ray set elsewhere.
+pub fn check(elsewhere: &[Field<'_>], rays: &str, point: &FrontPoint, by: By, level: f64) -> Check {
+    let field = elsewhere.iter().find(|field| field.rays == rays);
+    let entry = field.and_then(|field| field.entries.iter().find(|entry| entry.point == point));
+    let Some(wrong) = entry.and_then(|entry| Wrong::of(entry.trace, by)) else { return Check::NotMeasured };
+    let right = 1.0 - wrong.share.value;
+    if meets(right, level) {
+        Check::Holds(wrong)
+    } else if meets(1.0 - wrong.share.interval[0], level) {
+        Check::WithinNoise(wrong, level - right)
+    } else {
+        Check::Misses(wrong, level - right)
+    }
+}

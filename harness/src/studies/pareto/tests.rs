@@ -1,0 +1,286 @@
+//! Fronts over planted points, and a small study that is really measured.
+
+use std::collections::BTreeSet;
+
+use tracebench_api::{ClockKind, EndPoint, Preset, Query, TracerError};
+
+use super::*;
+use crate::measure::Journal;
+use crate::plan::{SceneSource, TracerRequest};
+use crate::progress::Progress;
+use crate::rays::{RAY_SETS, default_parameters};
+use crate::registry::{Registration, TRACERS};
+use crate::report::fixture::{self, FrontQuality, Quality};
+use crate::results::Sampling;
+use crate::truth::Cache;
+
+const SETS: [(&str, Query); 2] = [("diffuse", Query::Closest), ("ao", Query::Any)];
+
+fn planted(name: &str, missed: f64, speed: f64, mib: u64, build: f64) -> FrontQuality<'_> {
+    let quality = Quality { missed, blur: 1e-4 * missed, speed, clock: ClockKind::DeviceTimestamps };
+    FrontQuality { name, quality, mib, build }
+}
+
+/// Points of four tracers, some of them better in nothing.
+fn several() -> Vec<FrontQuality<'static>> {
+    vec![
+        planted("a", 0.0, 1.0, 40, 4.0),
+        planted("a:improved", 0.0, 2.0, 50, 5.0),
+        planted("b", 0.2, 9.0, 8, 1.0),
+        planted("b", 0.05, 7.0, 12, 1.5),
+        planted("b", 0.3, 5.0, 20, 3.0),
+        planted("c", 0.0004, 4.0, 30, 0.5),
+        planted("d", 0.5, 0.5, 90, 9.0),
+    ]
+}
+
+/// Every field, cost and rule of a run.
+fn each(run: &Run, look: &mut dyn FnMut(&Field<'_>, Cost, By)) {
+    let record = run.pareto.as_ref().unwrap();
+    for fronts in scene_fronts(run, record) {
+        for field in &fronts.fields {
+            for cost in Cost::all(&record.rays_per_pixel) {
+                By::all(field.query).iter().for_each(|by| look(field, cost, *by));
+            }
+        }
+    }
+}
+
+/// Proves that no point of any front is dominated by a measured one, of all tracers or its own, by costs and errors that are read from
+/// the rows again; that every tracer has a front of its own; and that points elsewhere, of other images and of controls are in none.
+#[test]
+fn no_point_of_a_front_is_dominated() {
+    let run = fixture::fronts(&several(), &SETS, 1.0);
+    let (mut looked, mut beaten) = (0, 0);
+    each(&run, &mut |field, cost, by| {
+        assert_eq!(field.entries.len(), several().len());
+        assert_eq!(field.tracers(), ["a", "b", "c", "d"]);
+        let again = |entry: &Entry<'_>| {
+            let row = entry.row;
+            let trace_ms = entry.trace.times.submit_to_done_median_ms.unwrap();
+            let build_ms = row.build.times.submit_to_done_median_ms.unwrap();
+            let paid = match cost {
+                Cost::Trace => trace_ms,
+                Cost::Build => build_ms,
+                Cost::Bytes => (row.memory.structure_bytes + row.memory.geometry_bytes) as f64,
+                // The image has a pixel a ray.
+                Cost::Frame(rays) => build_ms + rays * trace_ms,
+            };
+            (paid, Wrong::of(entry.trace, by).unwrap().drawn())
+        };
+        let mut groups = vec![field.entries.clone()];
+        groups.extend(field.tracers().into_iter().map(|tracer| field.of_tracer(tracer)));
+        for entries in groups {
+            let standings = field.standings(&entries, cost, by);
+            let on = standings.iter().filter(|(.., standing)| *standing == Standing::OnFront);
+            let on: Vec<_> = on.map(|(entry, ..)| *entry).collect();
+            assert!(!on.is_empty());
+            let is_beaten = |entry: &Entry<'_>| {
+                let (paid, wrong) = again(entry);
+                entries.iter().any(|other| {
+                    let (theirs, errs) = again(other);
+                    let cheaper = theirs <= paid * (1.0 - 1e-9) && errs <= wrong;
+                    cheaper || (theirs <= paid && errs < wrong * (1.0 - 1e-9))
+                })
+            };
+            for entry in &on {
+                assert!(!is_beaten(entry), "{} by {by:?} and {cost:?}", entry.point.label());
+            }
+            let places = |of: Vec<Entry<'_>>| of.iter().map(|entry| entry.index).collect::<BTreeSet<usize>>();
+            let drawn = field.front(&entries, cost, by).into_iter().map(|(entry, _)| entry).collect();
+            assert_eq!(places(drawn), places(on.clone()));
+            // The check notices what is not on the front.
+            beaten += entries.iter().filter(|entry| is_beaten(entry)).count();
+            looked += on.len();
+        }
+        assert!(!field.controls.is_empty());
+    });
+    assert!(looked > 50 && beaten > 50, "{looked} {beaten}");
+}
+
+/// Proves that a contender which is perfect and free has every front of all tracers to itself, whatever the cost and the rule, and that
+/// one which is a control is in none of them.
+#[test]
+fn perfect_and_free_owns_every_front() {
+    let mut points = several();
+    points.push(planted("free", 0.0, 1e6, 0, 1e-3));
+    let mut run = fixture::fronts(&points, &SETS, 1.0);
+    // Its bytes are nothing at all.
+    for row in run.runs.iter_mut().filter(|row| row.tracer.name == "free") {
+        row.memory.geometry_bytes = 0;
+        // What the fixture adds round a submission would be the greatest part of it.
+        let times = row.traces.iter_mut().map(|trace| &mut trace.times).chain([&mut row.build.times]);
+        for times in times {
+            times.submit_to_done_samples_ms.clone_from(&times.samples_ms);
+            times.submit_to_done_median_ms = Some(times.median_ms);
+        }
+    }
+    let owners = |run: &Run| {
+        let mut owners = BTreeSet::new();
+        each(run, &mut |field, cost, by| {
+            let all = field.standings(&field.entries, cost, by);
+            let on = all.iter().filter(|(.., standing)| *standing == Standing::OnFront);
+            owners.extend(on.map(|(entry, ..)| entry.point.tracer.clone()));
+        });
+        owners
+    };
+    assert_eq!(owners(&run).into_iter().collect::<Vec<_>>(), ["free"]);
+    // Without it others are there; as a control it is no contender.
+    let free = run.runs.iter().filter(|row| row.tracer.name == "free").cloned().collect::<Vec<_>>();
+    run.runs.retain(|row| row.tracer.name != "free");
+    run.controls.extend(free);
+    assert!(owners(&run).len() > 1 && !owners(&run).contains("free"));
+}
+
+/// Proves that an operating point is the cheapest of those that are right so often, by hand; that how far one gets is told where none
+/// is; and that a check elsewhere tells what holds from what does not.
+#[test]
+fn operating_points_are_the_cheapest() {
+    let run = fixture::fronts(&several(), &SETS, 1.0);
+    let record = run.pareto.as_ref().unwrap();
+    let scene = &scene_fronts(&run, record)[0];
+    let field = scene.fields.iter().find(|field| field.rays == "diffuse").unwrap();
+    let by = By::Rule(crate::results::Rule::HitMiss);
+    let of = |level: f64, aim: Aim| best(field, &field.entries, by, level, aim).map(|found| found.point.label());
+    assert_eq!(of(0.99, Aim::Fastest).as_deref(), Some("c stride=6"));
+    assert_eq!(of(0.99, Aim::Smallest).as_deref(), Some("c stride=6"));
+    assert_eq!(of(0.9999, Aim::Fastest).as_deref(), Some("a:improved stride=2"));
+    assert_eq!(of(0.9999, Aim::Smallest).as_deref(), Some("a stride=1"));
+    assert_eq!(of(0.5, Aim::Smallest).as_deref(), Some("b stride=3"));
+    let own = field.of_tracer("b");
+    assert!(Aim::ALL.iter().all(|aim| best(field, &own, by, 0.99, *aim).is_none()));
+    assert_eq!(farthest(field, &own, by).unwrap().point.label(), "b stride=4");
+    let all = chosen(&scene.fields);
+    // Whatever is best of its tracer, and how far d gets, which is never good enough.
+    assert!(
+        all.contains(&0) && all.contains(&1) && all.contains(&5) && all.contains(&6) && !all.contains(&4),
+        "{all:?}"
+    );
+    let checked = |worse: f64| {
+        let run = fixture::fronts(&several(), &SETS, worse);
+        let record = run.pareto.as_ref().unwrap();
+        let scene = &scene_fronts(&run, record)[0];
+        check(&scene.elsewhere, "diffuse", &record.points[5], by, 0.999)
+    };
+    assert!(matches!(checked(1.0), Check::Holds(_)), "{:?}", checked(1.0));
+    let Check::Misses(wrong, missed) = checked(40.0) else { panic!("{:?}", checked(40.0)) };
+    assert!((missed - (wrong.share.value - 0.001)).abs() < 1e-12 && missed > 0.01);
+    assert_eq!(check(&[], "diffuse", &record.points[5], by, 0.999), Check::NotMeasured);
+}
+
+/// Proves that only points of one class are set against one another, that a class has the lines of its points, and that the overtaking
+/// is where the medians say: between the quick build and the quick trace.
+#[test]
+fn classes_are_of_points_that_are_right_as_often() {
+    let points = [
+        planted("slow build", 0.0001, 40.0, 40, 4.0),
+        planted("slow trace", 0.0001, 4.0, 50, 0.01),
+        planted("often wrong", 0.4, 400.0, 50, 0.01),
+    ];
+    let run = fixture::fronts(&points, &SETS[..1], 1.0);
+    let record = run.pareto.as_ref().unwrap();
+    let scene = &scene_fronts(&run, record)[0];
+    let field = &scene.fields[0];
+    let by = By::Rule(crate::results::Rule::HitMiss);
+    for class in classes(scene, field, by, 0.99) {
+        assert_eq!(class.tracers(), ["slow build", "slow trace"]);
+        let who: Vec<usize> = class.stretches.iter().map(|stretch| stretch.who).collect();
+        match class.motion {
+            // Without a build the quick trace is always ahead.
+            Motion::Static => assert_eq!(who, [0]),
+            Motion::Refitted | Motion::Rebuilt => assert_eq!(who, [1, 0]),
+        }
+        let [one, other] = &class.costs[..] else { panic!("two") };
+        let at = |cost: &ClassCost<'_>, rays: f64| cost.cost.at(rays).value;
+        let expected = |cost: &ClassCost<'_>| {
+            let once =
+                if class.motion == Motion::Static { 0.0 } else { on_host(&cost.entry.row.build.times).unwrap().value };
+            once + on_host(&cost.entry.trace.times).unwrap().value
+        };
+        for cost in [one, other] {
+            let (found, expected) = (at(cost, field.count as f64), expected(cost));
+            assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
+            assert!(!cost.refitted && cost.doubt.is_none(), "{:?}", cost.doubt);
+        }
+    }
+    assert!(classes(scene, field, by, 0.99999).iter().all(|class| class.costs.is_empty()));
+    // Fewer rounds than a verdict needs decide nothing.
+    let mut few = run.clone();
+    for row in &mut few.runs {
+        row.build.times.samples_ms.truncate(5);
+    }
+    let scene = &scene_fronts(&few, few.pareto.as_ref().unwrap())[0];
+    let found = classes(scene, &scene.fields[0], by, 0.99);
+    let undecided = |stretch: &Stretch| matches!(stretch.overtakes, Some(Overtaking::Undecided(_)));
+    assert!(found.iter().any(|class| class.stretches.iter().any(undecided)));
+}
+
+fn plan() -> Plan {
+    let host = |registration: &&Registration| !registration.needs_device();
+    let both = |registration: &'static Registration| {
+        Preset::ALL.into_iter().map(move |preset| TracerRequest::of(registration, preset))
+    };
+    let smoke = RunPreset::named("smoke").unwrap();
+    Plan {
+        scenes: vec![SceneSource::Catalogue("room".to_owned())],
+        tracers: TRACERS.iter().filter(host).flat_map(both).collect(),
+        ray_sets: RAY_SETS.iter().filter(|set| ["diffuse", "ao"].contains(&set.name)).copied().collect(),
+        ray_parameters: default_parameters(),
+        preset: RunPreset { ray_image: [16, 8], sampling: Sampling::rounds(2), ..smoke },
+        view: ViewRequest::Default,
+        time_s: 0.0,
+        seed: 7,
+        end: EndPoint::Hit,
+        table: None,
+    }
+}
+
+/// Proves that a study measures every point from the viewpoint, and those that are chosen elsewhere with other rays, from smaller images
+/// and refitted; that what is gone on with is the same; and that a shard of other scenes measures nothing.
+#[test]
+fn chosen_points_are_measured_again() {
+    let none = Err(TracerError::Unavailable("none is needed".to_owned()));
+    let (cache, quiet) = (Cache::none(), Progress::new(true));
+    let folder = tempfile::tempdir().unwrap();
+    let machine = crate::machine::this_machine(None);
+    let extent = Extent { most_points: 3, ..Extent::default() };
+    let words = serde_json::json!("the same");
+    let measured = |journal: &Journal| {
+        let context = Context::new(&none, &cache, &quiet, journal);
+        Pareto::new(&plan(), &extent).unwrap().execute(false, &context).unwrap()
+    };
+    let journal = Journal::begin(folder.path(), &words, &machine, None).unwrap();
+    let run = measured(&journal);
+    drop(journal);
+    let record = run.pareto.as_ref().unwrap();
+    assert_eq!((record.points.len(), record.scenes.len()), (3, 1));
+    let fronts = &scene_fronts(&run, record)[0];
+    assert!(fronts.fields.len() == 2 && fronts.fields.iter().all(|field| field.entries.len() == 3));
+    let chosen = chosen(&fronts.fields);
+    assert!(!chosen.is_empty());
+    let checked = fronts.scene.checked.as_ref().unwrap();
+    assert!(checked.seed == run.seed + FURTHER_SEED && checked.viewpoint.eye != fronts.scene.viewpoint.eye);
+    for field in &fronts.elsewhere {
+        let there: BTreeSet<usize> = field.entries.iter().map(|entry| entry.index).collect();
+        assert_eq!(there, chosen);
+        let here = fronts.fields.iter().find(|here| here.rays == field.rays).unwrap();
+        assert!(here.entries[0].trace.rays_sha256 != field.entries[0].trace.rays_sha256);
+    }
+    assert_eq!(fronts.elsewhere.len(), 2);
+    assert_eq!(fronts.scene.ray_images, [[8, 4], [4, 2]]);
+    for entry in fronts.fields[0].entries.iter().filter(|entry| chosen.contains(&entry.index)) {
+        let refitted = refit(&run, fronts.scene, entry).unwrap();
+        assert!(refitted.traces.is_empty() && refitted.build.times.samples_ms.len() == 2);
+    }
+    // Two rounds decide nothing.
+    let classes = classes(fronts, &fronts.fields[0], By::Rule(crate::results::Rule::Tight), 0.99);
+    assert!(classes.iter().flat_map(|class| &class.costs).all(|cost| cost.doubt.is_some()));
+    let journal = Journal::resume(folder.path(), &words, &machine).unwrap();
+    let again = measured(&journal);
+    assert_eq!((&again.runs, &again.races, &again.pareto), (&run.runs, &run.races, &run.pareto));
+    let other = crate::plan::Shard { index: 2, count: 2, plan_sha256: String::new() };
+    let quiet_journal = Journal::none();
+    let context = Context::new(&none, &cache, &quiet, &quiet_journal).of_shard(Some(other));
+    let empty = Pareto::new(&plan(), &extent).unwrap().execute(false, &context).unwrap();
+    assert!(empty.runs.is_empty() && empty.pareto.unwrap().scenes.is_empty());
+}

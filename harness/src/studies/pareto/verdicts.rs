@@ -1,0 +1,165 @@
+//! What follows from the rows of one scene: its ray sets here and elsewhere, and who overtakes whom within a class of points that are
+//! right as often.
+
+use super::field::{Amount, By, Entry, Field, fields, is_at, on_host};
+use super::operating::{Aim, LEVELS, best};
+use super::overtaking::{Fit, FrameCost, Motion, Stretch, stretches};
+use super::refit;
+use crate::results::{FrontScene, LEAST_ROUNDS, ParetoRecord, Run, Timed, Times, TraceRecord, TracerRun};
+
+/// One scene.
+#[derive(Clone, Debug)]
+pub struct SceneFronts<'a> {
+    run: &'a Run,
+    /// The scene.
+    pub scene: &'a FrontScene,
+    /// Every ray set from the viewpoint by which points are chosen.
+    pub fields: Vec<Field<'a>>,
+    /// Those where chosen points were measured again.
+    pub elsewhere: Vec<Field<'a>>,
+}
+
+/// What a point takes for a frame, with why no verdict rests on it, if none does.
+#[derive(Clone, Debug)]
+pub struct ClassCost<'a> {
+    /// The point.
+    pub entry: Entry<'a>,
+    /// What it takes.
+    pub cost: FrameCost,
+    /// Whether it was refitted; else it was built.
+    pub refitted: bool,
+    /// What speaks against its times.
+    pub doubt: Option<String>,
+}
+
+/// Points that are right as often, and who is cheapest of them at how many rays a frame.
+#[derive(Clone, Debug)]
+pub struct Class<'a> {
+    /// The ray set.
+    pub rays: &'a str,
+    /// What is right.
+    pub by: By,
+    /// How often.
+    pub level: f64,
+    /// What becomes of the geometry.
+    pub motion: Motion,
+    /// The tracers' fastest points and those that are quickest to build.
+    pub costs: Vec<ClassCost<'a>>,
+    /// Who is cheapest, from the fewest rays to the most.
+    pub stretches: Vec<Stretch>,
+}
+
+impl<'a> Class<'a> {
+    /// Names of the tracers, each once.
+    pub fn tracers(&self) -> Vec<&'a str> {
+        let mut names: Vec<&str> = Vec::new();
+        for cost in &self.costs {
+            if !names.contains(&cost.entry.point.tracer.as_str()) {
+                names.push(&cost.entry.point.tracer);
+            }
+        }
+        names
+    }
+}
+
+/// Every scene of a record.
+pub fn scene_fronts<'a>(run: &'a Run, record: &'a ParetoRecord) -> Vec<SceneFronts<'a>> {
+    let of = |scene: &'a FrontScene| SceneFronts {
+        run,
+        scene,
+        fields: fields(run, record, scene, &scene.viewpoint),
+        elsewhere: scene.checked.as_ref().map_or_else(Vec::new, |there| fields(run, record, scene, &there.viewpoint)),
+    };
+    record.scenes.iter().map(of).collect()
+}
+
+/// The classes of one ray set under one rule, by level and motion; those in which nobody is have no costs.
+pub fn classes<'a>(fronts: &SceneFronts<'a>, field: &Field<'a>, by: By, level: f64) -> Vec<Class<'a>> {
+    let mut members: Vec<Entry<'a>> = Vec::new();
+    for tracer in field.tracers() {
+        let own = field.of_tracer(tracer);
+        for aim in [Aim::Fastest, Aim::QuickestBuilt] {
+            let found = best(field, &own, by, level, aim);
+            members.extend(found.filter(|found| members.iter().all(|other| other.index != found.index)));
+        }
+    }
+    let class = |motion: Motion| {
+        let cost = |entry: &Entry<'a>| class_cost(fronts, field, entry, motion);
+        let costs: Vec<ClassCost<'a>> = members.iter().filter_map(cost).collect();
+        let frames: Vec<FrameCost> = costs.iter().map(|cost| cost.cost.clone()).collect();
+        let doubts: Vec<Option<String>> = costs.iter().map(|cost| cost.doubt.clone()).collect();
+        let stretches = stretches(&frames, &doubts);
+        Class { rays: field.rays, by, level, motion, costs, stretches }
+    };
+    Motion::ALL.into_iter().map(class).collect()
+}
+
+/// The classes of all levels at which several tracers are, which charts show.
+pub fn contested<'a>(fronts: &SceneFronts<'a>, field: &Field<'a>, by: By) -> Vec<Class<'a>> {
+    let of_level = |level: f64| classes(fronts, field, by, level);
+    let several = |class: &Class<'a>| class.tracers().len() > 1;
+    LEVELS.into_iter().flat_map(of_level).filter(several).collect()
+}
+
+/// What a point takes for a frame; `None` where its traces were not timed with several numbers of rays.
+fn class_cost<'a>(
+    fronts: &SceneFronts<'a>,
+    field: &Field<'a>,
+    entry: &Entry<'a>,
+    motion: Motion,
+) -> Option<ClassCost<'a>> {
+    let mut traces: Vec<(&'a TracerRun, &'a TraceRecord)> = vec![(entry.row, entry.trace)];
+    for ray_image in &fronts.scene.ray_images {
+        let mut viewpoint = fronts.scene.viewpoint.clone();
+        viewpoint.ray_image = *ray_image;
+        let here =
+            |row: &&TracerRun| row.way.is_none() && entry.point.is_of(row) && is_at(row, fronts.scene, &viewpoint);
+        let row = fronts.run.runs.iter().find(here);
+        let found = row.and_then(|row| Some((row, row.traces.iter().find(|trace| trace.rays == field.rays)?)));
+        traces.extend(found);
+    }
+    let sample = |(_, trace): &(&TracerRun, &TraceRecord)| Some((trace.count as f64, on_host(&trace.times)?));
+    let fit = Fit::new(traces.iter().map(sample).collect::<Option<_>>()?)?;
+    let refitted = (motion == Motion::Refitted).then(|| refit(fronts.run, fronts.scene, entry)).flatten();
+    let structure = refitted.unwrap_or(entry.row);
+    let once = match motion {
+        Motion::Static => Amount::exact(0.0),
+        Motion::Refitted | Motion::Rebuilt => on_host(&structure.build.times)?,
+    };
+    let mut doubt = doubt_of(fronts.run, &traces);
+    if motion != Motion::Static {
+        doubt = doubt.or_else(|| doubt_of_times(fronts.run, &structure.build.times));
+    }
+    let cost = FrameCost { once, traces: fit };
+    Some(ClassCost { entry: *entry, cost, refitted: refitted.is_some(), doubt })
+}
+
+/// What speaks against traces that were timed in different races: the clock of any, or a machine that was faster in one.
+fn doubt_of(run: &Run, traces: &[(&TracerRun, &TraceRecord)]) -> Option<String> {
+    if let Some(doubt) = traces.iter().find_map(|(_, trace)| doubt_of_times(run, &trace.times)) {
+        return Some(doubt);
+    }
+    for pair in traces.windows(2) {
+        let [(row, trace), (other, beside)] = [pair[0], pair[1]];
+        let paired = run.paired_on_host(&Timed::trace(row, trace), &Timed::trace(other, beside));
+        if let Some(doubt) = paired.doubt {
+            return Some(doubt.to_string());
+        }
+    }
+    None
+}
+
+/// What speaks against times by themselves.
+fn doubt_of_times(run: &Run, times: &Times) -> Option<String> {
+    let rounds = times.samples_ms.len();
+    if let Some(why) = &times.void {
+        return Some(format!("times are void: {why}"));
+    }
+    if rounds < LEAST_ROUNDS as usize {
+        return Some(format!("{rounds} rounds, fewer than {LEAST_ROUNDS}"));
+    }
+    match run.race(times) {
+        None => Some("the record does not tell of its races".to_owned()),
+        Some(race) => race.drift.then(|| format!("drift: {} of {}", race.work, race.scene)),
+    }
+}
