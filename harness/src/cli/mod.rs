@@ -1,5 +1,5 @@
-//! The command line: `tracebench adapters | list | run | sweep | table | claims | compare | merge | report | picture | stability |
-//! explain | tune | clock | docs`.
+//! The command line: `tracebench adapters | list | run | sweep | pareto | table | claims | compare | merge | report | picture |
+//! stability | explain | tune | clock | docs`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
 
@@ -13,6 +13,7 @@ mod list;
 mod merge;
 mod names;
 mod output;
+mod pareto;
 mod run;
 mod stability;
 mod sweep;
@@ -55,6 +56,9 @@ enum Verb {
     Run(arguments::RunArguments),
     /// Measure one tracer over values of its parameters and over resolutions: memory, build, trace and error.
     Sweep(sweep::SweepArguments),
+    /// Measure the same number of points of every tracer, over parameters and resolutions: who is fastest, smallest and quickest to build
+    /// at which agreement.
+    Pareto(pareto::ParetoArguments),
     /// Measure tracers of one family side by side, or what a paper's table or figure shows, and write a table of it.
     Table(arguments::TableArguments),
     /// Set what a paper claims beside what was measured of it, with a verdict on every claim.
@@ -130,6 +134,7 @@ pub fn main() -> ExitCode {
         Verb::List(arguments) => list::list(arguments),
         Verb::Run(arguments) => run::run(arguments, &progress),
         Verb::Sweep(arguments) => sweep::sweep(arguments, &progress),
+        Verb::Pareto(arguments) => pareto::pareto(arguments, &progress),
         Verb::Table(arguments) => table::table(arguments, &progress),
         Verb::Claims(arguments) => claims::claims(arguments),
         Verb::Compare(arguments) => compare::compare(arguments),

@@ -16,6 +16,7 @@ pub(crate) mod group;
 pub(crate) mod markdown;
 pub(crate) mod means;
 pub(crate) mod metrics;
+mod pareto;
 pub(crate) mod peers;
 mod stability;
 pub(crate) mod summary;
@@ -38,6 +39,7 @@ use flate2::read::MultiGzDecoder;
 pub use compare::comparison_text;
 pub use error::ReportError;
 pub use explain::{EXPLAIN_PAGE, explanation_page};
+pub use pareto::PARETO_PAGE;
 pub use stability::{STABILITY_TABLE, matrix as stability_matrix};
 pub use sweep::SWEEP_PAGE;
 pub use terminal::run_table;
@@ -109,11 +111,23 @@ fn derived(run: &Run, tables: Tables) -> Result<(Contents, &'static [&'static st
         contents.extend(chart::strength_charts(&stability)?.into_iter().map(|file| (file.name, file.contents)));
         return Ok((contents, &[]));
     }
+    if let Some(record) = &run.pareto {
+        return Ok(([pareto::files(run, record)?, traces(run)?].concat(), &[pareto::STEM]));
+    }
     if let Some(found) = &run.explanation {
         let page = explanation_page(run, found);
         return Ok((vec![(EXPLAIN_PAGE.to_owned(), page.into_bytes())], &[]));
     }
     Ok((of_run(run, tables)?, &chart::STEMS))
+}
+
+/// Every trace, and every wrong ray that was kept.
+fn traces(run: &Run) -> Result<Contents, ReportError> {
+    let groups = group::groups(run);
+    Ok(vec![
+        ("traces.csv".to_owned(), tables::traces(run, &groups)?),
+        ("wrong_rays.csv".to_owned(), tables::wrong_rays(&groups)?),
+    ])
 }
 
 /// The files of a plain run: `summary.md`, `traces.csv`, `wrong_rays.csv`, charts; of one that was made for a table the table;

@@ -3,6 +3,7 @@
 mod clock;
 mod compare;
 mod docs;
+mod fronts;
 mod papers;
 mod refusals;
 mod resume;

@@ -3,6 +3,8 @@
 mod axis;
 mod canvas;
 mod frame;
+mod front;
+mod overtaking;
 mod palette;
 mod plot;
 pub(crate) mod series;
@@ -19,12 +21,18 @@ use tracebench_api::Query;
 use super::ReportError;
 use super::format;
 use super::group::{Group, RaySet};
+use super::pareto::{Shown, as_read, rays_a_pixel};
 use super::sweep::View;
 use super::verdict::{self, Verdict};
-use crate::results::{Provenance, Run, TracerRun};
+use crate::results::{ParetoRecord, Provenance, Run, TracerRun};
+use crate::studies::pareto::{Amount, By, Cost, Field, contested};
 use crate::studies::stability::Stability;
 use crate::studies::tune::Tuning;
 use canvas::{DrawError, Figure};
+use front::{FrontFigure, FrontStyles, PanelOf};
+use overtaking::OvertakingFigure;
+#[cfg(test)]
+pub(super) use tests::{check_png, check_svg};
 
 /// The most characters of a scene's name in a title.
 const LONGEST_NAME: usize = 32;
@@ -86,6 +94,65 @@ pub(super) fn tune_charts(tuning: &Tuning, stems: &[String]) -> Result<Vec<Chart
         draw(stem, &tune::TuneFigure::new(tuning, scene), &mut files)?;
     }
     Ok(files)
+}
+
+/// The charts of fronts: by ray set and rule the fronts of every cost and those at matched bytes and build time, by ray set who overtakes
+/// whom.
+pub(super) fn pareto_charts(
+    run: &Run,
+    record: &ParetoRecord,
+    shown: &[Shown<'_>],
+) -> Result<Vec<ChartFile>, ReportError> {
+    let styles = FrontStyles::of(record);
+    let mut files = Vec::new();
+    for scene in shown {
+        for field in &scene.fronts.fields {
+            for by in By::all(field.query) {
+                let panel = |cost: Cost| PanelOf { title: front_title(cost), cost, entries: field.entries.clone() };
+                let panels: Vec<PanelOf<'_>> = Cost::all(&record.rays_per_pixel).into_iter().map(panel).collect();
+                let columns = if panels.len() > 4 { 3 } else { 2 };
+                let figure = FrontFigure::new(run, field, *by, "Fronts", panels, &styles, columns);
+                draw(&scene.chart(field.rays, by.name()), &figure, &mut files)?;
+                let panels: Vec<PanelOf<'_>> =
+                    [Cost::Bytes, Cost::Build].into_iter().flat_map(|cost| matched(field, cost)).collect();
+                if !panels.is_empty() {
+                    let what = "Fronts at matched bytes and build time";
+                    let figure = FrontFigure::new(run, field, *by, what, panels, &styles, 3);
+                    draw(&scene.chart(field.rays, &format!("{}_matched", by.name())), &figure, &mut files)?;
+                }
+            }
+            // The last rule is the one by which charts show methods that sample.
+            let Some(by) = By::all(field.query).last() else { continue };
+            let classes = contested(&scene.fronts, field, *by);
+            if !classes.is_empty() {
+                let figure = OvertakingFigure::new(run, field, &classes, &styles);
+                draw(&scene.chart(field.rays, "break_even"), &figure, &mut files)?;
+            }
+        }
+    }
+    Ok(files)
+}
+
+fn front_title(cost: Cost) -> String {
+    match cost {
+        Cost::Trace => "speed".to_owned(),
+        Cost::Build => "build time".to_owned(),
+        Cost::Bytes => "bytes to trace".to_owned(),
+        Cost::Frame(rays) => format!("frame of {}", rays_a_pixel(rays)),
+    }
+}
+
+/// Panels of speed over the points that are within a budget, the least first.
+fn matched<'a>(field: &Field<'a>, cost: Cost) -> Vec<PanelOf<'a>> {
+    let panel = |budget: f64| {
+        let read = format::significant(as_read(field, cost, Amount::exact(budget)).value, 2);
+        let title = match cost {
+            Cost::Bytes => format!("speed within {read} MiB"),
+            _ => format!("speed within a build of {read} ms"),
+        };
+        PanelOf { title, cost: Cost::Trace, entries: field.within(cost, budget) }
+    };
+    field.budgets(cost).into_iter().map(panel).collect()
 }
 
 fn draw(stem: &str, figure: &impl Figure, files: &mut Vec<ChartFile>) -> Result<(), ReportError> {

@@ -62,7 +62,7 @@ fn check(run: &Run) -> Vec<String> {
     files.into_iter().map(|file| file.name).collect()
 }
 
-pub(super) fn check_svg(name: &str, svg: &str) {
+pub(in crate::report) fn check_svg(name: &str, svg: &str) {
     assert!(svg.trim_end().ends_with("</svg>") && !svg.contains("NaN") && !svg.contains("inf,"), "{name}");
     let page: Vec<f64> = attribute(svg, "viewBox").unwrap().split(' ').map(|number| number.parse().unwrap()).collect();
     let labels = labels(svg);
@@ -78,7 +78,7 @@ pub(super) fn check_svg(name: &str, svg: &str) {
     }
 }
 
-pub(super) fn check_png(name: &str, png: &[u8]) {
+pub(in crate::report) fn check_png(name: &str, png: &[u8]) {
     let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     reader.next_frame(&mut pixels).unwrap();

@@ -1,0 +1,312 @@
+//! `pareto.md`.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use super::{Shown, as_read, cost_name};
+use crate::report::format::{NONE, percent, percent_with_interval, significant, thousands, with_interval};
+use crate::report::markdown::{Table, inline};
+use crate::report::{format, metrics, summary};
+use crate::results::{LEAST_ROUNDS, ParetoRecord, Run};
+use crate::studies::pareto::{
+    Aim, Amount, By, Check, Class, Cost, Entry, Field, LEVELS, Overtaking, Standing, Wrong, best, check, classes,
+    contested, farthest,
+};
+
+/// The whole page.
+pub(super) fn page(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> String {
+    let mut text = summary::head(run, "Fronts of speed, build and bytes against error");
+    let tracers: BTreeSet<&str> = record.points.iter().map(|point| point.tracer.as_str()).collect();
+    let _ = writeln!(
+        text,
+        "\n{} points of {} tracers, at most {} each, published and improved together. All times are by the host's clock, of work on a \
+         device from submission until done. A point is on a front if none costs less and is as often right, or costs as much and is right \
+         more often; controls are part of none. Errors below what so many rays tell from none, three of them, count as that.",
+        record.points.len(),
+        tracers.len(),
+        record.most_points
+    );
+    for scene in shown {
+        let front = scene.fronts.scene;
+        let _ = writeln!(text, "\n## {} ({} triangles)\n", inline(&front.scene.name), thousands(front.scene.triangles));
+        let here = format!("Points are chosen from viewpoint {} with seed {}", inline(&front.viewpoint.name), run.seed);
+        let _ = match (&front.checked, &front.not_checked) {
+            (Some(there), _) => {
+                let (viewpoint, seed) = (inline(&there.viewpoint.name), there.seed);
+                writeln!(text, "{here}, and told from {viewpoint} with seed {seed} (*there*).")
+            }
+            (None, Some(reason)) => writeln!(text, "{here}. **They were not checked elsewhere**: {}.", inline(reason)),
+            (None, None) => writeln!(text, "{here}. No point was chosen, so none was checked elsewhere."),
+        };
+        text += &in_short(scene);
+        for field in &scene.fronts.fields {
+            let title =
+                format!("{}: {}, {} rays", inline(field.rays), format::query(field.query), thousands(field.count));
+            let _ = writeln!(text, "\n### {title}");
+            for by in By::all(field.query) {
+                text += &by_rule(run, record, scene, field, *by);
+            }
+        }
+    }
+    text + &summary::skipped(&run.skipped)
+}
+
+/// Who to take, by ray set and agreement: of any-hit sets by the balanced accuracy, of others by the rule that methods which sample can
+/// meet.
+fn in_short(scene: &Shown<'_>) -> String {
+    let headings = ["rays", "at least"].map(str::to_owned);
+    let mut table = Table::new(&[headings.to_vec(), aims().to_vec()].concat());
+    for field in &scene.fronts.fields {
+        let Some(by) = By::all(field.query).last() else { continue };
+        for level in LEVELS {
+            let cells = Aim::ALL.map(|aim| match best(field, &field.entries, *by, level, aim) {
+                Some(found) => {
+                    let there = check(&scene.fronts.elsewhere, field.rays, found.point, *by, level);
+                    let misses = if let Check::Misses(..) = there { "; **misses there**" } else { "" };
+                    format!("{}{misses}", with_cost(field, aim, &found))
+                }
+                None => "nobody".to_owned(),
+            });
+            let asked = format!("{} by {}", asked(level), by.name());
+            table.row(&[vec![field.rays.to_owned(), asked], cells.to_vec()].concat());
+        }
+    }
+    format!("\nIn short:\n\n{}{}", table.text, checks(scene))
+}
+
+/// What became of all operating points elsewhere.
+fn checks(scene: &Shown<'_>) -> String {
+    let (mut holds, mut within_noise, mut misses, mut most) = (0, 0, 0, 0.0_f64);
+    for field in &scene.fronts.fields {
+        for (by, level) in By::all(field.query).iter().flat_map(|by| LEVELS.map(|level| (*by, level))) {
+            // A point with several aims is one.
+            let own = |tracer| {
+                let own = field.of_tracer(tracer);
+                Aim::ALL.map(|aim| Some((best(field, &own, by, level, aim)?.index, tracer)))
+            };
+            let chosen: BTreeSet<_> = field.tracers().into_iter().flat_map(own).flatten().collect();
+            for found in field.entries.iter().filter(|entry| chosen.contains(&(entry.index, &entry.point.tracer))) {
+                match check(&scene.fronts.elsewhere, field.rays, found.point, by, level) {
+                    Check::Holds(_) => holds += 1,
+                    Check::WithinNoise(..) => within_noise += 1,
+                    Check::Misses(_, missed) => (misses, most) = (misses + 1, most.max(missed)),
+                    Check::NotMeasured => {}
+                }
+            }
+        }
+    }
+    let all = holds + within_noise + misses;
+    if all == 0 {
+        return String::new();
+    }
+    let by = if misses > 0 { format!(", by up to {} points", significant(most * 100.0, 2)) } else { String::new() };
+    format!(
+        "\nOf {all} operating points, of all tracers by every rule, {holds} hold there, {within_noise} miss within noise and {misses} \
+         miss{by}.\n"
+    )
+}
+
+/// Headings of aims with what they make least.
+fn aims() -> [String; 3] {
+    Aim::ALL.map(|aim| format!("{}: {}", aim.name(), cost_name(aim.cost())))
+}
+
+/// An operating point with what it costs.
+fn with_cost(field: &Field<'_>, aim: Aim, found: &Entry<'_>) -> String {
+    let cost = field.cost(found, aim.cost()).map(|cost| as_read(field, aim.cost(), cost).value);
+    format!("{}: {}", found.point.label(), format::optional(cost, 4))
+}
+
+/// Everything by one rule: operating points, how far tracers get, who is on a front, who overtakes whom.
+fn by_rule(run: &Run, record: &ParetoRecord, scene: &Shown<'_>, field: &Field<'_>, by: By) -> String {
+    let name = by.name();
+    let mut text = format!("\n#### By {name}\n\n");
+    let [fronts, matched] = ["", "_matched"].map(|what| scene.chart(field.rays, &format!("{name}{what}")));
+    let _ = writeln!(text, "![fronts]({fronts}.svg)\n");
+    if [Cost::Bytes, Cost::Build].iter().any(|cost| !field.budgets(*cost).is_empty()) {
+        let _ = writeln!(text, "![fronts at matched bytes and build time]({matched}.svg)\n");
+    }
+    text += &operating_points(scene, field, by);
+    text += &reach(field, by);
+    text += &front_points(run, record, field, by);
+    text + &break_even(scene, field, by)
+}
+
+/// The operating points of every level: over all tracers, then of each.
+fn operating_points(scene: &Shown<'_>, field: &Field<'_>, by: By) -> String {
+    let mut table = Table::new(&[vec!["at least".to_owned(), "of".to_owned()], aims().to_vec()].concat());
+    let mut any = false;
+    for level in LEVELS {
+        let all = std::iter::once(("**all**", field.entries.clone()));
+        let each = field.tracers().into_iter().map(|tracer| (tracer, field.of_tracer(tracer)));
+        for (who, entries) in all.chain(each) {
+            let cells = Aim::ALL.map(|aim| {
+                best(field, &entries, by, level, aim).map(|found| operating_point(scene, field, by, level, aim, &found))
+            });
+            if cells.iter().any(Option::is_some) {
+                any = true;
+                let cells = cells.map(|cell| cell.unwrap_or_else(|| NONE.to_owned()));
+                table.row(&[vec![asked(level), who.to_owned()], cells.to_vec()].concat());
+            }
+        }
+    }
+    if any {
+        format!("Operating points; what they do *there* was not seen when they were chosen:\n\n{}", table.text)
+    } else {
+        "No point is right so often.\n".to_owned()
+    }
+}
+
+/// A level as people read it.
+fn asked(level: f64) -> String {
+    format!("{} %", percent(level, 10_000))
+}
+
+fn operating_point(scene: &Shown<'_>, field: &Field<'_>, by: By, level: f64, aim: Aim, found: &Entry<'_>) -> String {
+    let trials = metrics::trials(found.trace);
+    let there = match check(&scene.fronts.elsewhere, field.rays, found.point, by, level) {
+        Check::Holds(wrong) => format!("{}, holds", right(&wrong, trials)),
+        Check::WithinNoise(wrong, by) => {
+            format!("{}, misses by {} points, within noise", right(&wrong, trials), significant(by * 100.0, 2))
+        }
+        Check::Misses(wrong, by) => {
+            format!("{}, **misses by {} points**", right(&wrong, trials), significant(by * 100.0, 2))
+        }
+        Check::NotMeasured => "not checked".to_owned(),
+    };
+    format!("{}; there {there}", with_cost(field, aim, found))
+}
+
+/// The share of right answers with its interval.
+fn right(wrong: &Wrong, trials: u64) -> String {
+    let [least, most] = wrong.share.interval;
+    percent_with_interval(1.0 - wrong.share.value, Some([1.0 - most, 1.0 - least]), trials)
+}
+
+/// How far every tracer gets.
+fn reach(field: &Field<'_>, by: By) -> String {
+    let mut headings = ["tracer", "farthest", "by"].map(str::to_owned).to_vec();
+    headings.push(metrics::SPEED.heading());
+    let mut table = Table::new(&headings);
+    for tracer in field.tracers() {
+        let Some(found) = farthest(field, &field.of_tracer(tracer), by) else { continue };
+        let Some(wrong) = Wrong::of(found.trace, by) else { continue };
+        let speed = field.cost(&found, Cost::Trace).map(|cost| as_read(field, Cost::Trace, cost).value);
+        table.row(&[
+            tracer.to_owned(),
+            right(&wrong, metrics::trials(found.trace)),
+            found.point.label(),
+            format::optional(speed, 4),
+        ]);
+    }
+    format!("\nHow far each tracer gets:\n\n{}", table.text)
+}
+
+/// The points that are on a front of all tracers, or within noise of one.
+fn front_points(run: &Run, record: &ParetoRecord, field: &Field<'_>, by: By) -> String {
+    let costs = Cost::all(&record.rays_per_pixel);
+    let standings: Vec<_> = costs.iter().map(|cost| field.standings(&field.entries, *cost, by)).collect();
+    let mut headings = vec!["point".to_owned(), "wrong ↓".to_owned()];
+    headings.extend(costs.iter().map(|cost| cost_name(*cost)));
+    let mut table = Table::new(&headings);
+    for entry in &field.entries {
+        let Some(wrong) = Wrong::of(entry.trace, by) else { continue };
+        let mark = |of: &Vec<(Entry<'_>, _, Standing)>| {
+            let found = of.iter().find(|(other, ..)| other.index == entry.index);
+            match found.map(|(_, _, standing)| *standing) {
+                Some(Standing::OnFront) => "● ",
+                Some(Standing::WithinNoise) => "○ ",
+                _ => "",
+            }
+        };
+        let marks: Vec<&str> = standings.iter().map(mark).collect();
+        if marks.iter().all(|mark| mark.is_empty()) {
+            continue;
+        }
+        let trials = metrics::trials(entry.trace);
+        let bound = if wrong.at_bound() { " (below what is told from none)" } else { "" };
+        let share = percent_with_interval(wrong.share.value, Some(wrong.share.interval), trials);
+        let mut row = vec![entry.point.label(), format!("{share}{bound}")];
+        row.extend(costs.iter().zip(&marks).map(|(cost, mark)| format!("{mark}{}", cost_cell(field, entry, *cost))));
+        table.row(&row);
+    }
+    let windows =
+        if run.runs.iter().any(|row| row.window > 0) { " Not all points were timed in one window." } else { "" };
+    let few = run.races.iter().any(|race| race.orders.len() < LEAST_ROUNDS as usize);
+    let few = if few {
+        format!(" Times of fewer than {LEAST_ROUNDS} rounds tell no two points apart: they are within noise.")
+    } else {
+        String::new()
+    };
+    format!(
+        "\n● on the front of all tracers, ○ within noise of it: no point of the front is better by more than noise, in cost or in error.\
+         {windows}{few}\n\n{}",
+        table.text
+    )
+}
+
+fn cost_cell(field: &Field<'_>, entry: &Entry<'_>, cost: Cost) -> String {
+    let found = field.cost(entry, cost).map(|amount| as_read(field, cost, amount));
+    found.map_or_else(
+        || NONE.to_owned(),
+        |Amount { value, interval }| {
+            if interval == [value; 2] { significant(value, 4) } else { with_interval(value, interval, 4) }
+        },
+    )
+}
+
+/// Who is cheapest at how many rays a frame.
+fn break_even(scene: &Shown<'_>, field: &Field<'_>, by: By) -> String {
+    let headings = ["at least", "geometry", "rays a frame", "cheapest", "overtakes"].map(str::to_owned);
+    let mut table = Table::new(&headings);
+    let mut any = false;
+    for level in LEVELS {
+        for class in classes(&scene.fronts, field, by, level) {
+            for (place, stretch) in class.stretches.iter().enumerate() {
+                any = true;
+                let [from, overtakes] = match (&stretch.overtakes, place.checked_sub(1)) {
+                    (Some(found), Some(before)) => {
+                        [from_rays(found), overtaken(found, label(&class, class.stretches[before].who))]
+                    }
+                    _ => ["few".to_owned(), NONE.to_owned()],
+                };
+                table.row(&[asked(level), class.motion.name().to_owned(), from, label(&class, stretch.who), overtakes]);
+            }
+        }
+    }
+    let mut text = "\nBreak-even, between points that are right as often: who is cheapest from how many rays a frame on (*static*: \
+                    structures are kept; *refitted*: to moved vertices, built where a method cannot; *rebuilt*: in every frame)"
+        .to_owned();
+    if !any {
+        return text + ": no point is right so often.\n";
+    }
+    text += ":\n\n";
+    text += &table.text;
+    if By::all(field.query).last() == Some(&by) && !contested(&scene.fronts, field, by).is_empty() {
+        let _ = writeln!(text, "\n![break-even]({}.svg)", scene.chart(field.rays, "break_even"));
+    }
+    text
+}
+
+fn label(class: &Class<'_>, who: usize) -> String {
+    class.costs.get(who).map_or_else(String::new, |cost| cost.entry.point.label())
+}
+
+/// From how many rays on.
+fn from_rays(found: &Overtaking) -> String {
+    match found {
+        Overtaking::At { rays, interval: [low, high], beyond_measured, .. } => {
+            let count = |rays: f64| thousands(rays.round().max(0.0) as u64);
+            let beyond = if *beyond_measured { ", beyond what was measured" } else { "" };
+            format!("{} [{}, {}]{beyond}", count(*rays), count(*low), count(*high))
+        }
+        Overtaking::Always(_) | Overtaking::Undecided(_) => NONE.to_owned(),
+    }
+}
+
+fn overtaken(found: &Overtaking, before: String) -> String {
+    match found {
+        Overtaking::Undecided(why) => format!("{before}: undecided, {why}"),
+        Overtaking::Always(_) | Overtaking::At { .. } => before,
+    }
+}

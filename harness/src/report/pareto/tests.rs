@@ -1,0 +1,147 @@
+//! Pages, tables and charts of fronts over planted points.
+
+use std::collections::BTreeMap;
+
+use tempfile::TempDir;
+use tracebench_api::{ClockKind, Query};
+
+use crate::report::chart::{check_png, check_svg};
+use crate::report::fixture::{self, FrontQuality, Quality};
+use crate::report::{read_run, write_derived, write_run};
+use crate::results::Run;
+
+const SETS: [(&str, Query); 2] = [("diffuse", Query::Closest), ("ao", Query::Any)];
+
+fn planted(name: &str, missed: f64, speed: f64, mib: u64, build: f64) -> FrontQuality<'_> {
+    let quality = Quality { missed, blur: 1e-4 * missed, speed, clock: ClockKind::SubmitToDone };
+    FrontQuality { name, quality, mib, build }
+}
+
+fn several() -> Run {
+    let points = [
+        planted("exact", 0.0, 1.0, 40, 4.0),
+        planted("exact:improved", 0.0, 2.0, 50, 5.0),
+        planted("rough", 0.2, 9.0, 8, 1.0),
+        planted("rough", 0.3, 5.0, 20, 3.0),
+        planted("fair", 0.0004, 4.0, 30, 0.5),
+    ];
+    fixture::fronts(&points, &SETS, 30.0)
+}
+
+fn rows(folder: &TempDir, name: &str) -> Vec<BTreeMap<String, String>> {
+    let mut reader = ::csv::Reader::from_path(folder.path().join(name)).unwrap();
+    let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    let row = |record: ::csv::StringRecord| header.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
+    reader.records().map(|record| row(record.unwrap())).collect()
+}
+
+/// Proves that a record of fronts has its page, tables and charts, that they are made again the same from what was written, and that
+/// every chart is whole and names scene, rays and machine.
+#[test]
+fn fronts_have_their_files() {
+    let folder = TempDir::new().unwrap();
+    let run = several();
+    let written = write_run(&run, folder.path(), fixture::tables).unwrap();
+    let names: Vec<String> =
+        written.iter().map(|path| path.file_name().unwrap().to_string_lossy().into_owned()).collect();
+    for wanted in [
+        "pareto.md",
+        "pareto.csv",
+        "operating_points.csv",
+        "break_even.csv",
+        "traces.csv",
+        "pareto_room_diffuse_footprint.svg",
+        "pareto_room_diffuse_tight_matched.png",
+        "pareto_room_diffuse_break_even.svg",
+        "pareto_room_ao_balanced_accuracy.svg",
+    ] {
+        assert!(names.iter().any(|name| name == wanted), "{wanted}: {names:?}");
+    }
+    let read = || written.iter().map(|path| std::fs::read(path).unwrap()).collect::<Vec<_>>();
+    let before = read();
+    write_derived(&read_run(folder.path()).unwrap(), folder.path(), fixture::tables).unwrap();
+    assert!(before == read());
+    for (name, contents) in names.iter().zip(&before) {
+        if name.ends_with(".svg") {
+            let svg = std::str::from_utf8(contents).unwrap();
+            check_svg(name, svg);
+            for wanted in
+                ["Example Processor", "room", "always-miss"].iter().take(if name.contains("break") { 2 } else { 3 })
+            {
+                assert!(svg.contains(wanted), "{name}: {wanted}");
+            }
+        } else if name.ends_with(".png") {
+            check_png(name, contents);
+        }
+    }
+}
+
+/// Proves that tables tell the standings of the planted points: who is on the front, and what an operating point loses elsewhere; that
+/// no control is among the points; and that the page says the same.
+#[test]
+fn tables_tell_standings() {
+    let folder = TempDir::new().unwrap();
+    write_run(&several(), folder.path(), fixture::tables).unwrap();
+    let points = rows(&folder, "pareto.csv");
+    let diffuse: Vec<_> = points.iter().filter(|row| row["rays"] == "diffuse").collect();
+    assert_eq!((points.len(), diffuse.len()), (10, 5));
+    let column = |name: &str| diffuse.iter().map(|row| row[name].as_str()).collect::<Vec<_>>();
+    assert_eq!(column("tracer"), ["exact", "exact", "rough", "rough", "fair"]);
+    assert_eq!(column("front_hit_miss_speed"), ["behind", "front", "front", "behind", "front"]);
+    assert_eq!(column("own_front_hit_miss_speed"), ["behind", "front", "front", "behind", "front"]);
+    assert_eq!(column("front_hit_miss_bytes"), ["front", "behind", "front", "behind", "front"]);
+    assert!(column("front_balanced_accuracy_speed").iter().all(|cell| cell.is_empty()));
+    let operating = rows(&folder, "operating_points.csv");
+    let of = |who: &str, level: &str| {
+        let wanted = |row: &&BTreeMap<String, String>| {
+            row["rays"] == "diffuse"
+                && row["rule"] == "hit_miss"
+                && (row["of"] == who && row["at_least_share"] == level && row["aim"] == "fastest")
+        };
+        operating.iter().find(wanted).map(|row| (row["tracer"].as_str(), row["checked"].as_str()))
+    };
+    assert_eq!(of("all", "0.99"), Some(("fair", "misses")));
+    assert_eq!(of("exact", "0.9999"), Some(("exact", "holds")));
+    assert_eq!(of("rough", "0.99"), None);
+    let page = std::fs::read_to_string(folder.path().join("pareto.md")).unwrap();
+    assert!(
+        page.contains(
+            "| diffuse | 99.90 % by footprint | fair stride=5: 4.003; **misses there** | fair stride=5: 33.34;"
+        ),
+        "{page}"
+    );
+    assert!(
+        page.contains("| diffuse | 99.99 % by footprint | exact:improved stride=2: 2.011 | exact stride=1: 43.34 |"),
+        "{page}"
+    );
+    for wanted in ["misses by", "holds", "How far each tracer gets", "window", "● ", "| 99.99 % | exact |"] {
+        assert!(page.contains(wanted), "{wanted}");
+    }
+    assert!(!page.contains("NaN") && !page.contains("oracle stride"));
+}
+
+/// Without a check elsewhere it is said so; points that could not be timed or judged are in no front, and pages are drawn all the same.
+#[test]
+fn what_is_missing_is_said() {
+    let mut run = several();
+    let record = run.pareto.as_mut().unwrap();
+    record.scenes[0].checked = None;
+    record.scenes[0].not_checked = Some("nothing is seen from anywhere".to_owned());
+    record.scenes[0].ray_images.clear();
+    for row in &mut run.runs {
+        row.build.times.void = Some("a clock that lies".to_owned());
+    }
+    let folder = TempDir::new().unwrap();
+    write_run(&run, folder.path(), fixture::tables).unwrap();
+    let page = std::fs::read_to_string(folder.path().join("pareto.md")).unwrap();
+    assert!(page.contains("not checked elsewhere**: nothing is seen") && page.contains("there not checked"));
+    let points = rows(&folder, "pareto.csv");
+    assert!(points.iter().all(|row| row["build_ms"].is_empty() && row["front_tight_build"].is_empty()));
+    assert!(points.iter().any(|row| row["front_tight_speed"] == "front"));
+    // Without a second number of rays there is no line.
+    assert_eq!(rows(&folder, "break_even.csv").len(), 0);
+    // A record in which nothing was measured.
+    run.runs.clear();
+    write_run(&run, folder.path(), fixture::tables).unwrap();
+    assert_eq!(rows(&folder, "pareto.csv").len(), 0);
+}

@@ -1,0 +1,132 @@
+//! `pareto`.
+
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::Duration;
+
+use super::*;
+
+const SMALL: [&str; 9] = [
+    "--quiet",
+    "--preset",
+    "smoke",
+    "--size",
+    "16x8",
+    "--samples",
+    "1",
+    "--tracer",
+    "bvh-cpu,bvh-cpu:improved,screen-dda",
+];
+
+fn fronts<'a>(further: &[&'a str]) -> Vec<&'a str> {
+    [&["pareto"][..], &SMALL, &["--points", "3", "--rays", "diffuse"], further].concat()
+}
+
+/// Every row's tracer, viewpoint and answers.
+fn answers(run: &Value) -> BTreeSet<String> {
+    let row = |row: &Value| {
+        let traces: Vec<&Value> = row["traces"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .flat_map(|trace| [&trace["rays_sha256"], &trace["hits_sha256"]])
+            .collect();
+        format!("{} {} {} {} {traces:?}", row["scene"]["name"], row["viewpoint"], row["tracer"], row["way"])
+    };
+    run["runs"].as_array().unwrap().iter().map(row).collect()
+}
+
+/// How the points were laid out: of the record what no time has a part in.
+fn points(run: &Value) -> Vec<String> {
+    let of = |point: &Value| {
+        ["tracer", "preset", "order", "values", "parameters", "face"].map(|name| point[name].to_string()).join(" ")
+    };
+    run["pareto"]["points"].as_array().unwrap().iter().map(of).collect()
+}
+
+/// Proves that fronts over a file of the user's own are measured, though broken off and gone on with on the way: every tracer has as many
+/// points as were asked for, all answer the same rays as in a run that went through; that the page answers who to take; and that
+/// `report` makes the same files.
+#[test]
+fn fronts_of_a_file_survive_being_killed() {
+    let bench = Bench::new();
+    // A tent over a floor.
+    let corners = [
+        [[-2.0, 0.0, -2.0], [2.0, 0.0, -2.0], [2.0, 0.0, 2.0]],
+        [[-2.0, 0.0, -2.0], [2.0, 0.0, 2.0], [-2.0, 0.0, 2.0]],
+        [[-1.0, 0.1, -1.0], [1.0, 0.1, -1.0], [0.0, 1.5, 0.0]],
+        [[-1.0, 0.1, 1.0], [1.0, 0.1, 1.0], [0.0, 1.5, 0.0]],
+    ];
+    std::fs::write(bench.path("tent.glb"), glb(&corners.concat())).unwrap();
+    let scene = ["--scene", "tent.glb"];
+    let through = bench.call(&fronts(&[&scene[..], &["--out", "through"]].concat()));
+    assert_eq!((through.status, through.stderr.as_str()), (0, ""), "{through:?}");
+    for wanted in ["# Fronts", "Operating points", "How far each tracer gets", "Break-even", "through/pareto.md"] {
+        assert!(through.stdout.contains(wanted), "{wanted}: {}", through.stdout);
+    }
+    let whole = bench.result("through");
+    let of = |tracer: &str| {
+        let all = whole["pareto"]["points"].as_array().unwrap();
+        all.iter().filter(|point| point["tracer"] == tracer).count()
+    };
+    assert_eq!((of("bvh-cpu"), of("screen-dda")), (3, 3));
+    let out = bench.path("out");
+    let arguments = fronts(&[&scene[..], &["--out", "out"]].concat());
+    let mut child = bench.command(&arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let ended = || names(&out.join("races")).iter().filter(|name| name.contains("-rays-")).count();
+    while ended() == 0 && child.try_wait().unwrap().is_none() {
+        sleep(Duration::from_millis(2));
+    }
+    assert!(child.try_wait().unwrap().is_none(), "it ended before it was killed");
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(!out.join("pareto.md").exists());
+    let resumed = bench.call(&fronts(&[&scene[..], &["--out", "out", "--resume"]].concat()));
+    assert_eq!(resumed.status, 0, "{resumed:?}");
+    let found = bench.result("out");
+    assert_eq!(points(&found), points(&whole));
+    // What is chosen hangs on times; what was measured from the viewpoint does not.
+    let own = |run: &Value| {
+        let viewpoint = run["pareto"]["scenes"][0]["viewpoint"]["eye"].clone();
+        let image = run["pareto"]["scenes"][0]["viewpoint"]["ray_image"].clone();
+        let mut run = run.clone();
+        let is_own = |row: &Value| {
+            row["viewpoint"]["eye"] == viewpoint && row["viewpoint"]["ray_image"] == image && row["way"].is_null()
+        };
+        run["runs"].as_array_mut().unwrap().retain(is_own);
+        answers(&run)
+    };
+    assert_eq!((own(&found).len(), own(&found)), (6, own(&whole)));
+    let before = names(&out);
+    assert!(
+        before.contains("pareto_tent_diffuse_footprint.svg") && before.contains("operating_points.csv"),
+        "{before:?}"
+    );
+    let read = |name: &String| std::fs::read(out.join(name)).unwrap();
+    let contents: Vec<_> = before.iter().map(read).collect();
+    assert_eq!(bench.call(&["--quiet", "report", "out"]).status, 0);
+    assert!(names(&out) == before && before.iter().map(read).collect::<Vec<_>>() == contents);
+    bench.fails(&["pareto", "--points", "0"], 2, &["1..=256"]);
+    bench.fails(&["pareto", "--tracer", "no-such"], 2, &["no tracer"]);
+}
+
+/// Proves that fronts of two scenes that two machines have shared are joined into those of both.
+#[test]
+fn shards_of_fronts_are_joined() {
+    let bench = Bench::new();
+    let scenes = ["--scene", "room,candy", "--tracer", "bvh-cpu", "--points", "1"];
+    let small = ["pareto", "--quiet", "--preset", "smoke", "--size", "16x8", "--samples", "1", "--rays", "diffuse"];
+    for (shard, out) in [("1/2", "one"), ("2/2", "two")] {
+        let outcome = bench.call(&[&small[..], &scenes, &["--shard", shard, "--out", out]].concat());
+        assert_eq!(outcome.status, 0, "{outcome:?}");
+    }
+    let joined = bench.call(&["merge", "one", "two", "--out", "both"]);
+    assert_eq!(joined.status, 0, "{joined:?}");
+    let both = bench.result("both");
+    let scenes: Vec<&Value> =
+        both["pareto"]["scenes"].as_array().unwrap().iter().map(|scene| &scene["scene"]["name"]).collect();
+    assert_eq!(scenes, ["room", "candy"]);
+    let parts = ["one", "two"].map(|out| answers(&bench.result(out)));
+    assert_eq!(answers(&both), parts.into_iter().flatten().collect());
+    assert!(names(&bench.path("both")).contains("pareto_candy_diffuse_tight.svg"));
+}
