@@ -1,4 +1,4 @@
-//! The command line: `tracebench adapters | list | run | sweep | pareto | table | claims | compare | merge | report | picture |
+//! The command line: `tracebench adapters | list | run | sweep | pareto | need | table | claims | compare | merge | report | picture |
 //! stability | explain | tune | clock | docs`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
@@ -12,6 +12,7 @@ mod explain;
 mod list;
 mod merge;
 mod names;
+mod need;
 mod output;
 mod pareto;
 mod run;
@@ -59,6 +60,8 @@ enum Verb {
     /// Measure the same number of points of every tracer, over parameters and resolutions: who is fastest, smallest and quickest to build
     /// at which agreement.
     Pareto(pareto::ParetoArguments),
+    /// Shrink structures until answers get worse: bytes needed beside bytes stored and touched.
+    Need(need::NeedArguments),
     /// Measure tracers of one family side by side, or what a paper's table or figure shows, and write a table of it.
     Table(arguments::TableArguments),
     /// Set what a paper claims beside what was measured of it, with a verdict on every claim.
@@ -135,6 +138,7 @@ pub fn main() -> ExitCode {
         Verb::Run(arguments) => run::run(arguments, &progress),
         Verb::Sweep(arguments) => sweep::sweep(arguments, &progress),
         Verb::Pareto(arguments) => pareto::pareto(arguments, &progress),
+        Verb::Need(arguments) => need::need(arguments, &progress),
         Verb::Table(arguments) => table::table(arguments, &progress),
         Verb::Claims(arguments) => claims::claims(arguments),
         Verb::Compare(arguments) => compare::compare(arguments),

@@ -208,6 +208,7 @@ pub(crate) fn empty<'r>(requests: impl IntoIterator<Item = &'r TracerRequest>, c
         cases: None,
         explanation: None,
         pareto: None,
+        need: None,
         ray_parameters: Default::default(),
         control_names: Control::names(),
         controls: Vec::new(),

@@ -88,6 +88,7 @@ pub(crate) fn run(contenders: &[(&str, Quality)], sets: &[(&str, Query)]) -> Run
         cases: None,
         explanation: None,
         pareto: None,
+        need: None,
         ray_parameters: BTreeMap::new(),
         control_names: crate::measure::controls::Control::names(),
         controls: controls.iter().map(|(name, missed, blur)| control(name, *missed, *blur, sets)).collect(),

@@ -16,6 +16,7 @@ pub(crate) mod group;
 pub(crate) mod markdown;
 pub(crate) mod means;
 pub(crate) mod metrics;
+mod need;
 mod pareto;
 pub(crate) mod peers;
 mod stability;
@@ -39,6 +40,7 @@ use flate2::read::MultiGzDecoder;
 pub use compare::comparison_text;
 pub use error::ReportError;
 pub use explain::{EXPLAIN_PAGE, explanation_page};
+pub use need::NEED_PAGE;
 pub use pareto::PARETO_PAGE;
 pub use stability::{STABILITY_TABLE, matrix as stability_matrix};
 pub use sweep::SWEEP_PAGE;
@@ -113,6 +115,9 @@ fn derived(run: &Run, tables: Tables) -> Result<(Contents, &'static [&'static st
     }
     if let Some(record) = &run.pareto {
         return Ok(([pareto::files(run, record)?, traces(run)?].concat(), &[pareto::STEM]));
+    }
+    if let Some(record) = &run.need {
+        return Ok(([need::files(run, record)?, traces(run)?].concat(), &[need::STEM]));
     }
     if let Some(found) = &run.explanation {
         let page = explanation_page(run, found);

@@ -116,6 +116,9 @@ fn join(whole: &mut Run, mut shard: Run, machine: u32) {
         }
         whole.scenes.extend(shard.scenes);
     }
+    if let (Some(whole), Some(shard)) = (&mut whole.need, shard.need) {
+        whole.curves.extend(shard.curves);
+    }
 }
 
 /// The points are the same; where each was left out adds up.

@@ -12,6 +12,7 @@ mod judgement;
 mod key;
 mod means;
 mod merge;
+mod need;
 mod paired;
 mod pareto;
 mod provenance;
@@ -42,6 +43,7 @@ pub use judgement::{
 pub use key::{same_place, same_pose, same_rays, same_work};
 pub use means::{AtMeans, MARGIN, Means, MeansRecord, ProbeRecord, RAYS_PER_LANE, READS, at_means};
 pub use merge::{MergeError, merge};
+pub use need::{ChangedRays, NeedCurve, NeedPoint, NeedRecord};
 pub use paired::{Answer, COVERAGE, Doubt, MOST_CHANGE, Paired, Pairing, Timed, of_rounds};
 pub use pareto::{CheckedRecord, FrontPoint, FrontScene, ParetoRecord, STILL_REFIT};
 pub use provenance::{ConvertedFrom, Provenance, RULES_VERSION, ShardRecord};
@@ -91,6 +93,9 @@ pub struct Run {
     /// Points of several tracers, for fronts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pareto: Option<ParetoRecord>,
+    /// Structures that were shrunk until answers got worse.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub need: Option<NeedRecord>,
     /// What was said about ray sets: every parameter's value. Empty in files of before there were any.
     #[serde(default)]
     pub ray_parameters: BTreeMap<String, serde_json::Value>,

@@ -1,4 +1,4 @@
-//! `pareto`.
+//! `pareto` and `need`.
 
 use std::process::Stdio;
 use std::thread::sleep;
@@ -129,4 +129,38 @@ fn shards_of_fronts_are_joined() {
     let parts = ["one", "two"].map(|out| answers(&bench.result(out)));
     assert_eq!(answers(&both), parts.into_iter().flatten().collect());
     assert!(names(&bench.path("both")).contains("pareto_candy_diffuse_tight.svg"));
+}
+
+/// Proves that needs are measured from both viewpoints, that the page and the table are there, and that `report` makes the same files.
+#[test]
+fn needs_are_told_from_both_viewpoints() {
+    let bench = Bench::new();
+    let arguments = [
+        &["need", "--quiet", "--preset", "smoke", "--samples", "1", "--scene", "room"][..],
+        &["--tracer", "bvh-cpu,screen-dda", "--rays", "diffuse", "--out", "out"],
+    ];
+    let outcome = bench.call(&arguments.concat());
+    assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
+    for wanted in [
+        "# What structures need",
+        "| screen-dda | entrance |",
+        "| bvh-cpu | corner |",
+        "nothing shrinks",
+        "out/need.md",
+    ] {
+        assert!(outcome.stdout.contains(wanted), "{wanted}: {}", outcome.stdout);
+    }
+    let found = bench.result("out");
+    let curves = found["need"]["curves"].as_array().unwrap();
+    assert_eq!(curves.len(), 4);
+    assert!(curves.iter().all(|curve| curve["points"][0]["shrunk"].as_object().unwrap().is_empty()));
+    let out = bench.path("out");
+    let before = names(&out);
+    for wanted in ["need.csv", "need_room_diffuse.svg", "traces.csv"] {
+        assert!(before.contains(wanted), "{before:?}");
+    }
+    let read = |name: &String| std::fs::read(out.join(name)).unwrap();
+    let contents: Vec<_> = before.iter().map(read).collect();
+    assert_eq!(bench.call(&["--quiet", "report", "out"]).status, 0);
+    assert!(names(&out) == before && before.iter().map(read).collect::<Vec<_>>() == contents);
 }

@@ -1,0 +1,50 @@
+//! `need`.
+
+use clap::Args;
+use serde_json::Value;
+
+use super::arguments::{Matter, WorkArguments};
+use super::output::print;
+use super::work::{Clock, Work, described};
+use super::{CliError, names};
+use crate::plan::TracerRequest;
+use crate::progress::Progress;
+use crate::report;
+use crate::studies::need;
+
+#[derive(Args)]
+pub(super) struct NeedArguments {
+    /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. `all`: every listed one.
+    #[arg(long, default_value = "room")]
+    scene: String,
+    /// Tracers: NAME or NAME:PRESET with commas, or all. Methods with nothing to shrink stand there with what they store and touch.
+    #[arg(long, default_value = "all")]
+    tracer: String,
+    /// Ray sets: names from `list rays` with commas, or all.
+    #[arg(long, default_value = "diffuse,ao")]
+    rays: String,
+    #[command(flatten)]
+    work: WorkArguments,
+}
+
+impl NeedArguments {
+    fn matter(&self) -> Result<Matter, CliError> {
+        Ok(Matter {
+            scenes: names::scenes(&self.scene)?,
+            tracers: names::tracers(&self.tracer, &self.work.common.settings)?,
+            ray_sets: names::ray_sets(&self.rays)?,
+            table: None,
+        })
+    }
+}
+
+pub(super) fn need(arguments: &NeedArguments, progress: &Progress) -> Result<(), CliError> {
+    let work = Work::prepare(&arguments.work, || arguments.matter(), Clock::Timed, progress)?;
+    let required = work.plan.tracers.iter().any(TracerRequest::must_have_device);
+    let plan = described("need", std::slice::from_ref(&work.plan), Value::Null);
+    work.bench.measure(&plan, progress, |context| need::execute(&work.plan, required, context))?;
+    let page = work.bench.out.path.join(report::NEED_PAGE);
+    let text = std::fs::read_to_string(&page)
+        .map_err(|error| CliError::Other(format!("cannot read {}: {error}", page.display())))?;
+    print(&format!("{text}\n{}\n", page.display()))
+}

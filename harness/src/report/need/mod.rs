@@ -1,0 +1,153 @@
+//! Needs: `need.md`, `need.csv` and a chart a scene and ray set.
+
+mod csv;
+mod page;
+#[cfg(test)]
+mod tests;
+
+use super::chart::series::{Panel, Series, SeriesChart, series_chart};
+use super::format::{self, significant, thousands};
+use super::group::stems;
+use super::{Contents, ReportError};
+use crate::results::{NeedRecord, Run, SceneRecord};
+use crate::studies::need::{Axis, Curve, Step, curves};
+
+/// The page.
+pub const NEED_PAGE: &str = "need.md";
+
+/// The least that is drawn, as a part of the limit: a logarithm has no place for structures whose answers got better.
+const LEAST_DRAWN: f64 = 0.1;
+
+/// What the names of its charts begin with.
+pub(in crate::report) const STEM: &str = "need_";
+
+/// The curves of one ray set in one scene, from all of its viewpoints.
+struct Shown<'a> {
+    scene: &'a SceneRecord,
+    rays: &'a str,
+    curves: Vec<&'a Curve<'a>>,
+    /// What its chart is called, without its end.
+    chart: String,
+}
+
+/// What is made of needs: page, table and charts, by name.
+pub(super) fn files(run: &Run, record: &NeedRecord) -> Result<Contents, ReportError> {
+    let curves = curves(run, record);
+    let shown = shown(run, &curves);
+    let mut contents = vec![
+        (NEED_PAGE.to_owned(), page::page(run, record, &curves, &shown).into_bytes()),
+        (csv::NAME.to_owned(), csv::table(run, &curves)?),
+    ];
+    for each in &shown {
+        if let Some(chart) = chart(record, each) {
+            contents.extend(series_chart(run, &chart)?.into_iter().map(|file| (file.name, file.contents)));
+        }
+    }
+    Ok(contents)
+}
+
+/// Curves by scene and ray set, in the order of first appearance.
+fn shown<'a>(run: &'a Run, curves: &'a [Curve<'a>]) -> Vec<Shown<'a>> {
+    let mut shown: Vec<Shown<'a>> = Vec::new();
+    for curve in curves {
+        let Some(row) = run.runs.iter().find(|row| curve.record.holds(row)) else { continue };
+        let same = |each: &&mut Shown<'a>| each.scene.sha256 == row.scene.sha256 && each.rays == curve.rays;
+        match shown.iter_mut().find(same) {
+            Some(known) => known.curves.push(curve),
+            None => {
+                shown.push(Shown { scene: &row.scene, rays: curve.rays, curves: vec![curve], chart: String::new() });
+            }
+        }
+    }
+    let told: Vec<[&str; 3]> = shown.iter().map(|each| [&*each.scene.name, &*each.scene.sha256, each.rays]).collect();
+    // Scenes of one name are told apart; ray sets have their own part of the name.
+    let mut scenes: Vec<[&str; 3]> = Vec::new();
+    for [name, sha256, _] in &told {
+        if !scenes.iter().any(|known| known[1] == *sha256) {
+            scenes.push([*name, *sha256, ""]);
+        }
+    }
+    let stems = stems(&scenes);
+    let names: Vec<String> = told
+        .iter()
+        .map(|[_, sha256, rays]| {
+            let place = scenes.iter().position(|known| known[1] == *sha256).unwrap_or(0);
+            format!("{STEM}{}_{}", stems[place], format::file_stem(rays))
+        })
+        .collect();
+    for (each, name) in shown.iter_mut().zip(names) {
+        each.chart = name;
+    }
+    shown
+}
+
+/// The tracers of some curves with their presets, each once.
+fn contenders<'a>(shown: &Shown<'a>) -> Vec<(&'a str, &'a str)> {
+    let mut known: Vec<(&str, &str)> = Vec::new();
+    for curve in &shown.curves {
+        let own = (curve.record.tracer.as_str(), curve.record.preset.as_str());
+        if !known.contains(&own) {
+            known.push(own);
+        }
+    }
+    known
+}
+
+/// A tracer with its preset unless it is the published one.
+fn contender(curve: &Curve<'_>) -> String {
+    let (tracer, preset) = (&curve.record.tracer, &curve.record.preset);
+    if preset == "published" { tracer.clone() } else { format!("{tracer}:{preset}") }
+}
+
+/// A panel a tracer and axis: what its steps lose, from every viewpoint. None where there is nothing to shrink.
+fn chart(record: &NeedRecord, shown: &Shown<'_>) -> Option<SeriesChart> {
+    let mut panels = Vec::new();
+    for (tracer, preset) in contenders(shown) {
+        let own: Vec<&Curve<'_>> = shown
+            .curves
+            .iter()
+            .copied()
+            .filter(|curve| curve.record.tracer == tracer && curve.record.preset == preset)
+            .collect();
+        let Some(first) = own.first() else { continue };
+        for axis in &first.axes {
+            let steps: Vec<String> = axis.steps.iter().map(|step| value_of(axis, step)).collect();
+            let limit = Series {
+                label: format!("limit, {} %", significant(record.most_lost_share * 100.0, 2)),
+                values: vec![Some(record.most_lost_share * 100.0); steps.len()],
+                dashed: true,
+            };
+            let series = own.iter().filter_map(|curve| {
+                let beside = curve.axes.iter().find(|other| other.name == axis.name)?;
+                let of = |step: &String| beside.steps.iter().find(|other| value_of(beside, other) == *step);
+                let drawn = |upper: f64| upper.max(record.most_lost_share * LEAST_DRAWN) * 100.0;
+                let values = steps.iter().map(|step| Some(drawn(of(step)?.lost()?.1[1]))).collect();
+                Some(Series { label: format!("from {}", curve.record.viewpoint), values, dashed: false })
+            });
+            let series = series.chain([limit]).collect();
+            let title = format!("{}: {}", contender(first), axis.name);
+            let quantity = "rays lost, upper end (%), log".to_owned();
+            panels.push(Panel { title, setting: axis.name.to_owned(), steps, quantity, series });
+        }
+    }
+    (!panels.is_empty()).then(|| SeriesChart {
+        stem: shown.chart.clone(),
+        title: format!(
+            "The need curve: {} ({} triangles), {}",
+            shown.scene.name,
+            thousands(shown.scene.triangles),
+            shown.rays
+        ),
+        subtitle: format!(
+            "newly wrong less newly right rays of smaller structures, upper end of the paired 95 % interval; what is below {} % is drawn there",
+            significant(record.most_lost_share * LEAST_DRAWN * 100.0, 2)
+        ),
+        key: Some(["found", "allowed"]),
+        panels,
+    })
+}
+
+/// A step's value on its axis.
+fn value_of(axis: &Axis<'_>, step: &Step<'_>) -> String {
+    step.point.shrunk.get(axis.name).cloned().unwrap_or_default()
+}

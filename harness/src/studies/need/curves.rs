@@ -1,0 +1,259 @@
+//! What follows from structures that were shrunk: how far each thing may shrink, what is needed, stored and touched, and whether a need that
+//! was found in one place serves in others.
+
+use crate::contenders::Touch;
+use crate::registry;
+use crate::results::{ChangedRays, NeedCurve, NeedPoint, NeedRecord, Ratio, Run, Timed, TraceRecord, TracerRun};
+use crate::statistics::paired_difference;
+
+/// One tracer's structures in one place over one ray set.
+#[derive(Clone, Debug)]
+pub struct Curve<'a> {
+    /// Which.
+    pub record: &'a NeedCurve,
+    /// The ray set.
+    pub rays: &'a str,
+    /// The structure as it was asked for.
+    pub whole: Step<'a>,
+    /// What was shrunk, one thing at a time.
+    pub axes: Vec<Axis<'a>>,
+    /// Structures with less of several things.
+    pub joint: Vec<Step<'a>>,
+}
+
+/// One thing of which there is less and less.
+#[derive(Clone, Debug)]
+pub struct Axis<'a> {
+    /// A parameter, or `resolution`.
+    pub name: &'a str,
+    /// From the largest on; those that turned out larger than the whole structure are none.
+    pub steps: Vec<Step<'a>>,
+}
+
+/// A structure.
+#[derive(Clone, Debug)]
+pub struct Step<'a> {
+    /// As the record has it.
+    pub point: &'a NeedPoint,
+    /// Its row; none where it could not be measured.
+    pub row: Option<&'a TracerRun>,
+    /// Its trace of the rays.
+    pub trace: Option<&'a TraceRecord>,
+    /// How its answers differ from those of the whole structure; none of the whole one itself, and of what was not measured.
+    pub changed: Option<ChangedRays>,
+    /// How many times as long as of the whole structure its traces take.
+    pub times_as_long: Option<Ratio>,
+    most_lost_share: f64,
+    most_times_as_long: f64,
+}
+
+/// How far a thing may shrink.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Need<'a> {
+    /// The smallest value that does; none if not even the first step does.
+    pub smallest: Option<&'a str>,
+    /// The value that does no longer; none if every step does.
+    pub too_small: Option<&'a str>,
+}
+
+/// What became of a need elsewhere.
+#[derive(Clone, Debug)]
+pub struct Transfer<'a> {
+    /// Where it was found.
+    pub from: &'a NeedCurve,
+    /// Where it is tried.
+    pub to: &'a NeedCurve,
+    /// The ray set.
+    pub rays: &'a str,
+    /// The axis.
+    pub axis: &'a str,
+    /// The smallest value that does where it was found.
+    pub value: &'a str,
+    /// What it does to rays there: newly wrong less newly right, a share with its interval; none where it was not measured.
+    pub lost: Option<(f64, [f64; 2])>,
+    /// Whether it serves there; none where it was not measured.
+    pub serves: Option<bool>,
+}
+
+impl<'a> Step<'a> {
+    /// Newly wrong less newly right rays, a share with its 95 % interval.
+    pub fn lost(&self) -> Option<(f64, [f64; 2])> {
+        let ChangedRays { rays, newly_wrong, newly_right } = self.changed?;
+        paired_difference(newly_wrong, newly_right, rays)
+    }
+
+    /// Whether the answers are as good as those of the whole structure, as far as so many rays can tell.
+    pub fn is_enough(&self) -> bool {
+        self.lost().is_some_and(|(_, [_, upper])| upper <= self.most_lost_share)
+    }
+
+    /// Whether it is that, and its traces do not take much longer.
+    pub fn is_enough_in_time(&self) -> bool {
+        let in_time = self.times_as_long.is_none_or(|ratio| ratio.value <= self.most_times_as_long);
+        self.is_enough() && in_time
+    }
+
+    /// Allocated bytes of the structure.
+    pub fn bytes(&self) -> Option<u64> {
+        Some(self.row?.memory.structure_bytes)
+    }
+
+    /// Bytes of the structure that any of the rays touched, as far as counters tell; none where none does.
+    pub fn touched_bytes(&self) -> Option<f64> {
+        let (row, trace) = (self.row?, self.trace?);
+        let touches = registry::find(&row.tracer.name)?.touches;
+        let mut told = touches.iter().filter_map(|touch| touched(row, trace, touch)).peekable();
+        told.peek()?;
+        Some(told.sum())
+    }
+
+    /// The value on an axis.
+    fn value(&self, axis: &str) -> Option<&'a str> {
+        self.point.shrunk.get(axis).map(String::as_str)
+    }
+}
+
+/// The share of what is stored that was touched, of the bytes of what it lies in.
+fn touched(row: &TracerRun, trace: &TraceRecord, touch: &Touch) -> Option<f64> {
+    let counter = trace.counters.get(touch.counter)?;
+    let stored = row.structure_statistics.get(touch.stored).filter(|stored| **stored > 0.0)?;
+    let part = |name: &&'static str| row.memory.structure.iter().find(|part| part.name == *name);
+    let bytes = touch.parts.iter().find_map(part)?.used_bytes;
+    Some((counter.total as f64 / stored).min(1.0) * bytes as f64)
+}
+
+impl<'a> Axis<'a> {
+    /// How far it may shrink by answers alone.
+    pub fn need(&self) -> Need<'a> {
+        self.until(Step::is_enough)
+    }
+
+    /// How far it may shrink where traces must not take much longer, either.
+    pub fn need_in_time(&self) -> Need<'a> {
+        self.until(Step::is_enough_in_time)
+    }
+
+    /// Up to the last step before the first that is not enough; what could not be measured is passed over.
+    fn until(&self, is_enough: impl Fn(&Step<'a>) -> bool) -> Need<'a> {
+        let mut need = Need { smallest: None, too_small: None };
+        for step in self.steps.iter().filter(|step| step.changed.is_some()) {
+            if !is_enough(step) {
+                need.too_small = step.value(self.name);
+                break;
+            }
+            need.smallest = step.value(self.name);
+        }
+        need
+    }
+}
+
+impl<'a> Curve<'a> {
+    /// The structure of the fewest bytes that is enough, the whole one among them.
+    pub fn needed(&self, in_time: bool) -> &Step<'a> {
+        let is_enough = |step: &Step<'a>| if in_time { step.is_enough_in_time() } else { step.is_enough() };
+        let mut enough: Vec<&Step<'a>> = vec![&self.whole];
+        for axis in &self.axes {
+            for step in axis.steps.iter().filter(|step| step.changed.is_some()) {
+                if !is_enough(step) {
+                    break;
+                }
+                enough.push(step);
+            }
+        }
+        enough.extend(self.joint.iter().filter(|step| is_enough(step)));
+        enough.into_iter().min_by_key(|step| step.bytes().unwrap_or(u64::MAX)).unwrap_or(&self.whole)
+    }
+}
+
+/// Every curve of a record, by ray set.
+pub fn curves<'a>(run: &'a Run, record: &'a NeedRecord) -> Vec<Curve<'a>> {
+    let of = |curve: &'a NeedCurve| of_record(run, curve, record.most_lost_share, record.most_times_as_long);
+    record.curves.iter().flat_map(of).collect()
+}
+
+/// The curves of one tracer in one place.
+pub(super) fn of_record<'a>(
+    run: &'a Run,
+    curve: &'a NeedCurve,
+    most_lost_share: f64,
+    most_times_as_long: f64,
+) -> Vec<Curve<'a>> {
+    let rows: Vec<&TracerRun> = run.runs.iter().filter(|row| curve.holds(row)).collect();
+    let Some(whole) = curve.points.first() else { return Vec::new() };
+    let Some(own) = rows.iter().copied().find(|row| whole.is_of(row)) else { return Vec::new() };
+    let step = |point: &'a NeedPoint, rays: &str| {
+        let row = rows.iter().copied().find(|row| point.is_of(row));
+        let trace_of = |row: &'a TracerRun| row.traces.iter().find(|trace| trace.rays == rays);
+        let trace = row.and_then(trace_of);
+        let changed = point.changed.get(rays).copied().filter(|_| !point.shrunk.is_empty());
+        // The whole structure that was timed beside it: it stands in every place of the tracer.
+        let beside = trace.and_then(|trace| {
+            let same_race =
+                |row: &&TracerRun| trace_of_rays(row, rays).is_some_and(|own| own.times.race == trace.times.race);
+            rows.iter().copied().filter(|row| whole.is_of(row)).find(same_race)
+        });
+        let times_as_long = row.zip(trace).zip(beside).and_then(|((row, trace), beside)| {
+            let other = trace_of(beside)?;
+            run.paired(&Timed::trace(row, trace), &Timed::trace(beside, other)).ratio
+        });
+        Step { point, row, trace, changed, times_as_long, most_lost_share, most_times_as_long }
+    };
+    let of_set = |trace: &'a TraceRecord| {
+        let rays = trace.rays.as_str();
+        let mut axes: Vec<Axis<'a>> = Vec::new();
+        let mut joint = Vec::new();
+        for point in &curve.points {
+            let mut names = point.shrunk.keys();
+            match (names.next(), names.next()) {
+                (None, _) => {}
+                (Some(_), Some(_)) => joint.push(step(point, rays)),
+                (Some(name), None) => {
+                    let found = step(point, rays);
+                    // Where a tracer works its own value out, what is smaller than that is told by its bytes.
+                    if found.bytes().is_some_and(|bytes| bytes > own.memory.structure_bytes) {
+                        continue;
+                    }
+                    match axes.iter_mut().find(|axis| axis.name == name) {
+                        Some(axis) => axis.steps.push(found),
+                        None => axes.push(Axis { name, steps: vec![found] }),
+                    }
+                }
+            }
+        }
+        Curve { record: curve, rays, whole: step(whole, rays), axes, joint }
+    };
+    own.traces.iter().map(of_set).collect()
+}
+
+fn trace_of_rays<'r>(row: &'r TracerRun, rays: &str) -> Option<&'r TraceRecord> {
+    row.traces.iter().find(|trace| trace.rays == rays)
+}
+
+/// What becomes of every need in every other place where the same was measured of the same tracer: from another viewpoint of the scene,
+/// and on other scenes.
+pub fn transfers<'a>(curves: &[Curve<'a>]) -> Vec<Transfer<'a>> {
+    let mut found = Vec::new();
+    for from in curves {
+        for axis in &from.axes {
+            let Some(value) = axis.need().smallest else { continue };
+            for to in curves {
+                let same = (&to.record.tracer, &to.record.preset, to.rays)
+                    == (&from.record.tracer, &from.record.preset, from.rays);
+                let beside = to.axes.iter().find(|other| other.name == axis.name).filter(|_| same);
+                let Some(beside) = beside.filter(|_| !std::ptr::eq(from.record, to.record)) else { continue };
+                let step = beside.steps.iter().find(|step| step.value(axis.name) == Some(value));
+                let lost = step.and_then(Step::lost);
+                found.push(Transfer {
+                    from: from.record,
+                    to: to.record,
+                    rays: from.rays,
+                    axis: axis.name,
+                    value,
+                    lost,
+                    serves: lost.and(step).map(Step::is_enough),
+                });
+            }
+        }
+    }
+    found
+}

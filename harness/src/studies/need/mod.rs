@@ -1,0 +1,274 @@
+//! The need curve: how far structures may shrink before answers get worse.
+//!
+//! Of every tracer the structure is measured as asked for, beside others that have less of one thing: of resolution, layers, buckets, a
+//! grid. All answer the same rays, so that every ray is its own control: what counts are rays that the first answers rightly and the
+//! smaller one wrongly, less those that it is the other way round with. Then all axes at once as far as each may shrink alone. All of
+//! that from the scene's viewpoint and from another one. What is needed follows from it.
+
+mod curves;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+pub use curves::{Axis, Curve, Need, Step, Transfer, curves, transfers};
+
+use crate::contenders::Shrink;
+use crate::judge::Rule;
+use crate::measure::session::{PreparedRays, Session};
+use crate::measure::{self, Context, Effort, Measured, Request, RunError, Told, WINDOW, records};
+use crate::plan::{Plan, Resolution, RunPreset, TracerRequest, ViewRequest};
+use crate::results::{ChangedRays, NeedCurve, NeedPoint, NeedRecord, Run, Skipped};
+use crate::studies::sweep::{Multiple, RESOLUTION};
+
+/// A structure is too small when the upper end of the interval of newly wrong less newly right rays is beyond this share.
+pub const MOST_LOST_SHARE: f64 = 0.001;
+
+/// By the second measure also when its traces take more times as long.
+pub const MOST_TIMES_AS_LONG: f64 = 1.25;
+
+/// Places of a tracer in a scene: two viewpoints, and of each the single steps and then several at once.
+const PLACES: usize = 4;
+
+/// A structure that is to be measured.
+#[derive(Clone)]
+pub struct Shrunk {
+    /// What is smaller than of the tracer as it was asked for, by axis.
+    pub values: BTreeMap<String, String>,
+    /// The tracer with that.
+    pub request: TracerRequest,
+}
+
+/// The values of an axis that are smaller than the tracer's own, from the largest on; all where that cannot be told, since the own one
+/// is worked out by the tracer itself.
+fn smaller(request: &TracerRequest, shrink: &Shrink) -> Vec<&'static str> {
+    if shrink.axis == RESOLUTION {
+        return shrink.steps.to_vec();
+    }
+    let Some(own) = request.parameters.value(shrink.axis).map(ToString::to_string) else { return Vec::new() };
+    if let Some(place) = shrink.steps.iter().position(|step| *step == own) {
+        return shrink.steps[place + 1..].to_vec();
+    }
+    let number = |text: &str| text.parse::<f64>().ok();
+    let numbers: Option<Vec<f64>> = shrink.steps.iter().map(|step| number(step)).collect();
+    match (number(&own).filter(|own| *own > 0.0), numbers.as_deref()) {
+        (Some(own), Some([first, .., last])) => {
+            let falling = first > last;
+            let less = |step: &&&str| number(step).is_some_and(|step| if falling { step < own } else { step > own });
+            shrink.steps.iter().filter(less).copied().collect()
+        }
+        _ => shrink.steps.to_vec(),
+    }
+}
+
+/// A tracer with less of something; `None` where it does not take a value, or edges would be no whole pixels.
+fn shrunk(request: &TracerRequest, preset: RunPreset, values: BTreeMap<String, String>) -> Option<Shrunk> {
+    // Not being able to measure a step is no error.
+    let mut smaller = TracerRequest { required: false, ..request.clone() };
+    let mut resolved = preset;
+    for (axis, value) in &values {
+        if axis == RESOLUTION {
+            resolved = Multiple::parse(value)?.scale(preset).ok()?;
+        } else {
+            smaller.set(axis, value).ok()?;
+        }
+    }
+    let RunPreset { frame, face, .. } = resolved;
+    smaller.resolution = Some(Resolution { frame, face });
+    Some(Shrunk { values, request: smaller })
+}
+
+/// The tracer as it was asked for, then every step of every axis. All are there at a time, so that every ray is answered by all.
+pub fn steps(request: &TracerRequest, preset: RunPreset) -> Vec<Shrunk> {
+    let single = |shrink: &Shrink, value: &str| {
+        shrunk(request, preset, BTreeMap::from([(shrink.axis.to_owned(), value.to_owned())]))
+    };
+    let mut all: Vec<Shrunk> = shrunk(request, preset, BTreeMap::new()).into_iter().collect();
+    for shrink in request.registration.shrinks {
+        all.extend(smaller(request, shrink).into_iter().filter_map(|value| single(shrink, value)));
+    }
+    all.truncate(WINDOW);
+    all
+}
+
+/// By which rule closest hits of a tracer are right: by the one that its kind can meet.
+pub fn rule_of(request: &TracerRequest) -> Rule {
+    if request.registration.is_analytic() { Rule::Tight } else { Rule::Footprint }
+}
+
+/// What smaller structures do to the answers of the first, by request; `None` where one gave none.
+fn changes(
+    session: &Session,
+    request: &TracerRequest,
+    rays: &PreparedRays,
+    told: &[Option<Told>],
+) -> Result<Vec<Option<ChangedRays>>, RunError> {
+    let right = |told: &Option<Told>| -> Result<Option<Vec<Option<bool>>>, RunError> {
+        let Some(Told { hits, .. }) = told else { return Ok(None) };
+        let classes = session.classes(request.name(), rays, rule_of(request), hits)?;
+        Ok(Some(classes.into_iter().map(|class| class.map(|class| class.is_right())).collect()))
+    };
+    let Some(Some(first)) = told.first().map(right).transpose()? else { return Ok(vec![None; told.len()]) };
+    let mut all = Vec::new();
+    for own in told {
+        all.push(right(own)?.map(|own| changed(&first, &own)));
+    }
+    Ok(all)
+}
+
+/// Counts rays by whether both were right; `None` for ties, which are ties of both.
+fn changed(first: &[Option<bool>], own: &[Option<bool>]) -> ChangedRays {
+    let mut counts = ChangedRays::default();
+    for (was, is) in first.iter().zip(own) {
+        if let (Some(was), Some(is)) = (was, is) {
+            counts.rays += 1;
+            counts.newly_wrong += u64::from(*was && !*is);
+            counts.newly_right += u64::from(!*was && *is);
+        }
+    }
+    counts
+}
+
+/// Measures every tracer of a plan in every scene; what could not be is skipped with the reason.
+///
+/// # Errors
+/// As [`measure::execute`].
+pub fn execute(plan: &Plan, required: bool, context: &Context<'_>) -> Result<Run, RunError> {
+    // What is wrong with the last scene is said before the first is measured.
+    drop(measure::load(plan, context.progress)?);
+    context.check_rays(plan, required)?;
+    let mut run = measure::begin(std::slice::from_ref(plan), context);
+    let mut record =
+        NeedRecord { most_lost_share: MOST_LOST_SHARE, most_times_as_long: MOST_TIMES_AS_LONG, curves: Vec::new() };
+    for (index, source) in plan.scenes.iter().enumerate().filter(|(index, _)| context.takes(*index)) {
+        let own = plan.view.clone();
+        for (view, wanted) in [own.clone(), ViewRequest::Other(Box::new(own))].into_iter().enumerate() {
+            let here = Plan { scenes: vec![source.clone()], view: wanted, ..plan.clone() };
+            for (place, request) in plan.tracers.iter().enumerate() {
+                let index = PLACES * (index * plan.tracers.len() + place) + 2 * view;
+                match curve(index, &here, view as u32, request, &mut run, context) {
+                    Ok(curve) => record.curves.extend(curve),
+                    Err(error @ RunError::NoOtherView { .. }) => {
+                        let (scene, reason) = (source.to_string(), error.to_string());
+                        let known = Skipped { tracer: None, scene, rays: None, reason };
+                        if !run.skipped.contains(&known) {
+                            run.skipped.push(known);
+                        }
+                    }
+                    Err(error) => return Err(error),
+                }
+            }
+        }
+    }
+    for curve in &record.curves {
+        for point in &curve.points {
+            if let Some(reason) = point.skipped.clone() {
+                let tracer = Some(format!("{} {}", curve.tracer, point.label()).trim_end().to_owned());
+                run.skipped.push(Skipped { tracer, scene: curve.scene.clone(), rays: None, reason });
+            }
+        }
+    }
+    if run.runs.is_empty() && context.shard.is_none() {
+        return Err(measure::nothing(&run));
+    }
+    run.need = Some(record);
+    Ok(run)
+}
+
+/// One tracer in one scene from one viewpoint.
+fn curve(
+    index: usize,
+    plan: &Plan,
+    view: u32,
+    request: &TracerRequest,
+    run: &mut Run,
+    context: &Context<'_>,
+) -> Result<Option<NeedCurve>, RunError> {
+    let singles = steps(request, plan.preset);
+    context.progress.say(&format!("{}: {} structures", request.name(), singles.len()));
+    let Some((found, points)) = place(index, plan, request, &singles, context)? else { return Ok(None) };
+    let mut curve = NeedCurve {
+        scene: found.scene.name.clone(),
+        scene_sha256: found.scene.sha256.clone(),
+        viewpoint: found.viewpoint.name.clone(),
+        view,
+        tracer: request.name().to_owned(),
+        preset: request.preset.name().to_owned(),
+        rule: rule_of(request),
+        points,
+    };
+    measure::add(run, found);
+    // As far as each axis may shrink alone, all at once: by ray set, and by both measures.
+    let together = joint(run, &curve);
+    let mut joints: Vec<Shrunk> = singles.first().cloned().into_iter().collect();
+    joints.extend(together.into_iter().filter_map(|values| shrunk(request, plan.preset, values)));
+    joints.truncate(WINDOW);
+    let found = if joints.len() > 1 { place(index + 1, plan, request, &joints, context)? } else { None };
+    if let Some((found, points)) = found {
+        curve.points.extend(points.into_iter().skip(1));
+        measure::add(run, found);
+    }
+    Ok(Some(curve))
+}
+
+/// What several axes have at once, each as far as it may shrink alone; only where that is more than one.
+fn joint(run: &Run, curve: &NeedCurve) -> Vec<BTreeMap<String, String>> {
+    let mut joints: Vec<BTreeMap<String, String>> = Vec::new();
+    let aligned = run.aligned();
+    for told in curves::of_record(&aligned, curve, MOST_LOST_SHARE, MOST_TIMES_AS_LONG) {
+        for in_time in [false, true] {
+            let smallest = |axis: &Axis<'_>| {
+                let need = if in_time { axis.need_in_time() } else { axis.need() };
+                Some((axis.name.to_owned(), need.smallest?.to_owned()))
+            };
+            let needs: BTreeMap<String, String> = told.axes.iter().filter_map(smallest).collect();
+            if needs.len() > 1 && !joints.contains(&needs) {
+                joints.push(needs);
+            }
+        }
+    }
+    joints
+}
+
+/// Some structures in a plan's only scene, with what became of the rays.
+fn place(
+    index: usize,
+    plan: &Plan,
+    request: &TracerRequest,
+    structures: &[Shrunk],
+    context: &Context<'_>,
+) -> Result<Option<(Measured, Vec<NeedPoint>)>, RunError> {
+    let Some(scene) = measure::load(plan, context.progress)?.pop() else { return Ok(None) };
+    let requests: Vec<Request> = structures.iter().map(|each| Request::of(&each.request)).collect();
+    let hook = |session: &Session, rays: &PreparedRays, told: &[Option<Told>]| {
+        let found = (rays.set.name, changes(session, request, rays, told)?);
+        Ok(serde_json::to_value(found).unwrap_or_default())
+    };
+    let effort = Effort::timed(plan);
+    let mut found = measure::measure_scene(index, plan, scene, &requests, effort, Some(&hook), context)?;
+    let of_set = |told: Value| {
+        serde_json::from_value::<(String, Vec<Option<ChangedRays>>)>(told)
+            .map_err(|error| RunError::Nothing(error.to_string()))
+    };
+    let sets = std::mem::take(&mut found.hooked).into_iter().map(of_set).collect::<Result<Vec<_>, _>>()?;
+    let point = |(place, each): (usize, &Shrunk)| {
+        let Shrunk { values, request } = each;
+        let Resolution { frame, face } =
+            request.resolution.unwrap_or(Resolution { frame: plan.preset.frame, face: plan.preset.face });
+        let of = |(rays, all): &(String, Vec<Option<ChangedRays>>)| Some((rays.clone(), (*all.get(place)?)?));
+        let changed: BTreeMap<String, ChangedRays> = sets.iter().filter_map(of).collect();
+        let refused = found.rows.get(place).and_then(|row| row.as_ref().err()).map(|refusal| refusal.reason.clone());
+        NeedPoint {
+            shrunk: values.clone(),
+            parameters: records::json_values(&request.parameters),
+            frame,
+            face,
+            skipped: refused,
+            changed,
+        }
+    };
+    let points = structures.iter().enumerate().map(point).collect();
+    Ok(Some((found, points)))
+}

@@ -1,0 +1,236 @@
+//! Needs over planted counts, and a small study that is really measured.
+
+use tracebench_api::{AdapterChoice, ClockKind, EndPoint, Gpu, Preset, Query, Value as Parameter};
+
+use super::*;
+use crate::measure::Journal;
+use crate::plan::SceneSource;
+use crate::progress::Progress;
+use crate::rays::{RAY_SETS, default_parameters};
+use crate::registry::{self, Device, TRACERS};
+use crate::report::fixture::{self, Quality};
+use crate::results::{Sampling, TracerRun};
+use crate::truth::Cache;
+
+fn preset() -> RunPreset {
+    RunPreset::named("quick").unwrap()
+}
+
+/// Proves that every room's steps are values that its tracer takes, that they shrink its own, and that all of a tracer are there at a
+/// time; and what is left out is what is no smaller.
+#[test]
+fn steps_are_of_rooms() {
+    for registration in TRACERS {
+        for preset_of in Preset::ALL {
+            let request = TracerRequest::of(registration, preset_of);
+            let all = steps(&request, preset());
+            assert!(all[0].values.is_empty() && all.len() <= WINDOW, "{}", request.name());
+            assert!(all[1..].iter().all(|step| step.values.len() == 1 && !step.request.required));
+            for shrink in registration.shrinks {
+                let wanted = smaller(&request, shrink);
+                let own = all.iter().filter(|step| step.values.contains_key(shrink.axis));
+                assert_eq!(own.count(), wanted.len(), "{} {}", request.name(), shrink.axis);
+                let value = request.parameters.value(shrink.axis).map(ToString::to_string);
+                assert!(wanted.iter().all(|step| Some((*step).to_owned()) != value));
+            }
+        }
+        let described = (registration.describe)();
+        for touch in registration.touches {
+            assert!(touch.counter.ends_with("_touched") && !touch.parts.is_empty(), "{}", described.name);
+        }
+    }
+    let dirt = TracerRequest::of(registry::find("dirt").unwrap(), Preset::Published);
+    let of = |axis: &str, own: Option<&str>| {
+        let mut request = dirt.clone();
+        if let Some(own) = own {
+            request.set(axis, own).unwrap();
+        }
+        let shrink = request.registration.shrinks.iter().find(|shrink| shrink.axis == axis).unwrap();
+        smaller(&request, shrink).join(" ")
+    };
+    assert_eq!(of("buckets", None), "16 12 8 4 2 1");
+    assert_eq!(of("buckets", Some("8")), "4 2 1");
+    assert_eq!(of("buckets", Some("10")), "8 4 2 1");
+    assert_eq!(of("tile_size", None), "4 8");
+    assert_eq!(of("tile_size", Some("8")), "");
+    let voxels = TracerRequest::of(registry::find("voxel-abuffer").unwrap(), Preset::Published);
+    assert_eq!(voxels.parameters.value("grid"), Some(&Parameter::Integer(0)));
+    let grid = voxels.registration.shrinks.iter().find(|shrink| shrink.axis == "grid").unwrap();
+    assert_eq!(smaller(&voxels, grid).len(), grid.steps.len());
+}
+
+/// Rays that changed are counted by hand; what is a tie is in no count; turned round, wrong and right change places.
+#[test]
+fn rays_are_their_own_controls() {
+    let (yes, no, tie) = (Some(true), Some(false), None);
+    let (first, own) = ([yes, yes, yes, no, no, tie], [yes, no, no, yes, no, tie]);
+    assert_eq!(changed(&first, &own), ChangedRays { rays: 5, newly_wrong: 2, newly_right: 1 });
+    assert_eq!(changed(&own, &first), ChangedRays { rays: 5, newly_wrong: 1, newly_right: 2 });
+    assert_eq!(changed(&first, &first).newly_wrong, 0);
+}
+
+const RAYS: u64 = 100_000;
+
+/// A made-up tracer whose smaller structures lose so many rays and take so many times as long: by buckets 8, 4, 2.
+fn planted(viewpoint: &str, view: u32, lost: [u64; 3], times: [f64; 3]) -> (Vec<TracerRun>, NeedCurve) {
+    let quality = |factor: f64| Quality { missed: 0.0, blur: 1e-9, speed: 8.0 / factor, clock: ClockKind::Host };
+    let named: Vec<(&str, Quality)> = [1.0].iter().chain(&times).map(|factor| ("dirt", quality(*factor))).collect();
+    let mut rows = fixture::run(&named, &[("diffuse", Query::Closest)]).runs;
+    let buckets = ["24", "8", "4", "2"];
+    for (row, (value, mib)) in rows.iter_mut().zip(buckets.iter().zip([64_u64, 32, 16, 8])) {
+        row.tracer.parameters.insert("buckets".to_owned(), serde_json::json!(value));
+        row.memory.structure_bytes = mib << 20;
+        viewpoint.clone_into(&mut row.viewpoint.name);
+    }
+    let point = |place: usize| {
+        let lost = place.checked_sub(1).map(|step| lost[step]);
+        let changed = ChangedRays { rays: RAYS, newly_wrong: lost.unwrap_or(0) + 40, newly_right: 40 };
+        NeedPoint {
+            shrunk: lost.map(|_| ("buckets".to_owned(), buckets[place].to_owned())).into_iter().collect(),
+            parameters: rows[place].tracer.parameters.clone(),
+            frame: rows[place].viewpoint.frame,
+            face: rows[place].viewpoint.face,
+            skipped: None,
+            changed: BTreeMap::from([("diffuse".to_owned(), changed)]),
+        }
+    };
+    let curve = NeedCurve {
+        scene: rows[0].scene.name.clone(),
+        scene_sha256: rows[0].scene.sha256.clone(),
+        viewpoint: viewpoint.to_owned(),
+        view,
+        tracer: "dirt".to_owned(),
+        preset: "published".to_owned(),
+        rule: Rule::Tight,
+        points: (0..4).map(point).collect(),
+    };
+    (rows, curve)
+}
+
+fn record(curves: Vec<NeedCurve>) -> NeedRecord {
+    NeedRecord { most_lost_share: MOST_LOST_SHARE, most_times_as_long: MOST_TIMES_AS_LONG, curves }
+}
+
+/// Proves that a thing may shrink up to the step before the first whose interval's upper end is beyond the limit, whatever comes
+/// behind; that the second need stops where traces take longer; and that what is needed are the bytes of the smallest that does.
+#[test]
+fn needs_end_before_the_first_loss() {
+    let of = |lost: [u64; 3], times: [f64; 3]| {
+        let (rows, curve) = planted("door", 0, lost, times);
+        let mut run = fixture::run(&[], &[]);
+        (run.runs, run.need) = (rows, Some(record(vec![curve])));
+        let record = run.need.as_ref().unwrap();
+        let curves = curves(&run, record);
+        let [curve] = &curves[..] else { panic!("one") };
+        let axis = &curve.axes[0];
+        let mib = |in_time| curve.needed(in_time).bytes().unwrap() >> 20;
+        let told = |need: Need<'_>| (need.smallest.map(str::to_owned), need.too_small.map(str::to_owned));
+        (told(axis.need()), told(axis.need_in_time()), mib(false), mib(true))
+    };
+    let some = |text: &str| Some(text.to_owned());
+    let even = [1.0, 1.1, 1.2];
+    // The limit is 100 rays of these; with 80 changed either way the interval is about 18 wide.
+    assert_eq!(of([0, 50, 500], even), ((some("4"), some("2")), (some("4"), some("2")), 16, 16));
+    assert_eq!(of([0, 95, 0], even).0, (some("8"), some("4")));
+    assert_eq!(of([90, 0, 0], even), ((None, some("8")), (None, some("8")), 64, 64));
+    assert_eq!(of([0, 0, 0], even).0, (some("2"), None));
+    assert_eq!(of([0, 0, 0], [1.0, 1.5, 1.0]).1, (some("8"), some("4")));
+    assert_eq!(of([0, 0, 0], [1.0, 1.5, 1.0]).2, 8);
+    assert_eq!(of([0, 0, 0], [1.0, 1.5, 1.0]).3, 32);
+}
+
+/// Proves that a step whose structure turned out larger than the whole one, as it may where a tracer works its own value out, is none: it
+/// neither ends a need nor is one.
+#[test]
+fn what_is_larger_is_no_step() {
+    for lost in [0, 500] {
+        let (mut rows, curve) = planted("door", 0, [lost, 0, 500], [1.0; 3]);
+        rows[1].memory.structure_bytes = 65 << 20;
+        let mut run = fixture::run(&[], &[]);
+        (run.runs, run.need) = (rows, Some(record(vec![curve])));
+        let curves = curves(&run, run.need.as_ref().unwrap());
+        let need = curves[0].axes[0].need();
+        assert_eq!((need.smallest, need.too_small), (Some("4"), Some("2")));
+        assert_eq!(curves[0].needed(false).bytes(), Some(16 << 20));
+    }
+}
+
+/// Proves that a need which was found from one viewpoint is held against what the same does from another, and the other way round, that
+/// it serves where that loses as little, and that it is held against nothing where the same was not measured.
+#[test]
+fn needs_are_tried_elsewhere() {
+    let even = [1.0; 3];
+    let (mut rows, here) = planted("door", 0, [0, 0, 500], even);
+    let (others, there) = planted("window", 1, [0, 500, 500], even);
+    rows.extend(others);
+    let mut run = fixture::run(&[], &[]);
+    run.runs = rows;
+    run.need = Some(record(vec![here, there]));
+    let of = |run: &Run| {
+        let curves = curves(run, run.need.as_ref().unwrap());
+        let told = |each: &Transfer<'_>| (each.from.viewpoint.clone(), each.value.to_owned(), each.serves);
+        transfers(&curves).iter().map(told).collect::<Vec<_>>()
+    };
+    let expected = |from: &str, value: &str, serves| (from.to_owned(), value.to_owned(), serves);
+    assert_eq!(of(&run), [expected("door", "4", Some(false)), expected("window", "8", Some(true))]);
+    run.need.as_mut().unwrap().curves[1].points[2].changed.clear();
+    assert_eq!(of(&run)[0], expected("door", "4", None));
+    run.need.as_mut().unwrap().curves[1].tracer = "other".to_owned();
+    assert!(of(&run).is_empty());
+}
+
+fn plan() -> Plan {
+    let names = ["bvh-cpu", "screen-dda"];
+    let smoke = RunPreset::named("smoke").unwrap();
+    Plan {
+        scenes: vec![SceneSource::Catalogue("room".to_owned())],
+        tracers: names.map(|name| TracerRequest::of(registry::find(name).unwrap(), Preset::Published)).to_vec(),
+        ray_sets: RAY_SETS.iter().filter(|set| ["primary", "ao"].contains(&set.name)).copied().collect(),
+        ray_parameters: default_parameters(),
+        preset: RunPreset { ray_image: [32, 16], sampling: Sampling::rounds(1), ..smoke },
+        view: ViewRequest::Default,
+        time_s: 0.0,
+        seed: 3,
+        end: EndPoint::Hit,
+        table: None,
+    }
+}
+
+/// Proves that what is counted ray by ray is what the rows say in sum: wrong rays of a smaller structure are those of the whole one, more
+/// by what is newly wrong and less by what is newly right; that a method without anything to shrink stands there with what it stores and
+/// touches; and that a small image of depths is not enough.
+#[test]
+fn counts_are_those_of_rows() {
+    let device: Device = Gpu::open(&AdapterChoice::default()).map(std::sync::Arc::new);
+    let (cache, quiet, journal) = (Cache::none(), Progress::new(true), Journal::none());
+    let context = Context::new(&device, &cache, &quiet, &journal);
+    let run = execute(&plan(), false, &context).unwrap();
+    let record = run.need.as_ref().unwrap();
+    let told: Vec<(&str, u32)> = record.curves.iter().map(|curve| (curve.tracer.as_str(), curve.view)).collect();
+    assert_eq!(told, [("bvh-cpu", 0), ("screen-dda", 0), ("bvh-cpu", 1), ("screen-dda", 1)]);
+    assert_eq!(record.curves[0].points.len(), 1);
+    assert_eq!((record.curves[0].rule, record.curves[1].rule), (Rule::Tight, Rule::Footprint));
+    let curves = curves(&run, record);
+    assert_eq!(curves.len(), 8);
+    let wrong = |step: &Step<'_>| match &step.trace.unwrap().judgement {
+        crate::results::Judgement::Closest(closest) => closest.classes.footprint.wrong(),
+        crate::results::Judgement::Any(any) => any.occlusion.false_free + any.occlusion.false_occluded,
+    };
+    let mut compared = 0;
+    for curve in curves.iter().filter(|curve| curve.record.tracer == "screen-dda") {
+        for step in curve.axes.iter().flat_map(|axis| &axis.steps) {
+            let ChangedRays { newly_wrong, newly_right, rays } = step.changed.unwrap();
+            assert_eq!(wrong(step) + newly_right, wrong(&curve.whole) + newly_wrong);
+            assert!(rays <= step.trace.unwrap().count && step.times_as_long.is_some());
+            compared += newly_wrong;
+        }
+        let axis = &curve.axes[0];
+        assert!(axis.name == RESOLUTION && axis.need().too_small.is_some(), "{:?}", axis.need());
+        assert!(curve.whole.touched_bytes().unwrap() <= curve.whole.bytes().unwrap() as f64);
+    }
+    assert!(compared > 0);
+    let own = curves.iter().find(|curve| curve.record.tracer == "bvh-cpu").unwrap();
+    assert!(own.axes.is_empty() && own.needed(false).bytes() == own.whole.bytes());
+    let touched = own.whole.touched_bytes().unwrap();
+    assert!(touched > 0.0 && touched < own.whole.bytes().unwrap() as f64);
+}
