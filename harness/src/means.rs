@@ -37,6 +37,9 @@ pub fn parse(text: &str) -> Result<Means, String> {
     Ok(Means::new(reads, rays))
 }
 
+/// The environment's variable in which means are given to every run.
+pub const VARIABLE: &str = "TRACEBENCH_MEANS";
+
 /// Probes a device.
 ///
 /// # Errors

@@ -53,6 +53,9 @@ pub(super) struct TableArguments {
     /// Frames of the animation or of the camera's path after the first, for a table over either; 8 if not given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_FRAMES))]
     pub frames: Option<u32>,
+    /// Of a paper's table a part that takes seconds: few rows in room, of an eighth of its triangles, at half the resolution.
+    #[arg(long, conflicts_with_all = ["scene", "rays", "frames", "only", "tuned", "size", "frame", "face", "scale"])]
+    pub part: bool,
     /// Of a paper's table the rows alone of this tracer that have one of these values, and all of other tracers. May be repeated.
     #[arg(long, value_name = "T.P=V,V")]
     pub only: Vec<String>,
@@ -67,7 +70,7 @@ pub(super) struct TableArguments {
     /// Measures nothing: makes the table of what was measured before, a file or the folder that holds it.
     #[arg(long, value_name = "RUN", conflicts_with_all = [
         "scene", "rays", "frames", "size", "frame", "face", "view", "time", "scale", "settings", "adapter", "limits",
-        "preset", "samples", "interval", "time_limit", "seed", "resume", "shard", "only", "tuned", "means",
+        "preset", "samples", "interval", "time_limit", "seed", "resume", "shard", "only", "tuned", "part", "means",
     ])]
     pub from: Option<PathBuf>,
     #[command(flatten)]

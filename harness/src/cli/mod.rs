@@ -1,4 +1,4 @@
-//! The command line: `tracebench adapters | list | run | sweep | pareto | need | table | claims | compare | merge | report | picture |
+//! The command line: `tracebench adapters | list | run | sweep | pareto | need | reproduce | table | claims | compare | merge | report | picture |
 //! stability | explain | tune | clock | docs`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
@@ -15,6 +15,7 @@ mod names;
 mod need;
 mod output;
 mod pareto;
+mod reproduce;
 mod run;
 mod stability;
 mod sweep;
@@ -62,6 +63,8 @@ enum Verb {
     Pareto(pareto::ParetoArguments),
     /// Shrink structures until answers get worse: bytes needed beside bytes stored and touched.
     Need(need::NeedArguments),
+    /// Measure all that matters in order of weight within a time that is given, into one folder with one report.
+    Reproduce(reproduce::ReproduceArguments),
     /// Measure tracers of one family side by side, or what a paper's table or figure shows, and write a table of it.
     Table(arguments::TableArguments),
     /// Set what a paper claims beside what was measured of it, with a verdict on every claim.
@@ -139,6 +142,7 @@ pub fn main() -> ExitCode {
         Verb::Sweep(arguments) => sweep::sweep(arguments, &progress),
         Verb::Pareto(arguments) => pareto::pareto(arguments, &progress),
         Verb::Need(arguments) => need::need(arguments, &progress),
+        Verb::Reproduce(arguments) => reproduce::reproduce(arguments, &progress),
         Verb::Table(arguments) => table::table(arguments, &progress),
         Verb::Claims(arguments) => claims::claims(arguments),
         Verb::Compare(arguments) => compare::compare(arguments),

@@ -10,7 +10,7 @@ use super::run::folder_of;
 use super::work::{Clock, OutputFolder, Work, described};
 use super::{CliError, names};
 use crate::measure::{self, Context};
-use crate::papers::{self, Experiment};
+use crate::papers::{self, Experiment, PART_SETTINGS, Paper};
 use crate::peers::Subject;
 use crate::plan::{Plan, SceneSource, TracerRequest};
 use crate::progress::Progress;
@@ -32,12 +32,16 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
     if walked && arguments.work.common.view.is_some() {
         return Err(CliError::Argument(format!("--view: table {} is along the camera's path", table.name())));
     }
-    let of_papers = !arguments.only.is_empty() || arguments.estimate.is_some() || arguments.tuned.is_some();
+    let of_papers =
+        !arguments.only.is_empty() || arguments.estimate.is_some() || arguments.tuned.is_some() || arguments.part;
     if let (Table::Peers(_) | Table::Means, true) = (table, of_papers) {
-        return Err(CliError::Argument(format!("--only, --tuned, --estimate: table {} is no paper's", table.name())));
+        return Err(CliError::Argument(format!(
+            "--only, --tuned, --part, --estimate: table {} is no paper's",
+            table.name()
+        )));
     }
-    if let (Table::Paper(_, experiment), Some(path)) = (table, &arguments.estimate) {
-        return estimate(table, experiment, arguments, path);
+    if let (Table::Paper(paper, experiment), Some(path)) = (table, &arguments.estimate) {
+        return estimate(table, paper, experiment, arguments, path);
     }
     if let Some(path) = &arguments.from {
         return again(table, path, arguments.work.output.out.as_deref());
@@ -53,19 +57,20 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
         Table::Peers(_) | Table::Means => {
             work.measure("table", progress)?;
         }
-        Table::Paper(_, experiment) => measure(experiment, arguments, &mut work, progress)?,
+        Table::Paper(paper, experiment) => measure(paper, experiment, arguments, &mut work, progress)?,
     }
     show(table, &work.bench.out.path)
 }
 
 /// Runs an experiment's steps into one run.
 fn measure(
+    paper: &Paper,
     experiment: &'static Experiment,
     arguments: &TableArguments,
     work: &mut Work<'_>,
     progress: &Progress,
 ) -> Result<(), CliError> {
-    let mut plans = plans(experiment, arguments, &mut work.plan).inspect_err(|_| work.bench.out.abandon())?;
+    let mut plans = plans(paper, experiment, arguments, &mut work.plan).inspect_err(|_| work.bench.out.abandon())?;
     plans.iter_mut().for_each(|plan| work.bench.give_means(&mut plan.tracers));
     let words = described("table", &plans, Value::Null);
     work.bench.measure(&words, progress, |context| measure::execute_all(&plans, context))?;
@@ -73,13 +78,22 @@ fn measure(
 }
 
 /// What an experiment runs over a base plan.
-fn plans(experiment: &'static Experiment, arguments: &TableArguments, base: &mut Plan) -> Result<Vec<Plan>, CliError> {
+fn plans(
+    paper: &Paper,
+    experiment: &'static Experiment,
+    arguments: &TableArguments,
+    base: &mut Plan,
+) -> Result<Vec<Plan>, CliError> {
     let settings = &arguments.work.common.settings;
-    let own = experiment.settings.iter().map(|setting| (*setting).to_owned());
+    let of_part = PART_SETTINGS.iter().filter(|_| arguments.part);
+    let own = of_part.chain(experiment.settings).map(|setting| (*setting).to_owned());
     // What the user says comes later and counts.
     base.ray_parameters = names::ray_values(&own.chain(settings.iter().cloned()).collect::<Vec<_>>())?;
     let mut steps = names::steps(experiment, settings)?;
     names::only(&mut steps, &arguments.only)?;
+    if arguments.part {
+        paper.take_part(experiment, base, &mut steps);
+    }
     let plans = experiment.plans(base, &steps).map_err(|error| CliError::Argument(error.to_string()))?;
     let plans: Vec<Plan> = plans.into_iter().filter(|plan| !plan.tracers.is_empty()).collect();
     arguments.tuned.as_ref().map_or(Ok(plans.clone()), |path| tuned(&plans, path))
@@ -118,6 +132,7 @@ fn tuned(plans: &[Plan], path: &Path) -> Result<Vec<Plan>, CliError> {
 /// Tells how long a table would take.
 fn estimate(
     table: Table,
+    paper: &Paper,
     experiment: &'static Experiment,
     arguments: &TableArguments,
     path: &Path,
@@ -126,7 +141,7 @@ fn estimate(
     // On an adapter of the kind that the run had.
     let hardware = run.provenance.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind != "software");
     let mut base = arguments.work.plan(arguments.matter(table)?, || hardware)?;
-    let plans = plans(experiment, arguments, &mut base)?;
+    let plans = plans(paper, experiment, arguments, &mut base)?;
     print(&format!("{}\n", papers::Duration::of(&plans, &run).words(table.name())))
 }
 

@@ -37,9 +37,6 @@ pub(super) struct OutputArguments {
     pub means: Option<Means>,
 }
 
-/// Where means stand that are given to every run.
-const MEANS: &str = "TRACEBENCH_MEANS";
-
 impl OutputArguments {
     /// The means of requests where nothing is set: those that are given, those that the run was begun with, or what a probe says.
     fn means(
@@ -52,9 +49,10 @@ impl OutputArguments {
         if !requests.iter().any(TracerRequest::has_means) {
             return Ok(None);
         }
-        let told = std::env::var(MEANS).ok().filter(|text| !text.is_empty());
-        let told =
-            told.map(|text| means::parse(&text).map_err(|error| CliError::Argument(format!("{MEANS}: {error}"))));
+        let told = std::env::var(means::VARIABLE).ok().filter(|text| !text.is_empty());
+        let told = told.map(|text| {
+            means::parse(&text).map_err(|error| CliError::Argument(format!("{}: {error}", means::VARIABLE)))
+        });
         if let Some(means) = self.means.clone().map(Ok).or(told).transpose()? {
             return Ok(Some(MeansRecord { means, probe: None }));
         }

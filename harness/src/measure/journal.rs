@@ -179,6 +179,11 @@ impl Journal {
         Ok(Self { folder: Some(folder), plan_sha256, _lock: Some(lock), resumed, started: Some(started), kept })
     }
 
+    /// Whether a run that was broken off is in a folder of results.
+    pub fn is_in(results: &Path) -> bool {
+        results.join(FOLDER).join(PLAN).is_file()
+    }
+
     /// The means that the run in a folder of results was begun with; none where nothing tells them.
     pub fn means_of(results: &Path) -> Option<MeansRecord> {
         let text = fs::read(results.join(FOLDER).join(PLAN)).ok()?;

@@ -83,7 +83,7 @@ pub struct Row {
     pub values: Values,
 }
 
-/// The part of a paper's experiments that its bench takes.
+/// The part of a paper's experiments that shows them within minutes.
 #[derive(Debug)]
 pub struct Part {
     /// Ray sets that are traced where an experiment has them.

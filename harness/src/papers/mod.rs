@@ -15,6 +15,7 @@ mod experiment;
 mod fixture;
 mod hhz14;
 mod page;
+mod part;
 mod published;
 mod quantity;
 mod rows;
@@ -31,6 +32,7 @@ pub use estimate::Estimate;
 pub use experiment::{Experiment, Part, Row, StandIn, Step, TooManyRays};
 pub(crate) use page::files;
 pub use page::{claims_text, write_claims};
+pub(crate) use part::PART_SETTINGS;
 pub use published::{Publication, Published, PublishedColumn, PublishedRow, PublishedTable, Setting};
 pub use quantity::{Measure, OfScene, Quantity};
 pub use rows::{Rows, SceneRows};
@@ -50,7 +52,7 @@ pub struct Paper {
     pub name: &'static str,
     /// Its tables and figures, measured here.
     pub experiments: &'static [Experiment],
-    /// The part of them that its bench takes.
+    /// The part of them that shows them within minutes.
     pub part: Part,
     /// Its own resolutions, if the run preset `paper` takes them.
     at_paper: Option<Resolutions>,

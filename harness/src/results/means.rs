@@ -27,6 +27,11 @@ impl std::fmt::Display for Means {
 }
 
 impl Means {
+    /// As arguments and the environment have them.
+    pub fn words(&self) -> String {
+        format!("{},{}", self.reads, self.rays_per_lane)
+    }
+
     /// These means.
     pub fn new(reads: &str, rays_per_lane: u64) -> Self {
         Self { reads: reads.to_owned(), rays_per_lane }

@@ -6,6 +6,7 @@ mod docs;
 mod fronts;
 mod papers;
 mod refusals;
+mod reproductions;
 mod resume;
 mod runs;
 mod stability;

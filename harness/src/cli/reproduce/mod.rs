@@ -1,0 +1,252 @@
+//! `reproduce`: every step by a process of its own, so that one which fails or is out of time takes nothing with it.
+
+mod page;
+mod steps;
+
+use std::fs::File;
+use std::io::{Read as _, Seek as _, SeekFrom};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use serde::{Deserialize, Serialize};
+
+use super::CliError;
+use super::output::print;
+use super::work::OutputFolder;
+use crate::files;
+use crate::means;
+use crate::measure::Journal;
+use crate::plan::RUN_PRESETS;
+use crate::progress::Progress;
+use crate::report;
+use steps::Step;
+
+#[derive(Args)]
+pub(super) struct ReproduceArguments {
+    /// How long it may take, the report and all: like 90s, 8m or 2h; or whole: every table whole, however long it takes.
+    #[arg(long, value_name = "TIME|whole", default_value = "8m", value_parser = budget)]
+    budget: Budget,
+    /// Sets rays, resolutions, samples and scene scale: smoke, quick (default without a GPU) or paper (default on one).
+    #[arg(long, value_parser = RUN_PRESETS.map(|preset| preset.name))]
+    preset: Option<String>,
+    /// Folder for the results, one of its own in it for every step; a new one below tracebench-out/ if not given.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Go on in --out: what had ended there is not measured again. The time that is given counts anew.
+    #[arg(long, requires = "out")]
+    resume: bool,
+}
+
+/// How long all may take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Budget {
+    Within(Duration),
+    Whole,
+}
+
+fn budget(text: &str) -> Result<Budget, String> {
+    if text == "whole" {
+        return Ok(Budget::Whole);
+    }
+    let units = [("s", 1.0), ("m", 60.0), ("h", 3600.0)];
+    let seconds =
+        units.iter().find_map(|(unit, seconds)| Some(text.strip_suffix(unit)?.parse::<f64>().ok()? * seconds));
+    let sound = seconds.filter(|seconds| (1.0..=1e7).contains(seconds));
+    sound
+        .map(|seconds| Budget::Within(Duration::from_secs_f64(seconds)))
+        .ok_or_else(|| "a time from one second on, like 90s, 8m or 2h, or whole".to_owned())
+}
+
+/// What came of a step.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum State {
+    /// All of it was measured.
+    Done,
+    /// It was out of time; what had ended is kept, and `--resume` goes on with it.
+    BrokenOff,
+    /// It ended otherwise than well, for this reason; what it wrote is there.
+    Failed(String),
+    /// There was no time left.
+    LeftOut,
+}
+
+/// A step and what came of it.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+struct Taken {
+    name: String,
+    arguments: Vec<String>,
+    state: State,
+    /// Over all that it was gone on with.
+    took_s: f64,
+}
+
+/// What stands in the folder of all.
+#[derive(Debug, Deserialize, Serialize)]
+struct Reproduction {
+    preset: Option<String>,
+    steps: Vec<Taken>,
+}
+
+/// The file of [`Reproduction`].
+const FILE: &str = "reproduce.json";
+
+/// Kept for the report, share of the time that is given, and at most.
+const REPORT_SHARE: f64 = 0.05;
+const MOST_REPORT: Duration = Duration::from_secs(15);
+
+/// How often it is asked whether a step has ended.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> Result<(), CliError> {
+    let begun = Instant::now();
+    let whole = arguments.budget == Budget::Whole;
+    let all = with_preset(steps::steps(whole), arguments.preset.as_deref());
+    let out = match &arguments.out {
+        Some(path) if arguments.resume && !path.join(FILE).is_file() => {
+            return Err(CliError::Other(format!("there is nothing to go on with in {}: no {FILE}", path.display())));
+        }
+        Some(path) if !arguments.resume && path.join(FILE).exists() => {
+            return Err(CliError::Other(format!(
+                "{} holds what was measured before: go on with it by --resume, or choose another folder with --out",
+                path.display()
+            )));
+        }
+        Some(path) => OutputFolder::open(path)?,
+        None => OutputFolder::fresh()?,
+    };
+    let ends = match arguments.budget {
+        Budget::Within(time) => Some(begun + time - MOST_REPORT.min(time.mul_f64(REPORT_SHARE))),
+        Budget::Whole => None,
+    };
+    let before = if arguments.resume { read(&out.path)?.steps } else { Vec::new() };
+    let mut found = Reproduction { preset: arguments.preset.clone(), steps: Vec::new() };
+    for (index, step) in all.iter().enumerate() {
+        // What was broken off or left out has another turn.
+        let earlier = before.iter().find(|one| one.arguments == step.arguments);
+        let taken = match earlier {
+            Some(earlier) if matches!(earlier.state, State::Done | State::Failed(_)) => earlier.clone(),
+            _ => {
+                let words = step.arguments.join(" ");
+                let took_s = earlier.map_or(0.0, |earlier| earlier.took_s);
+                let (state, seconds) = if ends.is_some_and(|ends| Instant::now() >= ends) {
+                    (State::LeftOut, 0.0)
+                } else {
+                    let passed = begun.elapsed().as_secs();
+                    progress.say(&format!("{} of {}, after {passed} s: {words}", index + 1, all.len()));
+                    take(step, &out.path, ends)?
+                };
+                // A step that was begun stays so, whether or not it had another turn.
+                let begun_before = earlier.is_some_and(|earlier| earlier.state == State::BrokenOff);
+                let state = if state == State::LeftOut && begun_before { State::BrokenOff } else { state };
+                Taken { name: step.name.clone(), arguments: step.arguments.clone(), state, took_s: took_s + seconds }
+            }
+        };
+        found.steps.push(taken);
+        // What was not reached yet is kept as it was left.
+        let rest = all[index + 1..].iter().map(|step| {
+            let earlier = before.iter().find(|one| one.arguments == step.arguments).cloned();
+            earlier.unwrap_or_else(|| left_out(step))
+        });
+        let steps = found.steps.iter().cloned().chain(rest).collect();
+        write(&out.path, &Reproduction { preset: found.preset.clone(), steps })?;
+    }
+    let last = page::write(&found, &out.path, begun.elapsed())?;
+    print(&format!("{}\n", last.display()))?;
+    outcome(&found)
+}
+
+fn left_out(step: &Step) -> Taken {
+    Taken { name: step.name.clone(), arguments: step.arguments.clone(), state: State::LeftOut, took_s: 0.0 }
+}
+
+/// Out of time is as it was asked for; steps that failed are not.
+fn outcome(found: &Reproduction) -> Result<(), CliError> {
+    let told = |one: &Taken| match &one.state {
+        State::Failed(reason) => Some(format!("{}: {reason}", one.name)),
+        _ => None,
+    };
+    let failed: Vec<String> = found.steps.iter().filter_map(told).collect();
+    match failed.is_empty() {
+        true => Ok(()),
+        false => Err(CliError::Other(format!("{} failed, the rest is kept: {}", failed.len(), failed.join("; ")))),
+    }
+}
+
+/// The steps at a run preset; stability has none.
+fn with_preset(mut steps: Vec<Step>, preset: Option<&str>) -> Vec<Step> {
+    let Some(preset) = preset else { return steps };
+    for step in steps.iter_mut().filter(|step| step.arguments[0] != "stability") {
+        step.arguments.extend(["--preset".to_owned(), preset.to_owned()]);
+    }
+    steps
+}
+
+/// Measures a step by this program, until it ends or is out of time; with the seconds that it took.
+fn take(step: &Step, out: &Path, ends: Option<Instant>) -> Result<(State, f64), CliError> {
+    let begun = Instant::now();
+    let folder = out.join(&step.name);
+    let failed = |what: &str, error: std::io::Error| CliError::Other(format!("cannot {what}: {error}"));
+    let program = std::env::current_exe().map_err(|error| failed("find this program", error))?;
+    let mut errors = tempfile::tempfile().map_err(|error| failed("keep what a step says", error))?;
+    let told = errors.try_clone().map_err(|error| failed("keep what a step says", error))?;
+    let mut command = Command::new(program);
+    command.arg("--quiet").args(&step.arguments).arg("--out").arg(&folder);
+    if Journal::is_in(&folder) {
+        command.arg("--resume");
+    }
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(told);
+    if let Some(means) = means_of(out) {
+        command.env(means::VARIABLE, means);
+    }
+    let mut child = command.spawn().map_err(|error| failed("start this program once more", error))?;
+    let state = loop {
+        match child.try_wait().map_err(|error| failed("wait for a step", error))? {
+            Some(status) if status.success() => break State::Done,
+            Some(_) => break State::Failed(last_line(&mut errors)),
+            None if ends.is_some_and(|ends| Instant::now() >= ends) => {
+                // It may have ended just now: then there is nothing to end.
+                let _ = child.kill();
+                let ended = child.wait().map_err(|error| failed("end a step", error))?;
+                break if ended.success() { State::Done } else { State::BrokenOff };
+            }
+            None => std::thread::sleep(PATIENCE),
+        }
+    };
+    Ok((state, begun.elapsed().as_secs_f64()))
+}
+
+/// The means of the first step that has ended: all others take the same, and none probes again.
+fn means_of(out: &Path) -> Option<String> {
+    if std::env::var_os(means::VARIABLE).is_some_and(|text| !text.is_empty()) {
+        return None;
+    }
+    let found = read(out).ok()?;
+    let done = found.steps.iter().filter(|one| one.state == State::Done);
+    done.filter_map(|one| report::read_run(&out.join(&one.name)).ok()?.provenance.means)
+        .map(|record| record.means.words())
+        .next()
+}
+
+fn last_line(errors: &mut File) -> String {
+    let mut text = Vec::new();
+    let read = errors.seek(SeekFrom::Start(0)).and_then(|_| errors.read_to_end(&mut text));
+    let text = String::from_utf8_lossy(&text);
+    let line = text.lines().rev().find(|line| !line.trim().is_empty()).filter(|_| read.is_ok());
+    line.map_or_else(|| "it said nothing".to_owned(), |line| line.trim_start_matches("error: ").to_owned())
+}
+
+fn write(out: &Path, found: &Reproduction) -> Result<(), CliError> {
+    let path = out.join(FILE);
+    let written = files::json(FILE, found).and_then(|text| files::write(&path, &text));
+    written.map_err(|error| CliError::Other(error.to_string()))
+}
+
+fn read(out: &Path) -> Result<Reproduction, CliError> {
+    let path = out.join(FILE);
+    let broken = |reason: String| CliError::Other(format!("cannot read {}: {reason}", path.display()));
+    let text = std::fs::read(&path).map_err(|error| broken(error.to_string()))?;
+    serde_json::from_slice(&text).map_err(|error| broken(error.to_string()))
+}

@@ -1,0 +1,102 @@
+//! The page of a reproduction: what was measured, where it stands, and what was left out.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use super::{Reproduction, State, Taken};
+use crate::cli::CliError;
+use crate::files;
+use crate::report::markdown::Table;
+
+/// The page's file.
+const PAGE: &str = "reproduce.md";
+
+/// Writes the page into the folder of all.
+pub(super) fn write(found: &Reproduction, out: &Path, took: Duration) -> Result<PathBuf, CliError> {
+    let path = out.join(PAGE);
+    let pages = |step: &Taken| pages(&out.join(&step.name));
+    let text = text(found, &out.display().to_string(), took, pages);
+    files::write(&path, text.as_bytes()).map_err(|error| CliError::Other(error.to_string()))?;
+    Ok(path)
+}
+
+/// The pages in a step's folder, in the order of their names.
+fn pages(folder: &Path) -> Vec<String> {
+    let names = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut pages: Vec<String> = names.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    pages.retain(|name| name.ends_with(".md"));
+    pages.sort();
+    pages
+}
+
+fn text(found: &Reproduction, out: &str, took: Duration, pages: impl Fn(&Taken) -> Vec<String>) -> String {
+    let done = found.steps.iter().filter(|step| step.state == State::Done).count();
+    let mut text = format!(
+        "# Reproduction: {done} of {} steps, this time in {} s\n\nEvery page names its machine, and how much of its table was measured.\n\n",
+        found.steps.len(),
+        took.as_secs()
+    );
+    let header = ["step", "state", "took (s)", "pages", "by itself"].map(str::to_owned);
+    let mut table = Table::new(&header);
+    for step in found.steps.iter().filter(|step| step.state != State::LeftOut) {
+        let links = pages(step).iter().map(|page| format!("[{page}]({}/{page})", step.name)).collect::<Vec<_>>();
+        let state = match &step.state {
+            State::Done => "measured".to_owned(),
+            State::BrokenOff => "out of time, gone on with by `--resume`".to_owned(),
+            State::Failed(reason) => format!("failed: {reason}"),
+            State::LeftOut => "left out".to_owned(),
+        };
+        let took = format!("{:.0}", step.took_s);
+        table.row(&[step.name.clone(), state, took, links.join(", "), command(step)]);
+    }
+    text += &table.text;
+    let left: Vec<&Taken> = found.steps.iter().filter(|step| step.state == State::LeftOut).collect();
+    if !left.is_empty() {
+        text += "\n## Left out\n\nThere was no time for these. With more of it `reproduce` goes on:\n\n```sh\n";
+        let _ = writeln!(text, "tracebench reproduce --out {out} --resume --budget 1h\n```\n");
+        for step in left {
+            let _ = writeln!(text, "- {}: {}", step.name, command(step));
+        }
+    }
+    text
+}
+
+fn command(step: &Taken) -> String {
+    format!("`tracebench {}`", step.arguments.join(" "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn step(name: &str, state: State) -> Taken {
+        Taken { name: name.to_owned(), arguments: vec!["table".to_owned(), name.to_owned()], state, took_s: 1.6 }
+    }
+
+    /// Proves that the page counts what was measured, links its pages, tells why a step failed, and lists what was left out and nothing
+    /// else there.
+    #[test]
+    fn the_page_tells_what_is_there_and_what_is_not() {
+        let steps = vec![
+            step("first", State::Done),
+            step("second", State::Failed("no | room".to_owned())),
+            step("third", State::BrokenOff),
+            step("fourth", State::LeftOut),
+        ];
+        let found = Reproduction { preset: None, steps };
+        let text = text(&found, "here", Duration::from_secs(9), |step| vec![format!("{}.md", step.name)]);
+        assert!(text.starts_with("# Reproduction: 1 of 4 steps, this time in 9 s"));
+        let line = |name: &str| text.lines().find(|line| line.contains(name)).unwrap().to_owned();
+        assert!(line("| first").contains("measured | 2 | [first.md](first/first.md)"), "{text}");
+        assert!(line("| second").contains("no \\| room"), "{text}");
+        assert!(line("| third").contains("out of time"));
+        let (before, after) = text.split_once("## Left out").unwrap();
+        assert!(
+            after.contains("- fourth: `tracebench table fourth`")
+                && !after.contains("third")
+                && !before.contains("fourth")
+        );
+        assert!(after.contains("--out here --resume"));
+    }
+}

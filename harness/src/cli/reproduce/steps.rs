@@ -1,0 +1,98 @@
+//! What `reproduce` measures, in order of weight.
+
+use crate::papers::{Experiment, PAPERS};
+
+/// A measurement by one of the program's own verbs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Step {
+    /// Its folder.
+    pub name: String,
+    /// The program's arguments, without the folder.
+    pub arguments: Vec<String>,
+}
+
+impl Step {
+    fn new(name: impl Into<String>, arguments: &[&str]) -> Self {
+        Self { name: name.into(), arguments: arguments.iter().map(|&word| word.to_owned()).collect() }
+    }
+}
+
+/// The scene of what comes first.
+const SCENE: &str = "room";
+/// Ray sets of fronts and needs.
+const RAYS: &str = "diffuse,ao";
+/// Rounds of times where more waits behind; too few for verdicts.
+const FEW_ROUNDS: &str = "3";
+
+/// Every step. What comes first answers most; where all is wanted whole, nothing is measured in part before.
+pub(super) fn steps(whole: bool) -> Vec<Step> {
+    let tables = || experiments().map(|experiment| experiment.name);
+    let mut steps = Vec::new();
+    if !whole {
+        let few = ["--points", "2", "--samples", FEW_ROUNDS];
+        steps.push(Step::new("front", &[&["pareto", "--scene", SCENE, "--rays", RAYS], &few[..]].concat()));
+        steps.extend(tables().map(|name| Step::new(format!("{name}-part"), &["table", name, "--part"])));
+        let few = ["--samples", FEW_ROUNDS];
+        steps.push(Step::new("need", &[&["need", "--scene", SCENE, "--rays", RAYS], &few[..]].concat()));
+    }
+    steps.push(Step::new("fronts", &["pareto", "--scene", SCENE, "--rays", RAYS]));
+    steps.push(Step::new("stability", &["stability"]));
+    if whole {
+        steps.push(Step::new("needs", &["need", "--scene", SCENE, "--rays", RAYS]));
+    }
+    steps.push(Step::new("scenes", &["run", "--scene", "all", "--tracer", "all,all:improved", "--rays", "all"]));
+    steps.extend(tables().map(|name| Step::new(name, &["table", name])));
+    steps.push(Step::new("fronts-of-all-scenes", &["pareto", "--scene", "all", "--rays", RAYS]));
+    steps
+}
+
+/// The tables and figures that stand beside published ones: of every paper the first, then of every paper the second, and so on.
+fn experiments() -> impl Iterator<Item = &'static Experiment> {
+    let of = |number: usize| {
+        PAPERS.iter().filter_map(move |paper| {
+            paper.experiments.iter().filter(|experiment| !experiment.published.is_empty()).nth(number)
+        })
+    };
+    let most = PAPERS.iter().map(|paper| paper.experiments.len()).max().unwrap_or(0);
+    (0..most).flat_map(of)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    /// Proves that every table and figure beside published ones is there once in part and once whole, that every paper has had one before
+    /// any has its second, and that where all is wanted whole nothing is measured in part.
+    #[test]
+    fn every_table_has_its_turn() {
+        let known = PAPERS.iter().flat_map(|paper| paper.experiments);
+        let known: BTreeSet<&str> =
+            known.filter(|experiment| !experiment.published.is_empty()).map(|experiment| experiment.name).collect();
+        let tables = |steps: &[Step], part: bool| -> Vec<String> {
+            let is_table =
+                |step: &&Step| step.arguments[0] == "table" && step.arguments.contains(&"--part".to_owned()) == part;
+            steps.iter().filter(is_table).map(|step| step.arguments[1].clone()).collect()
+        };
+        for (whole, part) in [(false, true), (false, false), (true, false)] {
+            let found = tables(&steps(whole), part);
+            assert_eq!(found.len(), known.len());
+            assert_eq!(found.iter().map(String::as_str).collect::<BTreeSet<_>>(), known);
+            let first: BTreeSet<_> = found[..PAPERS.len()].iter().map(|name| name.split('-').next()).collect();
+            assert_eq!(first.len(), PAPERS.len());
+        }
+        assert!(tables(&steps(true), true).is_empty());
+    }
+
+    /// Proves that folders are named once, and that the first step is the front.
+    #[test]
+    fn folders_are_told_apart() {
+        for whole in [false, true] {
+            let steps = steps(whole);
+            let names: BTreeSet<&String> = steps.iter().map(|step| &step.name).collect();
+            assert_eq!(names.len(), steps.len());
+            assert_eq!(steps[0].arguments[0], "pareto");
+        }
+    }
+}
