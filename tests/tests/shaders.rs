@@ -138,6 +138,10 @@ fn entry_points_exist() {
     let expected = |shader: &Shader| -> Vec<(&'static str, ShaderStage, u32)> {
         match (shader.file, shader.name) {
             (_, "fragment-abuffer/boxes BOUND") => compute(&["bound"], 64),
+            ("shared/raster_setup.wgsl", _) => {
+                vec![("find", ShaderStage::Compute, 64), ("deal", ShaderStage::Compute, 1)]
+            }
+            ("test/coverage_functions.wgsl", _) => compute(&["cover", "project"], 64),
             (_, "bvh/refit") => vec![("fit", ShaderStage::Compute, 64), ("fit_last", ShaderStage::Compute, 256)],
             ("bvh/refit.wgsl", _) => compute(&["fit"], 64),
             ("bvh/cluster.wgsl", _) => {

@@ -1,13 +1,16 @@
 //! Device parts that several tracers share: views as uniforms, pipelines and dispatches, buffers that are kept and grow,
 //! pyramids' levels, prefix sums and sorts, rasterized eye depth and triangles, layer behind layer, pyramids over eye depth,
-//! surfaces of hits, counts of rays, bits for what is touched, the unit cube of methods that sample along axes, how searches read
-//! and are launched, work that is the same every time; and clipping and drawing in f64, which what they rasterize is held against.
+//! triangles rasterized in compute, surfaces of hits, counts of rays, bits for what is touched, the unit cube of methods that sample
+//! along axes, how searches read and are launched, work that is the same every time; and clipping, coverage and drawing on the host,
+//! which what they rasterize is held against.
 
 mod behind;
 mod brute_force;
 mod clip;
 mod compute;
+mod compute_raster;
 mod counts;
+mod coverage;
 mod depth_pyramid;
 mod empty_target;
 mod eye_depth;
@@ -29,6 +32,7 @@ mod room;
 mod seen;
 mod texture;
 mod touched;
+mod triangle_pass;
 mod unit_space;
 mod view_uniform;
 
@@ -39,7 +43,9 @@ pub use compute::{
     PipelinesOnDemand, bind_group, bind_group_at, check_limits, compute_pipeline, dispatch_linear,
     dispatch_linear_groups, every_variant, shader_module, shader_module_testing_early,
 };
+pub use compute_raster::{ComputeRaster, DrawnBy, RasterAxis, RasterImage, RasterPass, RasterWork, build_parameter};
 pub use counts::{RayCounts, counters_of};
+pub use coverage::{SUBPIXELS, covers_centre};
 pub use depth_pyramid::{CellDepths, DepthPyramid, PyramidBuilder, PyramidLayout, PyramidShape};
 pub use empty_target::EmptyTarget;
 pub use eye_depth::{DepthCopy, EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
@@ -61,6 +67,7 @@ pub use room::{Room, grow, storage_buffer, uniform_buffer};
 pub use seen::{Seen, SeenRaster, SeenView};
 pub use texture::create_texture;
 pub use touched::{TouchedBits, bits_on};
+pub use triangle_pass::{Canvas, TrianglePass, TrianglePipelines};
 pub use unit_space::{Fit, UnitSpace, across_and_down};
 pub use view_uniform::ViewUniform;
 
@@ -81,6 +88,8 @@ pub fn layouts() -> Vec<SharedLayout> {
         PyramidLevel { size, level, image, begin, begin_below, covered_only, padding }
         PyramidLayout as DepthPyramid { size, levels, cells, level_offsets }
         GatherSettings { ray_count, padding_a, padding_b, padding_c }
+        RasterPass { size, triangle_count, lane_groups, small_pixels, touched, padding }
+        RasterAxis { space, axis, padding_a, padding_b, padding_c }
         SortPass { count, blocks, shift }
         ProbeSettings { count, rays_per_lane, last_record, reads }
     }

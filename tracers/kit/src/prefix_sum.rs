@@ -1,7 +1,7 @@
 //! Exclusive prefix sums on the device.
 
 use tracebench_api::wgpu::{self, Buffer, BufferUsages, CommandEncoder, ComputePipeline};
-use tracebench_api::{Gpu, Ledger, TracerError};
+use tracebench_api::{Gpu, Ledger, MemoryEntry, TracerError};
 use tracebench_shaders::shared::PREFIX_SUM;
 
 use crate::{Room, bind_group, compute_pipeline, dispatch_linear};
@@ -93,6 +93,21 @@ impl PrefixSum {
             }
             count = blocks;
         }
+    }
+
+    /// What a plan for so many elements takes beside them.
+    pub fn memory(count: u32) -> Vec<MemoryEntry> {
+        let (mut entries, mut count) = (Vec::new(), count);
+        for level in 0.. {
+            let blocks = count.div_ceil(BLOCK).max(1);
+            entries.push(MemoryEntry::whole(NAMES[level.min(2)], u64::from(blocks) * 4));
+            entries.push(MemoryEntry::whole(&count_name(level), size_of::<u32>() as u64));
+            if blocks == 1 {
+                break;
+            }
+            count = blocks;
+        }
+        entries
     }
 
     /// Records a plan.
