@@ -1,16 +1,10 @@
 // Depth bounds by the bounding boxes of objects (section 3.3): looser than the geometry's own and quicker to draw where objects
-// have many triangles.
+// have many triangles. With COMPUTE without the rasterizer.
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{linear_invocation, linear_workgroup}
 #import tracebench::view::{View, to_eye_space}
 #import tracebench::depth_bounds::{near_code, far_code}
 #import tracebench::fragment_layout::{Storage, DrawnView, word_index}
-
-struct Corner {
-    @builtin(position) position: vec4<f32>,
-    @location(0) @interpolate(flat) low: vec3<f32>,
-    @location(1) @interpolate(flat) high: vec3<f32>,
-}
 
 // Floats as numbers of the same order, above 0.
 fn ordered(value: f32) -> u32 {
@@ -57,10 +51,18 @@ fn bound(
 @group(0) @binding(2) var<storage, read> boxes: array<u32>;
 @group(0) @binding(3) var<storage, read_write> pixels: array<atomic<u32>>;
 
-// Of a box grown by a pixel where it is farthest, the rectangle of the image that it lies in: two triangles a box.
-@vertex
-fn vertex(@builtin(vertex_index) index: u32) -> Corner {
-    let first = (index / 6u) * 6u;
+// A box, grown by a pixel where it is farthest, and the rectangle of the image that it lies in, from -1 to 1.
+struct DrawnBox {
+    low: vec3<f32>,
+    high: vec3<f32>,
+    least: vec2<f32>,
+    greatest: vec2<f32>,
+    // Whether any of it lies beyond near.
+    is_seen: bool,
+}
+
+fn drawn_box(object: u32) -> DrawnBox {
+    let first = object * 6u;
     var low = vec3<f32>(unordered(~boxes[first + 3u]), unordered(~boxes[first + 4u]), unordered(~boxes[first + 5u]));
     var high = vec3<f32>(unordered(boxes[first]), unordered(boxes[first + 1u]), unordered(boxes[first + 2u]));
     let view = drawn.view;
@@ -90,33 +92,24 @@ fn vertex(@builtin(vertex_index) index: u32) -> Corner {
     }
     least = clamp(least, vec2<f32>(-1.0), vec2<f32>(1.0));
     greatest = clamp(greatest, vec2<f32>(-1.0), vec2<f32>(1.0));
-    // Corners 0 1 2, 2 1 3.
-    let corner = (0x312210u >> (4u * (index % 6u))) & 3u;
-    let right = (corner & 1u) == 1u;
-    let upper = (corner & 2u) == 2u;
-    var at = vec2<f32>(select(least.x, greatest.x, right), select(least.y, greatest.y, upper));
-    if (farthest < view.near) {
-        at = vec2<f32>(2.0);
-    }
-    return Corner(vec4<f32>(at, 0.5, 1.0), low, high);
+    return DrawnBox(low, high, least, greatest, farthest >= view.near);
 }
 
-// The depths at which the line through the pixel's centre passes the box.
-@fragment
-fn fragment(in: Corner) -> @location(0) vec4<f32> {
+// The depths at which the line through a pixel's centre passes a box.
+fn put_depths(centre: vec2<f32>, box_low: vec3<f32>, box_high: vec3<f32>) {
     let view = drawn.view;
-    let across = (in.position.x * 2.0 / view.size.x - 1.0) * view.tan_half_width;
-    let upward = (1.0 - in.position.y * 2.0 / view.size.y) * view.tan_half_height;
+    let across = (centre.x * 2.0 / view.size.x - 1.0) * view.tan_half_width;
+    let upward = (1.0 - centre.y * 2.0 / view.size.y) * view.tan_half_height;
     // At eye depth 1, so that parameters are depths.
     let direction = view.forward + view.right * across + view.up * upward;
     var nearest = view.near;
     var farthest = view.far;
     for (var axis = 0u; axis < 3u; axis++) {
-        let low = in.low[axis] - view.eye[axis];
-        let high = in.high[axis] - view.eye[axis];
+        let low = box_low[axis] - view.eye[axis];
+        let high = box_high[axis] - view.eye[axis];
         if (abs(direction[axis]) < 1e-30) {
             if (low > 0.0 || high < 0.0) {
-                return vec4<f32>(0.0);
+                return;
             }
         } else {
             let one = low / direction[axis];
@@ -126,11 +119,71 @@ fn fragment(in: Corner) -> @location(0) vec4<f32> {
         }
     }
     if (nearest <= farthest) {
-        let at = vec2<u32>(in.position.xy);
+        let at = vec2<u32>(centre);
         let pixel = drawn.first_pixel + at.y * drawn.width + at.x;
         atomicMax(&pixels[word_index(shape, pixel, shape.bounds_word)], near_code(nearest * (1.0 - 1e-5)));
         atomicMax(&pixels[word_index(shape, pixel, shape.bounds_word + 1u)], far_code(farthest * (1.0 + 1e-5)));
     }
+}
+
+#ifdef COMPUTE
+const WORKGROUP_SIZE: u32 = 64u;
+
+// Rows of a box that a workgroup draws: Mesa's software driver ends loops after 65,535 rounds.
+const BAND: u32 = 16u;
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn draw(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let size = vec2<u32>(drawn.view.size);
+    let bands = (size.y + BAND - 1u) / BAND;
+    let group = linear_workgroup(workgroup, workgroups);
+    if (group / bands >= arrayLength(&boxes) / 6u) {
+        return;
+    }
+    let found = drawn_box(group / bands);
+    let view = drawn.view;
+    let low = vec2<u32>(floor(vec2<f32>(found.least.x + 1.0, 1.0 - found.greatest.y) * 0.5 * view.size));
+    let high = min(vec2<u32>(ceil(vec2<f32>(found.greatest.x + 1.0, 1.0 - found.least.y) * 0.5 * view.size)), size);
+    let first = group % bands * BAND;
+    if (!found.is_seen) {
+        return;
+    }
+    for (var row = max(low.y, first); row < min(high.y, first + BAND); row++) {
+        for (var column = low.x + local; column < high.x; column += WORKGROUP_SIZE) {
+            put_depths(vec2<f32>(vec2<u32>(column, row)) + 0.5, found.low, found.high);
+        }
+    }
+}
+#else
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat) low: vec3<f32>,
+    @location(1) @interpolate(flat) high: vec3<f32>,
+}
+
+// Two triangles a box.
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> Corner {
+    let found = drawn_box(index / 6u);
+    // Corners 0 1 2, 2 1 3.
+    let corner = (0x312210u >> (4u * (index % 6u))) & 3u;
+    let right = (corner & 1u) == 1u;
+    let upper = (corner & 2u) == 2u;
+    var at = vec2<f32>(select(found.least.x, found.greatest.x, right), select(found.least.y, found.greatest.y, upper));
+    if (!found.is_seen) {
+        at = vec2<f32>(2.0);
+    }
+    return Corner(vec4<f32>(at, 0.5, 1.0), found.low, found.high);
+}
+
+@fragment
+fn fragment(in: Corner) -> @location(0) vec4<f32> {
+    put_depths(in.position.xy, in.low, in.high);
     return vec4<f32>(0.0);
 }
+#endif
 #endif

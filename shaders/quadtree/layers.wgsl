@@ -1,10 +1,15 @@
 // The depth layers of a view (WKP15, section 3.1): the nearest depths of every pixel, by the rasterizer's own sample rule. Depths
 // are codes that grow towards the eye, 0 for none, so that atomic maxima keep the nearest. The same pipeline catches depths and names
-// the triangles that have them, so that both see the same depth to the bit.
+// the triangles that have them, so that both see the same depth to the bit. With COMPUTE by the rule of tracebench::coverage.
 
 #import tracebench::view::{View, to_eye_space, clip_position}
 #import tracebench::plane_depth::{FlatTriangle, flat_triangle, plane_depth}
 #import tracebench::depth_bounds::near_code
+#ifdef COMPUTE
+#import tracebench::dispatch::linear_workgroup
+#import tracebench::coverage::{outline_in_view, rows_of_outline, span_of_row}
+#import tracebench::raster_work::part_of
+#endif
 
 struct LayerPass {
     view: View,
@@ -34,31 +39,14 @@ const PEEL: u32 = 1u;
 // The complement of the least triangle of every layer.
 @group(0) @binding(4) var<storage, read_write> names: array<atomic<u32>>;
 
-struct Corner {
-    @builtin(position) position: vec4<f32>,
-    @location(0) @interpolate(flat) plane: vec4<f32>,
-    @location(1) @interpolate(flat) depths: vec2<f32>,
-    @location(2) @interpolate(flat) primitive: u32,
-}
-
 fn load_position(corner: u32) -> vec3<f32> {
     let vertex = indices[corner] * 3u;
     return vec3<f32>(positions[vertex], positions[vertex + 1u], positions[vertex + 2u]);
 }
 
-@vertex
-fn vertex(@builtin(vertex_index) index: u32) -> Corner {
-    let a = load_position(index);
-    var corner: Corner;
-    corner.position = clip_position(drawn.view, to_eye_space(drawn.view, a));
-    // A triangle's first corner speaks for it.
-    if (index % 3u == 0u) {
-        let triangle = flat_triangle(drawn.view, a, load_position(index + 1u), load_position(index + 2u));
-        corner.plane = triangle.plane;
-        corner.depths = triangle.depths;
-        corner.primitive = index / 3u;
-    }
-    return corner;
+// By its first of three corners.
+fn flat_of(first: u32) -> FlatTriangle {
+    return flat_triangle(drawn.view, load_position(first), load_position(first + 1u), load_position(first + 2u));
 }
 
 // Each slot keeps the nearer of what it has and what comes, and hands the other on. Whatever the order in which depths come,
@@ -103,22 +91,76 @@ fn name_triangle(pixel: u32, code: u32, primitive: u32) {
     }
 }
 
-@fragment
-fn fragment(in: Corner) -> @location(0) vec4<f32> {
+// What a pass does with a fragment, by its pixel's centre.
+fn put_fragment(centre: vec2<f32>, triangle: FlatTriangle, primitive: u32) {
     // The eye lies behind the plane of a triangle that faces away.
-    if (drawn.culls == 1u && in.plane.w > 0.0) {
-        return vec4<f32>(0.0);
+    if (drawn.culls == 1u && triangle.plane.w > 0.0) {
+        return;
     }
-    let at = vec2<u32>(in.position.xy);
+    let at = vec2<u32>(centre);
     let pixel = at.y * drawn.width + at.x;
-    let depth = plane_depth(drawn.view, FlatTriangle(in.plane, in.depths), in.position.xy);
+    let depth = plane_depth(drawn.view, triangle, centre);
     let code = near_code(depth);
     if (drawn.stage == CATCH) {
         catch_depth(pixel, code);
     } else if (drawn.stage == PEEL) {
         peel_depth(pixel, depth, code);
     } else {
-        name_triangle(pixel, code, in.primitive);
+        name_triangle(pixel, code, primitive);
     }
+}
+
+#ifdef COMPUTE
+const WORKGROUP_SIZE: u32 = 64u;
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn draw(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let part = part_of(linear_workgroup(workgroup, workgroups), local);
+    if (any(part.high <= part.low)) {
+        return;
+    }
+    let first = part.triangle * 3u;
+    if (!outline_in_view(drawn.view, load_position(first), load_position(first + 1u), load_position(first + 2u))) {
+        return;
+    }
+    let triangle = flat_of(first);
+    let rows = rows_of_outline();
+    for (var row = max(rows.x, part.low.y); row < min(rows.y, part.high.y); row++) {
+        let span = span_of_row(row);
+        for (var column = max(span.x, part.low.x); column < min(span.y, part.high.x); column++) {
+            put_fragment(vec2<f32>(vec2<i32>(column, row)) + 0.5, triangle, part.triangle);
+        }
+    }
+}
+#else
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat) plane: vec4<f32>,
+    @location(1) @interpolate(flat) depths: vec2<f32>,
+    @location(2) @interpolate(flat) primitive: u32,
+}
+
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> Corner {
+    var corner: Corner;
+    corner.position = clip_position(drawn.view, to_eye_space(drawn.view, load_position(index)));
+    // A triangle's first corner speaks for it.
+    if (index % 3u == 0u) {
+        let triangle = flat_of(index);
+        corner.plane = triangle.plane;
+        corner.depths = triangle.depths;
+        corner.primitive = index / 3u;
+    }
+    return corner;
+}
+
+@fragment
+fn fragment(in: Corner) -> @location(0) vec4<f32> {
+    put_fragment(in.position.xy, FlatTriangle(in.plane, in.depths), in.primitive);
     return vec4<f32>(0.0);
 }
+#endif

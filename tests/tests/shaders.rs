@@ -142,6 +142,7 @@ fn entry_points_exist() {
                 vec![("find", ShaderStage::Compute, 64), ("deal", ShaderStage::Compute, 1)]
             }
             ("test/coverage_functions.wgsl", _) => compute(&["cover", "project"], 64),
+            (_, name) if name.split(' ').any(|definition| definition == "COMPUTE") => compute(&["draw"], 64),
             (_, "bvh/refit") => vec![("fit", ShaderStage::Compute, 64), ("fit_last", ShaderStage::Compute, 256)],
             ("bvh/refit.wgsl", _) => compute(&["fit"], 64),
             ("bvh/cluster.wgsl", _) => {

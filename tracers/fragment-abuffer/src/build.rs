@@ -3,12 +3,14 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, ComputePipeline, RenderPipeline};
-use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
+use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, CommandEncoder, ComputePipeline};
+use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError, View};
 use tracebench_kit::{
-    EmptyTarget, PipelinesOnDemand, PrefixSum, ViewUniform, bind_group, bind_group_at, compute_pipeline,
-    dispatch_linear, every_variant, storage_buffer, uniform_buffer,
+    Canvas, ComputeRaster, DrawnBy, EmptyTarget, PipelinesOnDemand, PrefixSum, RasterImage, RasterWork, TrianglePass,
+    TrianglePipelines, ViewUniform, bind_group, bind_group_at, compute_pipeline, dispatch_linear, every_variant,
+    storage_buffer, uniform_buffer,
 };
+use tracebench_shaders::Variant;
 use tracebench_shaders::fragment_abuffer::{Boxes, Fill, MIPMAP, Reorder, Trace};
 
 use crate::layout::{DrawnView, Layout, Storage, TracedView};
@@ -18,13 +20,18 @@ use crate::parts::{Part, Parts, check_nodes, view_suffix};
 /// As `WORKGROUP_SIZE` in the shaders of shaders/fragment-abuffer.
 pub(crate) const WORKGROUP_SIZE: u32 = 64;
 
-/// Every pipeline; those of traces are made when they are first asked for.
+/// As `BAND` in shaders/fragment-abuffer/boxes.wgsl: rows of a box that a workgroup draws.
+const BAND: u32 = 16;
+
+/// Every pipeline; those of traces, and of builds without the rasterizer, are made when they are first asked for.
 pub(crate) struct Pipelines {
     pub gpu: Arc<Gpu>,
     pub sums: PrefixSum,
-    boxes: RenderPipeline,
+    raster: ComputeRaster,
+    boxes: TrianglePipelines<Boxes>,
     boxes_bound: ComputePipeline,
-    fill: BTreeMap<Fill, RenderPipeline>,
+    computed_boxes: PipelinesOnDemand<Boxes>,
+    fill: TrianglePipelines<Fill>,
     reorder: BTreeMap<Reorder, ComputePipeline>,
     mipmap: ComputePipeline,
     pub(crate) traces: PipelinesOnDemand<Trace>,
@@ -32,11 +39,18 @@ pub(crate) struct Pipelines {
 
 impl Pipelines {
     pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        let (boxes, fill) = (TrianglePipelines::new(), TrianglePipelines::new());
+        boxes.raster(&gpu, Boxes::Plain { bound: false })?;
+        for variant in Fill::ALL.iter().filter(|variant| !is_computed(**variant)) {
+            fill.raster(&gpu, *variant)?;
+        }
         Ok(Self {
             sums: PrefixSum::new(&gpu)?,
-            boxes: EmptyTarget::pipeline(&gpu, Boxes { bound: false })?,
-            boxes_bound: compute_pipeline(&gpu, Boxes { bound: true }, "bound")?,
-            fill: every_variant(|variant: Fill| EmptyTarget::pipeline(&gpu, variant))?,
+            raster: ComputeRaster::new(&gpu),
+            boxes,
+            boxes_bound: compute_pipeline(&gpu, Boxes::Plain { bound: true }, "bound")?,
+            computed_boxes: PipelinesOnDemand::new("draw"),
+            fill,
             reorder: every_variant(|variant: Reorder| compute_pipeline(&gpu, variant, "reorder"))?,
             mipmap: compute_pipeline(&gpu, MIPMAP, "mipmap")?,
             traces: PipelinesOnDemand::new("trace"),
@@ -45,21 +59,46 @@ impl Pipelines {
     }
 }
 
-/// A pass over all triangles, or over all boxes, of a view.
-struct Drawing<'a> {
-    view: usize,
-    pipeline: &'a RenderPipeline,
-    bindings: BindGroup,
-    vertices: u32,
+/// Whether a variant draws without the rasterizer.
+fn is_computed(variant: Fill) -> bool {
+    match variant {
+        Fill::Bounds { compute } | Fill::Count { compute } | Fill::Tally { compute } | Fill::Store { compute, .. } => {
+            compute
+        }
+    }
+}
+
+/// A pass that fills depth bounds.
+enum Bounding<'a> {
+    /// By triangles, or by boxes and the rasterizer.
+    Drawn(TrianglePass<'a>),
+    /// By boxes, by so many workgroups.
+    Computed(ComputePipeline, BindGroup, u32),
+}
+
+impl Bounding<'_> {
+    fn record(&self, encoder: &mut CommandEncoder) {
+        match self {
+            Self::Drawn(pass) => pass.record(encoder),
+            Self::Computed(pipeline, bindings, workgroups) => {
+                dispatch_linear(encoder, pipeline, bindings, *workgroups, 1);
+            }
+        }
+    }
+}
+
+/// Resources of buffers by their bindings.
+fn bound<'a>(buffers: &[(u32, &'a Buffer)]) -> Vec<(u32, BindingResource<'a>)> {
+    buffers.iter().map(|(binding, buffer)| (*binding, buffer.as_entire_binding())).collect()
 }
 
 /// What a fill binds: made before the phases, which only record.
 #[derive(Default)]
 struct Prepared<'a> {
     boxes: Option<(BindGroup, u32)>,
-    bounds: Vec<Drawing<'a>>,
-    count: Vec<Drawing<'a>>,
-    store: Vec<Drawing<'a>>,
+    bounds: Vec<Bounding<'a>>,
+    count: Vec<TrianglePass<'a>>,
+    store: Vec<TrianglePass<'a>>,
     /// With the number of lists.
     reorder: Vec<(BindGroup, u32)>,
     /// With the number of cells.
@@ -68,11 +107,12 @@ struct Prepared<'a> {
 
 impl Pipelines {
     fn prepare<'a>(
-        &'a self,
+        &self,
         layout: &Layout,
-        parts: &Parts,
+        parts: &'a Parts,
         geometry: &DeviceGeometry,
         objects: Option<&Objects>,
+        work: &'a [RasterWork],
         triangles: u32,
     ) -> Result<Prepared<'a>, TracerError> {
         let gpu = &*self.gpu;
@@ -82,7 +122,7 @@ impl Pipelines {
             let resources = resources.map(Buffer::as_entire_binding);
             prepared.boxes = Some((bind_group(gpu, &self.boxes_bound.get_bind_group_layout(0), &resources), triangles));
         }
-        let store = &self.fill[&Fill::Store { decoupled: layout.decoupled }];
+        let compute = layout.drawn_by == DrawnBy::Compute;
         for part in &parts.parts {
             let storage = layout.storage(part.pixel_count, part.capacity);
             let storage = uniform_buffer(gpu, "storage", &storage)?;
@@ -95,34 +135,29 @@ impl Pipelines {
                     padding: [0; 2],
                 };
                 let drawn = uniform_buffer(gpu, "drawn view", &drawn)?;
-                let draw = |pipeline: &'a RenderPipeline, more: &[(u32, &Buffer)], vertices: u32| {
-                    let mut resources = vec![(0, storage.as_entire_binding()), (1, drawn.as_entire_binding())];
-                    resources.extend(more.iter().map(|(binding, buffer)| (*binding, buffer.as_entire_binding())));
-                    let bindings = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &resources);
-                    Drawing { view, pipeline, bindings, vertices }
-                };
+                let uniforms = [(0, &storage), (1, &drawn)];
                 let scene = [(2, &geometry.positions), (3, &geometry.indices), (4, &part.pixels)];
+                let canvas = |vertices: u32| Canvas::of(work.get(view), parts.target(view), vertices);
+                let draw = |fill: Fill, more: &[(u32, &Buffer)]| {
+                    let buffers = [&uniforms[..], &scene[..], more].concat();
+                    self.fill.pass(gpu, fill, &bound(&buffers), canvas(triangles * 3)?)
+                };
                 if layout.has_bounds() {
                     prepared.bounds.push(match objects {
                         Some(objects) => {
-                            draw(&self.boxes, &[(2, &objects.boxes), (3, &part.pixels)], objects.count * 6)
+                            let buffers = [&uniforms[..], &[(2, &objects.boxes), (3, &part.pixels)]].concat();
+                            self.by_boxes(&bound(&buffers), canvas(objects.count * 6)?, objects, shape)?
                         }
-                        None => draw(&self.fill[&Fill::Bounds], &scene, triangles * 3),
+                        None => Bounding::Drawn(draw(Fill::Bounds { compute }, &[])?),
                     });
                 }
                 let taken = (5, &part.taken);
                 if layout.kind.is_contiguous() {
-                    prepared.count.push(draw(
-                        &self.fill[&Fill::Count],
-                        &[&scene[..], &[taken]].concat(),
-                        triangles * 3,
-                    ));
+                    prepared.count.push(draw(Fill::Count { compute }, &[taken])?);
                 }
-                let mut bound = scene.to_vec();
-                bound.push(taken);
-                bound.extend([(6, &part.ids), (8, &geometry.materials)]);
-                bound.extend(part.payloads.as_ref().map(|payloads| (7, payloads)));
-                prepared.store.push(draw(store, &bound, triangles * 3));
+                let mut stored = vec![taken, (6, &part.ids), (8, &geometry.materials)];
+                stored.extend(part.payloads.as_ref().map(|payloads| (7, payloads)));
+                prepared.store.push(draw(Fill::Store { decoupled: layout.decoupled, compute }, &stored)?);
             }
             prepared.reorder.push(self.bind_reorder(layout, part, &storage));
             self.prepare_mipmaps(layout, parts, part, &storage, &mut prepared)?;
@@ -130,25 +165,45 @@ impl Pipelines {
         Ok(prepared)
     }
 
+    /// A pass over the boxes of a view, with these resources.
+    fn by_boxes<'a>(
+        &self,
+        resources: &[(u32, BindingResource<'_>)],
+        canvas: Canvas<'a>,
+        objects: &Objects,
+        view: &View,
+    ) -> Result<Bounding<'a>, TracerError> {
+        let gpu = &*self.gpu;
+        if matches!(canvas, Canvas::Attachment(..)) {
+            return Ok(Bounding::Drawn(self.boxes.pass(gpu, Boxes::Plain { bound: false }, resources, canvas)?));
+        }
+        let pipeline = self.computed_boxes.of(gpu, Boxes::Compute)?;
+        let bindings = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), resources);
+        Ok(Bounding::Computed(pipeline, bindings, objects.count.saturating_mul(view.size[1].div_ceil(BAND))))
+    }
+
     /// The number of fragments of every view, of all layers; drawn outside of any time. Stops at a view that no device buffer
     /// could be bound for.
     pub(crate) fn tally(&self, layout: &Layout, geometry: &Geometry) -> Result<Vec<u32>, TracerError> {
         let gpu = &*self.gpu;
-        let tally = &self.fill[&Fill::Tally];
-        let device = geometry.on_device()?;
+        let compute = layout.drawn_by == DrawnBy::Compute;
+        let (device, triangles) = (geometry.on_device()?, geometry.triangles.len() as u32);
         let taken = storage_buffer(gpu, "fragments of a view", 4, "nothing")?;
         let mut counts = Vec::with_capacity(layout.views.len());
         for (view, shape) in layout.views.iter().enumerate() {
-            let target = EmptyTarget::new(gpu, "attachment of a count", shape.size)?;
             let drawn =
                 DrawnView { view: ViewUniform::from(shape), first_pixel: 0, width: shape.size[0], padding: [0; 2] };
             let drawn = uniform_buffer(gpu, "drawn view", &drawn)?;
-            let bound = [(1, &drawn), (2, &device.positions), (3, &device.indices), (5, &taken)];
-            let bound = bound.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
-            let bindings = bind_group_at(gpu, &tally.get_bind_group_layout(0), &bound);
+            let image = [RasterImage::of_view(shape)];
+            let work = self.raster.prepare_all(gpu, layout.drawn_by, image, device, triangles)?;
+            let target = (!compute).then(|| EmptyTarget::new(gpu, "attachment of a count", shape.size)).transpose()?;
+            let canvas = Canvas::of(work.first(), target.as_ref(), triangles * 3)?;
+            let buffers = [(1, &drawn), (2, &device.positions), (3, &device.indices), (5, &taken)];
+            let pass = self.fill.pass(gpu, Fill::Tally { compute }, &bound(&buffers), canvas)?;
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             encoder.clear_buffer(&taken, 0, None);
-            target.draw(&mut encoder, tally, &bindings, geometry.triangles.len() as u32 * 3);
+            work.iter().for_each(|work| work.record(&mut encoder));
+            pass.record(&mut encoder);
             gpu.queue.submit([encoder.finish()]);
             let count = bytemuck::pod_collect_to_vec::<u8, u32>(&gpu.read(&taken, 4)?)[0];
             check_nodes(gpu, layout, &view_suffix(view), count)?;
@@ -203,9 +258,13 @@ impl Pipelines {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let triangles = geometry.triangles.len() as u32;
-        let prepared = self.prepare(layout, parts, geometry.on_device()?, objects, triangles)?;
+        let device = geometry.on_device()?;
+        let images = layout.views.iter().map(RasterImage::of_view);
+        let work = self.raster.prepare_all(&self.gpu, layout.drawn_by, images, device, triangles)?;
+        let prepared = self.prepare(layout, parts, device, objects, &work, triangles)?;
+        RasterWork::record_all(&work, clock)?;
         let mut first = true;
-        let mut phase = |clock: &mut PhaseClock<'_>, name: &str, drawings: &[Drawing<'_>]| {
+        let mut phase = |clock: &mut PhaseClock<'_>, name: &str, record: &dyn Fn(&mut CommandEncoder)| {
             clock.device_phase(name, |encoder| {
                 if std::mem::take(&mut first) {
                     for part in &parts.parts {
@@ -217,24 +276,21 @@ impl Pipelines {
                         dispatch_linear(encoder, &self.boxes_bound, bindings, *count, WORKGROUP_SIZE);
                     }
                 }
-                for drawing in drawings {
-                    let target = parts.target(drawing.view);
-                    target.draw(encoder, drawing.pipeline, &drawing.bindings, drawing.vertices);
-                }
+                record(encoder);
             })
         };
         if layout.has_bounds() {
-            phase(clock, "depth bounds", &prepared.bounds)?;
+            phase(clock, "depth bounds", &|encoder| prepared.bounds.iter().for_each(|pass| pass.record(encoder)))?;
         }
         if layout.kind.is_contiguous() {
-            phase(clock, "count fragments", &prepared.count)?;
+            phase(clock, "count fragments", &|encoder| prepared.count.iter().for_each(|pass| pass.record(encoder)))?;
             clock.device_phase("prefix sum", |encoder| {
                 for plan in parts.parts.iter().filter_map(|part| part.begins.as_ref()) {
                     self.sums.record(encoder, plan);
                 }
             })?;
         }
-        phase(clock, "store", &prepared.store)?;
+        phase(clock, "store", &|encoder| prepared.store.iter().for_each(|pass| pass.record(encoder)))?;
         let dispatch =
             |clock: &mut PhaseClock<'_>, name: &str, pipeline: &ComputePipeline, work: &[(BindGroup, u32)]| {
                 clock.device_phase(name, |encoder| {
@@ -251,9 +307,11 @@ impl Pipelines {
     }
 }
 
-/// Bytes of the uniforms of a build, which are kept until it is done.
-pub(crate) fn build_uniform_bytes(layout: &Layout, parts: &Parts) -> u64 {
+/// Bytes of the uniforms of a build, and of what deals triangles out, which are kept until it is done.
+pub(crate) fn build_bytes(layout: &Layout, parts: &Parts, triangles: u32) -> u64 {
     let levels: usize = (0..layout.views.len()).map(|view| layout.levels_of(view) - 1).sum();
     let made = if layout.hi_z { layout.views.len() * size_of::<TracedView>() + levels * 16 } else { 0 };
-    (parts.parts.len() * size_of::<Storage>() + layout.views.len() * size_of::<DrawnView>() + made) as u64
+    let uniforms = parts.parts.len() * size_of::<Storage>() + layout.views.len() * size_of::<DrawnView>() + made;
+    let of_view = if layout.drawn_by == DrawnBy::Compute { RasterWork::bytes(triangles, false) } else { 0 };
+    uniforms as u64 + layout.views.len() as u64 * of_view
 }

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::{SharedLayout, View, Viewpoint};
-use tracebench_kit::{MOST_LEVELS, Pyramid, ViewUniform};
+use tracebench_kit::{DrawnBy, MOST_LEVELS, Pyramid, ViewUniform};
 
 use crate::description::{Bounds, Centre, FragmentParameters, Kind, Layers, March, Switch, Views};
 use crate::trace::MarchSettings;
@@ -149,6 +149,8 @@ pub(crate) struct Layout {
     pub by_boxes: bool,
     /// Whether there is a pyramid of depth bounds.
     pub hi_z: bool,
+    /// What draws.
+    pub drawn_by: DrawnBy,
 }
 
 impl Layout {
@@ -176,6 +178,7 @@ impl Layout {
             // Which fragment is the nearest the boxes do not tell.
             by_boxes: parameters.bounds == Bounds::Boxes && !one_layer,
             hi_z: parameters.march == March::HiZ,
+            drawn_by: parameters.build,
         }
     }
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use tracebench_api::wgpu::Buffer;
 use tracebench_api::{Gpu, Ledger, TracerError};
-use tracebench_kit::{EmptyTarget, PrefixSum, PrefixSumPlan, ReadSlot, storage_buffer};
+use tracebench_kit::{DrawnBy, EmptyTarget, PrefixSum, PrefixSumPlan, ReadSlot, storage_buffer};
 
 use crate::layout::{Layout, PAYLOAD_WORDS, Placed};
 
@@ -141,7 +141,8 @@ impl Parts {
         };
         let mut targets = Vec::new();
         for (view, name) in [(0, TARGETS[usize::from(!layout.has_camera)]), (1, TARGETS[1])] {
-            if view < views && (view == 0 || layout.has_camera) {
+            let is_drawn = view < views && (view == 0 || layout.has_camera);
+            if is_drawn && layout.drawn_by == DrawnBy::Raster {
                 targets.push(EmptyTarget::new(gpu, name, layout.views[view].size)?);
             }
         }
@@ -202,9 +203,9 @@ impl Parts {
         self.parts.iter().map(|part| u64::from(part.capacity)).sum()
     }
 
-    /// The attachment of a view's passes.
-    pub(crate) fn target(&self, view: usize) -> &EmptyTarget {
-        &self.targets[view.min(self.targets.len() - 1)]
+    /// The attachment of a view's passes; none where there is no rasterizer.
+    pub(crate) fn target(&self, view: usize) -> Option<&EmptyTarget> {
+        self.targets.get(view).or(self.targets.last())
     }
 
     /// Enters every part; `taken` is what the last build left.

@@ -10,7 +10,7 @@ use tracebench_kit::{LastCount, Reads, check_limits, grow};
 use tracebench_shaders::fragment_abuffer::Trace;
 
 use crate::arrays::Arrays;
-use crate::build::{Pipelines, build_uniform_bytes};
+use crate::build::{Pipelines, build_bytes};
 use crate::description::{FragmentParameters, NO_REFIT};
 use crate::layout::{Layout, MOST_VIEWS, Storage, TracedView};
 use crate::objects::{LastObjects, Objects};
@@ -33,6 +33,7 @@ pub(crate) struct FragmentStructure {
     pub arrays: Arrays,
     /// Of the scene's bounds, scene units.
     pub diagonal: f64,
+    triangle_count: u32,
     objects: Option<Objects>,
     last_objects: Arc<LastObjects>,
 }
@@ -110,6 +111,7 @@ impl FragmentAbuffer {
             parts,
             arrays,
             diagonal: geometry.diagonal(),
+            triangle_count: geometry.triangles.len() as u32,
             objects,
             last_objects: Arc::clone(&self.objects),
         })
@@ -146,7 +148,7 @@ impl FragmentStructure {
             false => objects_for(gpu, &layout, geometry, &self.last_objects)?,
         };
         let objects = new_objects.as_ref().or(self.objects.as_ref());
-        let sizes = |layout: &Layout| layout.views.iter().map(|view| view.size).collect::<Vec<_>>();
+        let sizes = |layout: &Layout| (layout.drawn_by, layout.views.iter().map(|view| view.size).collect::<Vec<_>>());
         let new_parts = match sizes(&layout) == sizes(&self.layout) {
             true => None,
             false => {
@@ -169,6 +171,7 @@ impl FragmentStructure {
             self.objects = new_objects;
         }
         (self.layout, self.diagonal) = (layout, geometry.diagonal());
+        self.triangle_count = geometry.triangles.len() as u32;
         Ok(())
     }
 }
@@ -227,7 +230,7 @@ impl Structure for FragmentStructure {
         if let Some(objects) = &self.objects {
             objects.enter(&mut ledger);
         }
-        ledger.borrow_transient(build_uniform_bytes(&self.layout, &self.parts));
+        ledger.borrow_transient(build_bytes(&self.layout, &self.parts, self.triangle_count));
         // Fragments have all that hits and surfaces need.
         ledger.report(0)
     }

@@ -115,7 +115,7 @@ pub(crate) fn rays(count: usize) -> Vec<Ray> {
 }
 
 /// What is stored of hostile triangles is what a rasterizer on the host draws, in order and linked both ways, by every storage,
-/// bounds, views, layers and march; and the lists have several layers.
+/// bounds, views, layers and march, drawn by the device's rasterizer or in compute; and the lists have several layers.
 #[test]
 fn what_is_stored_is_what_a_rasterizer_draws() {
     let gpu = gpu();
@@ -129,6 +129,10 @@ fn what_is_stored_is_what_a_rasterizer_draws() {
         vec![("storage", "dll"), ("layers", "one"), ("views", "six")],
         vec![("views", "frame"), ("march", "hi-z")],
         vec![("centre", "eye")],
+        vec![("build", "compute")],
+        vec![("build", "compute"), ("storage", "s-buffer"), ("march", "hi-z")],
+        vec![("build", "compute"), ("buckets", "13"), ("bounds", "boxes"), ("decoupled", "off")],
+        vec![("build", "compute"), ("storage", "dll"), ("layers", "one"), ("views", "six")],
     ]);
     for settings in all {
         let statistics = built_by(&tracer, &gpu, &geometry, &settings).check(&geometry);

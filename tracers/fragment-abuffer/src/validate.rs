@@ -2,7 +2,7 @@
 
 use tracebench_api::glam::Vec3;
 use tracebench_api::{Geometry, TracerError};
-use tracebench_kit::{Allowed, Fragment, allowed_fragments, undecided_border};
+use tracebench_kit::{Allowed, Fragment, allowed_fragments};
 
 use crate::layout::{Layout, Storage};
 use crate::parts::Part;
@@ -227,7 +227,7 @@ impl FragmentStructure {
             let [width, height] = self.layout.views[view].size;
             let step = (1..).find(|step| self.layout.pixels_of(view) / (step * step) <= MOST_COMPARED).unwrap_or(1);
             let step = step as u32;
-            let border = undecided_border(&tracebench_kit::rasterizer(&self.pipelines.gpu)?);
+            let border = self.layout.drawn_by.undecided_border(&self.pipelines.gpu)?;
             let allowed = allowed_fragments(&self.layout.views[view], geometry, step, border);
             for y in 0..height {
                 for x in 0..width {

@@ -8,7 +8,7 @@ use tracebench_kit::{PipelinesOnDemand, ViewUniform, bind_group, compute_pipelin
 use tracebench_shaders::quadtree::{BOTTOM, MERGE, SURFACES, Trace};
 
 use crate::images::Images;
-use crate::layers::{LayerPipelines, uniform_bytes};
+use crate::layers::{LayerPipelines, capture_bytes};
 use crate::layout::{Forest, MOST_VIEWS, Shape};
 
 /// As `WORKGROUP_SIZE` in the shaders of shaders/quadtree.
@@ -52,7 +52,8 @@ impl Pipelines {
         let gpu = &*self.gpu;
         let device = geometry.on_device()?;
         gpu.check_storage_binding("triangle materials", device.materials.size(), "the scene's triangle count")?;
-        let capturing = self.layers.prepare(gpu, shape, images, geometry)?;
+        let work = self.layers.deal_out(gpu, shape, geometry)?;
+        let capturing = self.layers.prepare(gpu, shape, images, geometry, &work)?;
         let forest = uniform_buffer(gpu, "forest", &shape.forest())?;
         let views = uniform_buffer(gpu, "views", &shape.view_uniforms())?;
         let [odd, even] = images.payload_buffers();
@@ -84,8 +85,8 @@ impl Pipelines {
     }
 }
 
-/// Bytes of the uniforms of a build, which are kept until it is done.
-pub(crate) fn build_uniform_bytes(shape: &Shape) -> u64 {
+/// Bytes of what a build keeps until it is done.
+pub(crate) fn build_bytes(shape: &Shape, triangles: u32) -> u64 {
     let own = size_of::<Forest>() + MOST_VIEWS * size_of::<ViewUniform>() + 16 * shape.top as usize;
-    uniform_bytes(shape) + own as u64
+    capture_bytes(shape, triangles) + own as u64
 }

@@ -2,7 +2,7 @@
 
 use tracebench_api::wgpu::Buffer;
 use tracebench_api::{Gpu, Ledger, PhaseClock, TracerError};
-use tracebench_kit::{EmptyTarget, ReadSlot, Readable, Reads, Room, record_copies};
+use tracebench_kit::{DrawnBy, EmptyTarget, ReadSlot, Readable, Reads, Room, record_copies};
 
 use crate::layout::Shape;
 
@@ -35,7 +35,8 @@ pub(crate) struct Images {
     /// Of layers 1 and 3, and of 2 and 4: one binding does not hold those of faces.
     pub payloads: [Room; 2],
     pub nodes: Room,
-    pub target: EmptyTarget,
+    /// None where there is no rasterizer.
+    pub target: Option<EmptyTarget>,
     /// Nodes and both payloads as searches read them.
     arrays: [Readable; 3],
 }
@@ -78,7 +79,8 @@ impl Images {
             Readable::built(gpu, reads, slots[place], &room.buffer, room.used_bytes, COPIES[place], there, down)
         };
         let arrays = [array(0, &nodes)?, array(1, &payloads[0])?, array(2, &payloads[1])?];
-        let target = EmptyTarget::new(gpu, TARGET, shape.size())?;
+        let drawn = shape.drawn_by == DrawnBy::Raster;
+        let target = drawn.then(|| EmptyTarget::new(gpu, TARGET, shape.size())).transpose()?;
         Ok(Self { codes, caught, names, payloads, nodes, target, arrays })
     }
 
@@ -110,7 +112,9 @@ impl Images {
     pub(crate) fn enter(&self, ledger: &mut Ledger) {
         self.rooms().for_each(|room| room.enter(ledger));
         self.arrays.iter().for_each(|array| array.enter(ledger));
-        self.target.enter(ledger);
+        if let Some(target) = &self.target {
+            target.enter(ledger);
+        }
     }
 
     /// The buffers that hold normals and materials.

@@ -1,12 +1,13 @@
 //! Depth layers (WKP15, section 3.1): the passes that catch them and name their triangles.
 
 use bytemuck::{Pod, Zeroable};
-use tracebench_api::wgpu::{BindGroup, Buffer, ComputePipeline, RenderPipeline};
+use tracebench_api::wgpu::{BindGroup, Buffer, ComputePipeline};
 use tracebench_api::{Geometry, Gpu, PhaseClock, TracerError};
 use tracebench_kit::{
-    EmptyTarget, ViewUniform, bind_group, bind_group_at, compute_pipeline, dispatch_linear, uniform_buffer,
+    Canvas, ComputeRaster, DrawnBy, RasterImage, RasterWork, TrianglePass, TrianglePipelines, ViewUniform,
+    bind_group_at, compute_pipeline, dispatch_linear, uniform_buffer,
 };
-use tracebench_shaders::quadtree::{LAYERS, THIN};
+use tracebench_shaders::quadtree::{Layers, THIN};
 
 use crate::build::WORKGROUP_SIZE;
 use crate::description::Capture;
@@ -72,46 +73,62 @@ enum Stage {
 
 /// The pipelines.
 pub(crate) struct LayerPipelines {
-    draw: RenderPipeline,
+    raster: ComputeRaster,
+    draw: TrianglePipelines<Layers>,
     thin: ComputePipeline,
 }
 
 /// One step of a view's capture.
-enum Step {
+enum Step<'a> {
     /// The view's caught depths are cleared.
     Clear,
     /// All triangles are drawn.
-    Draw(BindGroup),
+    Draw(TrianglePass<'a>),
     /// Layers are chosen from what was caught.
     Thin(BindGroup),
 }
 
 /// What the capture binds: made before the phases, which only record.
-pub(crate) struct Capturing {
-    catch: Vec<Step>,
-    name: Vec<Step>,
-    vertices: u32,
+pub(crate) struct Capturing<'a> {
+    work: &'a [RasterWork],
+    catch: Vec<Step<'a>>,
+    name: Vec<Step<'a>>,
 }
 
 impl LayerPipelines {
     pub(crate) fn new(gpu: &Gpu) -> Result<Self, TracerError> {
-        Ok(Self { draw: EmptyTarget::pipeline(gpu, LAYERS)?, thin: compute_pipeline(gpu, THIN, "thin")? })
+        let draw = TrianglePipelines::new();
+        draw.raster(gpu, Layers { compute: false })?;
+        Ok(Self { raster: ComputeRaster::new(gpu), draw, thin: compute_pipeline(gpu, THIN, "thin")? })
     }
 
-    /// Prepares the capture of every view.
-    pub(crate) fn prepare(
+    /// The triangles of every view dealt out, where there is no rasterizer.
+    pub(crate) fn deal_out(
         &self,
         gpu: &Gpu,
         shape: &Shape,
-        images: &Images,
         geometry: &Geometry,
-    ) -> Result<Capturing, TracerError> {
+    ) -> Result<Vec<RasterWork>, TracerError> {
+        let images = shape.views.iter().map(RasterImage::of_view);
+        let triangles = geometry.triangles.len() as u32;
+        self.raster.prepare_all(gpu, shape.drawn_by, images, geometry.on_device()?, triangles)
+    }
+
+    /// Prepares the capture of every view.
+    pub(crate) fn prepare<'a>(
+        &self,
+        gpu: &Gpu,
+        shape: &Shape,
+        images: &'a Images,
+        geometry: &Geometry,
+        work: &'a [RasterWork],
+    ) -> Result<Capturing<'a>, TracerError> {
         let device = geometry.on_device()?;
         for (name, buffer) in [("vertex positions", &device.positions), ("vertex indices", &device.indices)] {
             gpu.check_storage_binding(name, buffer.size(), "the scene's triangle count")?;
         }
-        let mut capturing =
-            Capturing { catch: Vec::new(), name: Vec::new(), vertices: geometry.triangles.len() as u32 * 3 };
+        let mut capturing = Capturing { work, catch: Vec::new(), name: Vec::new() };
+        let (vertices, compute) = (geometry.triangles.len() as u32 * 3, shape.drawn_by == DrawnBy::Compute);
         let (pixels, separation) = (shape.pixels() as u32, shape.separation as f32);
         for (number, view) in shape.views.iter().enumerate() {
             let first = number as u32 * shape.layers * pixels;
@@ -129,8 +146,9 @@ impl LayerPipelines {
                 };
                 let pass = uniform_buffer(gpu, "drawn layers", &pass)?;
                 let buffers = [&pass, &device.positions, &device.indices, codes, &images.names.buffer];
-                let resources = buffers.map(Buffer::as_entire_binding);
-                Ok::<_, TracerError>(Step::Draw(bind_group(gpu, &self.draw.get_bind_group_layout(0), &resources)))
+                let resources: Vec<_> = (0..).zip(buffers.map(Buffer::as_entire_binding)).collect();
+                let canvas = Canvas::of(work.get(number), images.target.as_ref(), vertices)?;
+                Ok::<_, TracerError>(Step::Draw(self.draw.pass(gpu, Layers { compute }, &resources, canvas)?))
             };
             let codes = &images.codes.buffer;
             match (shape.capture, &images.caught) {
@@ -172,9 +190,10 @@ impl LayerPipelines {
         &self,
         shape: &Shape,
         images: &Images,
-        capturing: &Capturing,
+        capturing: &Capturing<'_>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
+        RasterWork::record_all(capturing.work, clock)?;
         let phases = [("draw layers", &capturing.catch, true), ("name triangles", &capturing.name, false)];
         for (name, steps, is_first) in phases {
             clock.device_phase(name, |encoder| {
@@ -189,9 +208,7 @@ impl LayerPipelines {
                                 encoder.clear_buffer(&caught.buffer, 0, None);
                             }
                         }
-                        Step::Draw(bindings) => {
-                            images.target.draw(encoder, &self.draw, bindings, capturing.vertices);
-                        }
+                        Step::Draw(pass) => pass.record(encoder),
                         Step::Thin(bindings) => {
                             dispatch_linear(encoder, &self.thin, bindings, shape.pixels() as u32, WORKGROUP_SIZE);
                         }
@@ -203,9 +220,10 @@ impl LayerPipelines {
     }
 }
 
-/// Bytes of the uniforms of a capture, which are kept until it is done.
-pub(crate) fn uniform_bytes(shape: &Shape) -> u64 {
+/// Bytes of the uniforms of a capture, and of what deals triangles out, which are kept until it is done.
+pub(crate) fn capture_bytes(shape: &Shape, triangles: u32) -> u64 {
     let passes = if shape.capture == Capture::Peeling { shape.layers as usize } else { 1 } + 1;
     let thinned = if shape.thins() { size_of::<ThinPass>() } else { 0 };
-    (shape.views.len() * (passes * size_of::<LayerPass>() + thinned)) as u64
+    let dealt = if shape.drawn_by == DrawnBy::Compute { RasterWork::bytes(triangles, false) } else { 0 };
+    shape.views.len() as u64 * ((passes * size_of::<LayerPass>() + thinned) as u64 + dealt)
 }

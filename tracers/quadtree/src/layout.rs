@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::{SharedLayout, TracerError, View, Viewpoint};
-use tracebench_kit::{MOST_LEVELS, Pyramid, ViewUniform};
+use tracebench_kit::{DrawnBy, MOST_LEVELS, Pyramid, ViewUniform};
 
 use crate::description::{
     BackFaces, Capture, Dilated, DistanceIn, MOST_TREE_LEVELS, Normals, QuadtreeParameters, Views,
@@ -108,6 +108,8 @@ pub(crate) struct Shape {
     /// Pixels.
     pub dilation: f64,
     pub dilated: Dilated,
+    /// What draws.
+    pub drawn_by: DrawnBy,
 }
 
 impl Shape {
@@ -144,6 +146,7 @@ impl Shape {
             growth: parameters.gamma_growth,
             dilation: parameters.dilation,
             dilated: parameters.dilated,
+            drawn_by: parameters.build,
         })
     }
 

@@ -7,7 +7,7 @@ use tracebench_api::{
     Sampling, Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
 };
 
-use crate::build::{Pipelines, build_uniform_bytes};
+use crate::build::{Pipelines, build_bytes};
 use crate::description::{NO_REFIT, QuadtreeParameters};
 use crate::images::Images;
 use crate::layout::Shape;
@@ -22,6 +22,7 @@ pub(crate) struct QuadtreeStructure {
     pub pipelines: Arc<Pipelines>,
     pub shape: Shape,
     pub images: Images,
+    triangle_count: u32,
 }
 
 impl Quadtree {
@@ -44,7 +45,8 @@ impl Quadtree {
         let shape = Shape::new(viewpoint, geometry.diagonal(), &parameters)?;
         let images = Images::new(&self.pipelines.gpu, &shape, parameters.reads, None)?;
         self.pipelines.fill(&shape, &images, geometry, clock)?;
-        Ok(QuadtreeStructure { pipelines: Arc::clone(&self.pipelines), shape, images })
+        let triangle_count = geometry.triangles.len() as u32;
+        Ok(QuadtreeStructure { pipelines: Arc::clone(&self.pipelines), shape, images, triangle_count })
     }
 }
 
@@ -74,7 +76,7 @@ impl Structure for QuadtreeStructure {
                 let parameters = QuadtreeParameters::try_from(parameters)?;
                 let shape = Shape::new(viewpoint, geometry.diagonal(), &parameters)?;
                 // Images of the same size are drawn into what is there.
-                let sizes = |shape: &Shape| (shape.size(), shape.images(), shape.thins());
+                let sizes = |shape: &Shape| (shape.size(), shape.images(), shape.thins(), shape.drawn_by);
                 if sizes(&shape) == sizes(&self.shape) {
                     self.pipelines.fill(&shape, &self.images, geometry, clock)?;
                 } else {
@@ -83,7 +85,7 @@ impl Structure for QuadtreeStructure {
                     self.pipelines.fill(&shape, &images, geometry, clock)?;
                     self.images = images;
                 }
-                self.shape = shape;
+                (self.shape, self.triangle_count) = (shape, geometry.triangles.len() as u32);
                 Ok(())
             }
             Update::Refit => Err(TracerError::Unsupported(NO_REFIT.to_owned())),
@@ -102,7 +104,7 @@ impl Structure for QuadtreeStructure {
     fn memory(&self) -> MemoryReport {
         let mut ledger = Ledger::new();
         self.images.enter(&mut ledger);
-        ledger.borrow_transient(build_uniform_bytes(&self.shape));
+        ledger.borrow_transient(build_bytes(&self.shape, self.triangle_count));
         // Layers have all that hits and surfaces need.
         ledger.report(0)
     }

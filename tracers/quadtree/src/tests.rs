@@ -118,8 +118,8 @@ pub(crate) fn hostile() -> Vec<[[f32; 3]; 3]> {
     triangles
 }
 
-/// Every capture, with and without back faces and a separation, of every number of layers and view set, with normals of either kind
-/// and all thresholds, passes its own check: layers against a rasterizer on the host, nodes against those below them.
+/// Every capture, by the rasterizer and in compute, with and without back faces and a separation, of every number of layers and view set,
+/// with normals of either kind and all thresholds, passes its own check: layers against a rasterizer on the host, nodes against those below them.
 #[test]
 fn structures_are_sound() {
     let gpu = gpu();
@@ -136,6 +136,9 @@ fn structures_are_sound() {
         vec![("gamma_dist_in", "pixels"), ("gamma_dist", "2"), ("gamma_norm", "20"), ("gamma_growth", "8")],
         vec![("levels", "2"), ("gamma_dist", "0.1"), ("gamma_norm", "25"), ("dilated", "flagged")],
         vec![("levels", "0"), ("reads", "texture"), ("dilated", "none")],
+        vec![("build", "compute"), ("layers", "3")],
+        vec![("build", "compute"), ("layers", "2"), ("capture", "peeling"), ("views", "six")],
+        vec![("build", "compute"), ("minimum_separation", "0.01"), ("back_faces", "culled")],
     ];
     for settings in all {
         let statistics = built_by(&tracer, &gpu, &geometry, &settings).check(&geometry);

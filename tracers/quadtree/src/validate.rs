@@ -2,7 +2,7 @@
 
 use tracebench_api::glam::{DVec2, Vec3};
 use tracebench_api::{Geometry, TracerError};
-use tracebench_kit::{Allowed, Fragment, allowed_fragments, undecided_border};
+use tracebench_kit::{Allowed, Fragment, allowed_fragments};
 
 use crate::description::{Dilated, DistanceIn};
 use crate::images::Images;
@@ -290,7 +290,7 @@ impl QuadtreeStructure {
         };
         let mut counts = Counts::default();
         let step = (1..).find(|step| shape.pixels() / (step * step) <= MOST_COMPARED).unwrap_or(1) as u32;
-        let border = undecided_border(&tracebench_kit::rasterizer(gpu)?);
+        let border = shape.drawn_by.undecided_border(gpu)?;
         let [width, height] = shape.size();
         for (number, view) in shape.views.iter().enumerate() {
             let allowed = allowed_fragments(view, geometry, step, border);

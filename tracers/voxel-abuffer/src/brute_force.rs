@@ -1,13 +1,9 @@
 //! The layers that texels may and must have, and the voxels that may have anything: triangle by triangle, on the host, in f64.
 
+use tracebench_api::Geometry;
 use tracebench_api::glam::{DVec2, DVec3, Vec3};
-use tracebench_api::{Geometry, Rasterizer};
 
 use crate::layout::{AXES, UnitSpace, across_and_down};
-
-/// Within which distance of a triangle's border the device may decide either way, texels, beside what it snaps: positions of corners
-/// are f32.
-const BORDER_SLACK: f64 = 1.0 / 64.0;
 
 /// Difference of depths and places in the cube that f32 may make.
 pub(crate) const UNIT_SLACK: f64 = 2e-6;
@@ -17,11 +13,6 @@ const PLANE_SLACK: f64 = 2e-6;
 
 /// The same of the stored normal, of other edges.
 const NORMAL_SLACK: f64 = 1e-4;
-
-/// What the device decides either way within, texels.
-pub(crate) fn border(rasterizer: &Rasterizer) -> f64 {
-    rasterizer.border_pixels() + BORDER_SLACK
-}
 
 /// A stored layer.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use std::num::NonZeroU64;
 
 use tracebench_api::wgpu::{BindingResource, Buffer, BufferBinding};
 use tracebench_api::{Gpu, Ledger, TracerError};
-use tracebench_kit::{EmptyTarget, storage_buffer};
+use tracebench_kit::{DrawnBy, EmptyTarget, storage_buffer};
 
 use crate::layout::{AXES, AXIS_NAMES, Layout};
 use crate::nodes::{Nodes, TURN_DOWN};
@@ -48,7 +48,8 @@ pub(crate) struct Lists {
 /// All buffers.
 #[derive(Debug)]
 pub(crate) struct Buffers {
-    pub target: EmptyTarget,
+    /// None where there is no rasterizer.
+    pub target: Option<EmptyTarget>,
     /// What searches read of the grid.
     pub cells: Buffer,
     /// None where there are voxels only.
@@ -68,7 +69,8 @@ impl Buffers {
         check_sizes(gpu, layout)?;
         let cells = storage_buffer(gpu, cells_name(layout), u64::from(layout.cell_words()) * 4, TURN_GRID_DOWN)?;
         let lists = if layout.voxels_only { None } else { Some(Lists::new(gpu, layout, nodes)?) };
-        let target = EmptyTarget::new(gpu, TARGET, [layout.image(); 2])?;
+        let drawn = layout.drawn_by == DrawnBy::Raster;
+        let target = drawn.then(|| EmptyTarget::new(gpu, TARGET, [layout.image(); 2])).transpose()?;
         Ok(Self { target, cells, lists })
     }
 
@@ -95,7 +97,9 @@ impl Buffers {
             }
             lists.nodes.enter(taken.fragments, ledger);
         }
-        self.target.enter(ledger);
+        if let Some(target) = &self.target {
+            target.enter(ledger);
+        }
     }
 }
 
@@ -132,7 +136,7 @@ impl Lists {
             taken: storage_buffer(gpu, TAKEN, TAKEN_WORDS * 4, "nothing")?,
             sums: [grid(&sum_name(0))?, grid(&sum_name(1))?, grid(&sum_name(2))?],
             fragments: grid(FRAGMENTS)?,
-            nodes: Nodes::new(gpu, nodes)?,
+            nodes: Nodes::new(gpu, layout.drawn_by, nodes)?,
             head_stride: layout.head_stride(),
         })
     }

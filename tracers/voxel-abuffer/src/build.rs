@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, ComputePipeline, RenderPipeline};
+use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, ComputePipeline};
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
 use tracebench_kit::{
-    EmptyTarget, OnDemand, PipelinesOnDemand, bind_group, bind_group_at, check_limits, compute_pipeline,
-    dispatch_linear, storage_buffer, uniform_buffer,
+    Canvas, ComputeRaster, DrawnBy, EmptyTarget, OnDemand, PipelinesOnDemand, RasterImage, RasterWork, TrianglePass,
+    TrianglePipelines, bind_group, check_limits, compute_pipeline, dispatch_linear, storage_buffer, uniform_buffer,
 };
 use tracebench_shaders::voxel_abuffer::{AVERAGE, Fill, Order, Trace, Voxels};
 
@@ -30,7 +30,8 @@ pub(crate) enum Entry {
 /// Every pipeline, each made when it is first needed.
 pub(crate) struct Pipelines {
     pub gpu: Arc<Gpu>,
-    fill: OnDemand<Fill, RenderPipeline>,
+    raster: ComputeRaster,
+    fill: TrianglePipelines<Fill>,
     average: OnDemand<(), ComputePipeline>,
     order: PipelinesOnDemand<Order>,
     trace: OnDemand<(Trace, Entry), ComputePipeline>,
@@ -41,14 +42,15 @@ impl Pipelines {
     /// None yet. What every build and trace needs is asked of the device's limits.
     pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         for shader in [
-            Fill::Store { halves: false }.into(),
+            Fill::Store { halves: false, compute: false }.into(),
             Trace::Plain { textures: false, planes: true, surfaces: true, counters: true }.into(),
         ] {
             check_limits(&gpu, shader)?;
         }
         Ok(Self {
+            raster: ComputeRaster::new(&gpu),
             gpu,
-            fill: OnDemand::default(),
+            fill: TrianglePipelines::new(),
             average: OnDemand::default(),
             order: PipelinesOnDemand::new("order"),
             trace: OnDemand::default(),
@@ -56,8 +58,11 @@ impl Pipelines {
         })
     }
 
-    fn fill_by(&self, variant: Fill) -> Result<RenderPipeline, TracerError> {
-        self.fill.of(variant, || EmptyTarget::pipeline(&self.gpu, variant))
+    /// The triangles of every image dealt out, where there is no rasterizer.
+    fn deal_out(&self, layout: &Layout, geometry: &Geometry) -> Result<Vec<RasterWork>, TracerError> {
+        let image = |axis: usize| RasterImage::Axis { space: layout.space, axis: axis as u32 };
+        let (device, triangles) = (geometry.on_device()?, geometry.triangles.len() as u32);
+        self.raster.prepare_all(&self.gpu, layout.drawn_by, (0..AXES).map(image), device, triangles)
     }
 
     pub(crate) fn trace(&self, variant: Trace, entry: Entry) -> Result<ComputePipeline, TracerError> {
@@ -74,34 +79,37 @@ impl Pipelines {
         let gpu = &*self.gpu;
         check_sizes(gpu, layout)?;
         let taken = storage_buffer(gpu, "fragments of the axes", 4 * AXES as u64, "nothing")?;
-        let target = EmptyTarget::new(gpu, "attachment of a count", [layout.image(); 2])?;
-        let pipeline = self.fill_by(Fill::Tally)?;
+        let compute = layout.drawn_by == DrawnBy::Compute;
+        let name = "attachment of a count";
+        let target = (!compute).then(|| EmptyTarget::new(gpu, name, [layout.image(); 2])).transpose()?;
+        let work = self.deal_out(layout, geometry)?;
         let device = geometry.on_device()?;
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        work.iter().for_each(|work| work.record(&mut encoder));
         for axis in 0..AXES {
             let drawn = uniform_buffer(gpu, "drawn axis", &layout.drawn(axis, 0, 0))?;
-            let bound = [(0, &drawn), (1, &device.positions), (2, &device.indices), (5, &taken)];
-            let bound = bound.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
-            let bindings = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &bound);
-            target.draw(&mut encoder, &pipeline, &bindings, geometry.triangles.len() as u32 * 3);
+            let canvas = Canvas::of(work.get(axis), target.as_ref(), geometry.triangles.len() as u32 * 3)?;
+            let own = vec![(5, taken.as_entire_binding())];
+            self.draw(Fill::Tally { compute }, &drawn, device, own, canvas)?.record(&mut encoder);
         }
         gpu.queue.submit([encoder.finish()]);
         let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&taken, 4 * AXES as u64)?);
         counts.try_into().map_err(|_| TracerError::Failed("the counts were not read whole".to_owned()))
     }
 
-    /// What a pass along an axis draws with.
-    fn draw(
+    /// A pass along an axis.
+    fn draw<'a>(
         &self,
-        pipeline: &RenderPipeline,
+        variant: Fill,
         drawn: &Buffer,
         device: &DeviceGeometry,
         own: Vec<(u32, BindingResource<'_>)>,
-    ) -> BindGroup {
+        canvas: Canvas<'a>,
+    ) -> Result<TrianglePass<'a>, TracerError> {
         let shared = [(0, drawn), (1, &device.positions), (2, &device.indices)];
         let shared = shared.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
         let all: Vec<_> = shared.into_iter().chain(own).collect();
-        bind_group_at(&self.gpu, &pipeline.get_bind_group_layout(0), &all)
+        self.fill.pass(&self.gpu, variant, &all, canvas)
     }
 
     /// Records the whole build.
@@ -120,25 +128,29 @@ impl Pipelines {
             uniform_buffer(gpu, "drawn axis", &layout.drawn(axis, capacity, half))
         };
         let drawn = [uniform(0)?, uniform(1)?, uniform(2)?];
+        let compute = layout.drawn_by == DrawnBy::Compute;
+        let work = self.deal_out(layout, geometry)?;
+        let canvas = |axis: usize| Canvas::of(work.get(axis), buffers.target.as_ref(), vertices);
         let Some(lists) = &buffers.lists else {
-            let pipeline = self.fill_by(Fill::Voxels)?;
             let cells = || vec![(9, buffers.cells.as_entire_binding())];
-            let passes = drawn.each_ref().map(|drawn| self.draw(&pipeline, drawn, device, cells()));
+            let pass = |axis: usize| self.draw(Fill::Voxels { compute }, &drawn[axis], device, cells(), canvas(axis)?);
+            let passes = [pass(0)?, pass(1)?, pass(2)?];
+            RasterWork::record_all(&work, clock)?;
             return clock.device_phase("fill", |encoder| {
                 encoder.clear_buffer(&buffers.cells, 0, None);
-                passes.iter().for_each(|pass| buffers.target.draw(encoder, &pipeline, pass, vertices));
+                passes.iter().for_each(|pass| pass.record(encoder));
             });
         };
         let halves = lists.nodes.has_halves();
-        let fill = self.fill_by(Fill::Store { halves })?;
-        let passes: [BindGroup; AXES] = std::array::from_fn(|axis| {
+        let pass = |axis: usize| {
             let mut own = vec![(3, device.materials.as_entire_binding()), (4, lists.heads_of(axis))];
             own.extend([(5, lists.taken.as_entire_binding()), (6, lists.nodes.nodes_of(axis))]);
             own.extend((7..).zip(lists.nodes.data_of(axis)));
             own.extend((9..).zip(lists.sums.iter().map(Buffer::as_entire_binding)));
             own.push((12, lists.fragments.as_entire_binding()));
-            self.draw(&fill, &drawn[axis], device, own)
-        });
+            self.draw(Fill::Store { halves, compute }, &drawn[axis], device, own, canvas(axis)?)
+        };
+        let passes = [pass(0)?, pass(1)?, pass(2)?];
         let average = self.average.of((), || compute_pipeline(gpu, AVERAGE, "average"))?;
         let averaged = self.bind_average(layout, buffers, lists, &average)?;
         let order = self.order.of(gpu, Order { halves })?;
@@ -148,11 +160,12 @@ impl Pipelines {
             own.extend(lists.nodes.data_of(axis));
             bind_group(gpu, &order.get_bind_group_layout(0), &own)
         });
+        RasterWork::record_all(&work, clock)?;
         clock.device_phase("fill", |encoder| {
             for cleared in lists.sums.iter().chain([&lists.heads, &lists.taken, &lists.fragments]) {
                 encoder.clear_buffer(cleared, 0, None);
             }
-            passes.iter().for_each(|pass| buffers.target.draw(encoder, &fill, pass, vertices));
+            passes.iter().for_each(|pass| pass.record(encoder));
         })?;
         clock.device_phase("average normals", |encoder| {
             dispatch_linear(encoder, &average, &averaged, layout.cell_words(), WORKGROUP_SIZE);
@@ -179,8 +192,9 @@ impl Pipelines {
     }
 }
 
-/// Bytes of the uniforms of a build, which are kept until it is done.
-pub(crate) fn build_uniform_bytes(layout: &Layout) -> u64 {
+/// Bytes of the uniforms of a build, and of what deals triangles out, which are kept until it is done.
+pub(crate) fn build_bytes(layout: &Layout, triangles: u32) -> u64 {
+    let dealt = if layout.drawn_by == DrawnBy::Compute { AXES as u64 * RasterWork::bytes(triangles, true) } else { 0 };
     let averaged = if layout.voxels_only { 0 } else { size_of::<AveragedGrid>() };
-    (AXES * size_of::<DrawnAxis>() + averaged) as u64
+    (AXES * size_of::<DrawnAxis>() + averaged) as u64 + dealt
 }

@@ -2,7 +2,7 @@
 
 use tracebench_api::ParameterScope::{Build, Trace};
 use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
-use tracebench_kit::{Fit, Reads, rays_per_lane_parameter, reads_parameter};
+use tracebench_kit::{DrawnBy, Fit, Reads, build_parameter, rays_per_lane_parameter, reads_parameter};
 
 use crate::layout::layouts;
 
@@ -162,6 +162,7 @@ parameters! {
         .unit("texels")
         .improved(1.0)
         .sweep([0.0, 0.5, 1.0, 2.0, 4.0]),
+        build: DrawnBy = build_parameter(),
         reads: Reads = reads_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),
     }

@@ -2,6 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::{Geometry, ImageChoice, Sampling, SharedLayout, Viewpoint, VoxelGrid};
+use tracebench_kit::DrawnBy;
 pub(crate) use tracebench_kit::{UnitSpace, across_and_down};
 
 use crate::description::{Averaged, Crossing, Fed, Held, InTexel, VoxelParameters};
@@ -82,6 +83,8 @@ pub(crate) struct Layout {
     pub fed: Fed,
     pub averaged: Averaged,
     pub cancelled_below: f64,
+    /// What draws.
+    pub drawn_by: DrawnBy,
 }
 
 /// Edge of the images where none is said: two and a half faces, 1280 texels at faces of 512.
@@ -108,6 +111,7 @@ impl Layout {
             fed: parameters.average_from,
             averaged: parameters.average,
             cancelled_below: parameters.cancelled_below,
+            drawn_by: parameters.build,
         }
     }
 

@@ -4,7 +4,7 @@ use std::num::NonZeroU64;
 
 use tracebench_api::wgpu::{BindingResource, Buffer, BufferBinding};
 use tracebench_api::{Gpu, Ledger, TracerError};
-use tracebench_kit::{check_limits, storage_buffer};
+use tracebench_kit::{DrawnBy, check_limits, storage_buffer};
 use tracebench_shaders::voxel_abuffer::{Fill, Trace};
 
 use crate::layout::{AXES, AXIS_NAMES};
@@ -57,10 +57,10 @@ impl Nodes {
     ///
     /// # Errors
     /// [`TracerError::TooLarge`] if the device cannot bind them, not even each axis by itself.
-    pub(crate) fn new(gpu: &Gpu, needed: [u32; AXES]) -> Result<Self, TracerError> {
+    pub(crate) fn new(gpu: &Gpu, drawn_by: DrawnBy, needed: [u32; AXES]) -> Result<Self, TracerError> {
         let capacities = capacities(gpu, needed)?;
         match Self::whole(gpu, capacities) {
-            Err(error @ TracerError::TooLarge { .. }) if !binds_every_axis(gpu) => Err(error),
+            Err(error @ TracerError::TooLarge { .. }) if !binds_every_axis(gpu, drawn_by) => Err(error),
             Err(TracerError::TooLarge { .. }) => Self::by_axis(gpu, capacities),
             made => made,
         }
@@ -207,8 +207,8 @@ fn capacities(gpu: &Gpu, needed: [u32; AXES]) -> Result<[u32; AXES], TracerError
 }
 
 /// Whether the device can bind buffers of their own for every axis at once.
-pub(crate) fn binds_every_axis(gpu: &Gpu) -> bool {
+fn binds_every_axis(gpu: &Gpu, drawn_by: DrawnBy) -> bool {
     let traced = Trace::Split { planes: true, surfaces: true, counters: true }.into();
-    let filled = Fill::Store { halves: true }.into();
+    let filled = Fill::Store { halves: true, compute: drawn_by == DrawnBy::Compute }.into();
     check_limits(gpu, traced).and_then(|()| check_limits(gpu, filled)).is_ok()
 }

@@ -10,7 +10,7 @@ use tracebench_kit::{LastCount, grow};
 
 use crate::arrays::Arrays;
 use crate::buffers::{Buffers, Taken};
-use crate::build::{Pipelines, build_uniform_bytes};
+use crate::build::{Pipelines, build_bytes};
 use crate::description::{NO_REFIT, VoxelParameters};
 use crate::layout::{AXES, Layout};
 use crate::nodes::Nodes;
@@ -29,6 +29,7 @@ pub(crate) struct VoxelStructure {
     pub layout: Layout,
     pub buffers: Buffers,
     pub arrays: Arrays,
+    triangle_count: u32,
 }
 
 impl VoxelAbuffer {
@@ -58,7 +59,8 @@ impl VoxelAbuffer {
         let arrays = Arrays::new(gpu, parameters.reads, &buffers, None)?;
         self.pipelines.build(&layout, &buffers, geometry, clock)?;
         arrays.record_copies(clock)?;
-        Ok(VoxelStructure { pipelines: Arc::clone(&self.pipelines), layout, buffers, arrays })
+        let triangle_count = geometry.triangles.len() as u32;
+        Ok(VoxelStructure { pipelines: Arc::clone(&self.pipelines), layout, buffers, arrays, triangle_count })
     }
 }
 
@@ -77,7 +79,7 @@ impl Tracer for VoxelAbuffer {
 impl VoxelStructure {
     fn rebuild(&mut self, geometry: &Geometry, layout: Layout, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
         let gpu = &*self.pipelines.gpu;
-        let sizes = |layout: &Layout| (layout.voxels_only, layout.image(), layout.space.grid);
+        let sizes = |layout: &Layout| (layout.voxels_only, layout.image(), layout.space.grid, layout.drawn_by);
         let new = match sizes(&layout) == sizes(&self.layout) {
             true => None,
             false => {
@@ -90,6 +92,7 @@ impl VoxelStructure {
         self.pipelines.build(&layout, buffers, geometry, clock)?;
         arrays.record_copies(clock)?;
         (self.arrays, self.layout) = (arrays, layout);
+        self.triangle_count = geometry.triangles.len() as u32;
         if let Some(buffers) = new {
             self.buffers = buffers;
         }
@@ -125,11 +128,11 @@ impl Structure for VoxelStructure {
         if fits {
             return check(&taken).map(|()| false);
         }
-        let reads = self.arrays.reads();
+        let (reads, drawn_by) = (self.arrays.reads(), self.layout.drawn_by);
         let there = lists.nodes.capacities;
         grow(&taken.fragments, |counts| {
             // An axis that fits keeps what it has.
-            lists.nodes = Nodes::new(gpu, std::array::from_fn(|axis| counts[axis].max(there[axis])))?;
+            lists.nodes = Nodes::new(gpu, drawn_by, std::array::from_fn(|axis| counts[axis].max(there[axis])))?;
             Ok(())
         })?;
         self.arrays = Arrays::new(gpu, reads, &self.buffers, Some(&self.arrays))?;
@@ -150,7 +153,7 @@ impl Structure for VoxelStructure {
         let taken = self.buffers.taken(&self.pipelines.gpu).unwrap_or_default();
         self.buffers.enter(&self.layout, &taken, &mut ledger);
         self.arrays.enter(&mut ledger);
-        ledger.borrow_transient(build_uniform_bytes(&self.layout));
+        ledger.borrow_transient(build_bytes(&self.layout, self.triangle_count));
         // Fragments have all that hits and surfaces need.
         ledger.report(0)
     }

@@ -5,7 +5,7 @@ use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::wgpu::Buffer;
 use tracebench_api::{Geometry, TracerError};
 
-use crate::brute_force::{AllowedLayers, Layer, UNIT_SLACK, allowed_layers, border, normal_is_noise, touched_voxels};
+use crate::brute_force::{AllowedLayers, Layer, UNIT_SLACK, allowed_layers, normal_is_noise, touched_voxels};
 use crate::buffers::{Lists, Taken};
 use crate::description::{Averaged, Fed};
 use crate::layout::{AXES, AXIS_NAMES, Layout, NORMAL_UNIT, across_and_down};
@@ -89,7 +89,7 @@ impl VoxelStructure {
         let layout = &self.layout;
         let texels = u64::from(layout.texels());
         let step = (1..).find(|step| texels / (step * step) <= MOST_COMPARED).unwrap_or(1) as u32;
-        let border = border(&tracebench_kit::rasterizer(&self.pipelines.gpu)?);
+        let border = layout.drawn_by.undecided_border(&self.pipelines.gpu)?;
         let allowed = |axis| allowed_layers(layout.space, geometry, axis, step, border);
         let allowed: [AllowedLayers; AXES] = std::array::from_fn(allowed);
         let codes = self.voxel_codes()?;
@@ -139,8 +139,8 @@ impl VoxelStructure {
         codes: &[u32],
     ) -> Result<(), TracerError> {
         let space = self.layout.space;
-        let rasterizer = tracebench_kit::rasterizer(&self.pipelines.gpu)?;
-        let touched = touched_voxels(space, geometry, border(&rasterizer), |_| true);
+        let border = self.layout.drawn_by.undecided_border(&self.pipelines.gpu)?;
+        let touched = touched_voxels(space, geometry, border, |_| true);
         if let Some(voxel) = codes.iter().zip(&touched).position(|(code, touched)| *code != 0 && !touched) {
             return fail(format!("voxel {voxel} is marked, and no triangle touches it"));
         }

@@ -10,7 +10,7 @@ use crate::structure::check;
 use tracebench_api::Update;
 use tracebench_api::glam::Vec3;
 
-const VARIANTS: [&[(&str, &str)]; 8] = [
+const VARIANTS: [&[(&str, &str)]; 10] = [
     &[],
     &[("fit", "box")],
     &[("average_from", "dominant")],
@@ -19,6 +19,8 @@ const VARIANTS: [&[(&str, &str)]; 8] = [
     &[("abuffer", "33"), ("grid", "40")],
     &[("reads", "texture")],
     &[("structure", "voxels-only"), ("grid", "50")],
+    &[("build", "compute"), ("fit", "box")],
+    &[("build", "compute"), ("structure", "voxels-only"), ("grid", "50")],
 ];
 
 /// What is stored of hostile triangles is what a rasterizer and a voxelizer on the host give, in order, by every shape of the structure;
@@ -28,7 +30,15 @@ fn what_is_stored_is_what_the_host_draws() {
     let gpu = gpu();
     let geometry = soup(&hostile(), Some(&gpu));
     for settings in VARIANTS {
-        let statistics = built(&gpu, &geometry, settings).validate_against(&geometry);
+        let structure = match try_built(&gpu, &geometry, settings) {
+            // In compute lists bind more at once than some drivers allow.
+            Err(TracerError::Unavailable(why)) if settings.contains(&("build", "compute")) => {
+                assert!(why.contains("storage buffers in a stage"), "{why}");
+                continue;
+            }
+            built => built.unwrap(),
+        };
+        let statistics = structure.validate_against(&geometry);
         let statistics = statistics.unwrap_or_else(|error| panic!("{settings:?}: {error}"));
         let of = |name: &str| statistics.iter().find(|(each, _)| *each == name).unwrap().1;
         assert!(of("occupied_voxels") > 100.0 && of("occupied_voxels") < of("voxels"), "{settings:?}: {statistics:?}");
