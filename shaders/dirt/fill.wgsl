@@ -1,5 +1,6 @@
 // The two geometry passes of DIRT (sections 4.1.1 and 4.1.2): every triangle's part in every tile that it covers, first
-// into the tile's depth bounds, then into the lists of the buckets that the part's depths overlap.
+// into the tile's depth bounds, then into the lists of the buckets that the part's depths overlap. With COMPUTE without the rasterizer:
+// what a triangle touches is found the same, bit for bit; which centres it covers by the rule of tracebench::coverage.
 
 #import tracebench::view::{View, to_eye_space, clip_position}
 #import tracebench::tile_clip::{DepthRange, TileFrustum, TileRectangle, tile_margin, tile_frustum, polygon_range, plane_range, joined, rectangle_corner}
@@ -7,6 +8,15 @@
 #import tracebench::dirt_grid::{TileGrid, Node, bounds_index, head_index}
 #import tracebench::dirt_drawn::{DrawnTriangles, NOTHING_DRAWN}
 #import tracebench::dirt_vertices::corner_of
+#ifdef COMPUTE
+#import tracebench::dispatch::linear_workgroup
+#import tracebench::raster_work::{RasterPart, part_of}
+#ifdef CONSERVATIVE
+#import tracebench::tile_clip::{tile_rectangle, tiles_frustum}
+#else
+#import tracebench::coverage::{outline_in_view, rows_of_outline, span_of_row}
+#endif
+#endif
 
 struct FillPass {
     view: View,
@@ -20,7 +30,9 @@ struct FillPass {
 
 @group(0) @binding(0) var<uniform> grid: TileGrid;
 @group(0) @binding(1) var<uniform> drawn: FillPass;
+#ifndef COMPUTE
 @group(0) @binding(3) var<storage, read> listed: DrawnTriangles;
+#endif
 // Of depth bounds and heads, the drawn view's part.
 #ifdef PRIMITIVES
 @group(0) @binding(4) var<storage, read> bounds: array<vec2<u32>>;
@@ -46,11 +58,6 @@ struct FillPass {
 @group(0) @binding(4) var<storage, read_write> bounds: array<atomic<u32>>;
 #endif
 
-struct Corner {
-    @builtin(position) position: vec4<f32>,
-    @location(0) @interpolate(flat) triangle: u32,
-}
-
 // More nodes than any device holds, and far enough from 2^32 for what runs at the same time.
 const MOST_NODES: u32 = 0xf0000000u;
 
@@ -60,40 +67,6 @@ const DEPTH_SLACK: f32 = 9.5367431640625e-7;
 fn eye_point(triangle: u32, corner: u32) -> vec3<f32> {
     return to_eye_space(drawn.view, corner_of(triangle, corner));
 }
-
-#ifdef CONSERVATIVE
-fn unpacked(tile: u32) -> vec2<f32> {
-    return vec2<f32>(vec2<u32>(tile & 0xffffu, tile >> 16u));
-}
-
-// Two triangles a triangle: the rectangle of tiles that it may touch.
-@vertex
-fn vertex(@builtin(vertex_index) index: u32) -> Corner {
-    let number = index / 6u;
-    if (number >= listed.counts[drawn.view_index]) {
-        return Corner(NOTHING_DRAWN, 0u);
-    }
-    let entry = listed.entries[drawn.first_entry + number];
-    let rectangle = TileRectangle(unpacked(entry.first), unpacked(entry.last));
-    return Corner(rectangle_corner(rectangle, grid.tiles, index), entry.triangle);
-}
-#else
-// Tiles whose centres a triangle covers, by the rasterizer's own rule.
-@vertex
-fn vertex(@builtin(vertex_index) index: u32) -> Corner {
-    let number = index / 3u;
-    if (number >= listed.counts[drawn.view_index]) {
-        return Corner(NOTHING_DRAWN, 0u);
-    }
-    let triangle = listed.entries[drawn.first_entry + number].triangle;
-    let position = clip_position(drawn.view, eye_point(triangle, index % 3u));
-    // The last column and row of tiles may reach beyond the view, and the attachment with them.
-    let scale = drawn.view.size / vec2<f32>(grid.tiles);
-    let x = (position.x + position.w) * scale.x - position.w;
-    let y = position.w - (position.w - position.y) * scale.y;
-    return Corner(vec4<f32>(x, y, position.zw), triangle);
-}
-#endif
 
 #ifdef PRIMITIVES
 // Takes nodes in a row, one addition for all copies of a part, and gives the first.
@@ -145,16 +118,15 @@ fn store_node(index: u32, node: Node) {
 }
 #endif
 
-@fragment
-fn fragment(in: Corner) -> @location(0) vec4<f32> {
-    let tile = vec2<u32>(in.position.xy);
-    let a = eye_point(in.triangle, 0u);
-    let b = eye_point(in.triangle, 1u);
-    let c = eye_point(in.triangle, 2u);
+// A triangle's part in a tile.
+fn put_part(tile: vec2<u32>, triangle: u32) {
+    let a = eye_point(triangle, 0u);
+    let b = eye_point(triangle, 1u);
+    let c = eye_point(triangle, 2u);
     let frustum = tile_frustum(drawn.view, tile, tile_margin(drawn.view.size));
     var range = polygon_range(frustum, a, b, c);
     if (range.least > range.greatest || any(tile >= grid.tiles)) {
-        return vec4<f32>(0.0);
+        return;
     }
     if (drawn.by_plane == 1u) {
         // Never less than the polygon's: of a plane through the view's centre the corner lines tell nothing.
@@ -176,12 +148,114 @@ fn fragment(in: Corner) -> @location(0) vec4<f32> {
         let node = first_node + bucket - first;
         if (node < grid.node_capacity) {
             let head = head_index(grid, 0u, tile, bucket);
-            store_node(node, Node(atomicExchange(&heads[head], node + 1u), in.triangle));
+            store_node(node, Node(atomicExchange(&heads[head], node + 1u), triangle));
         }
     }
 #else
     atomicMax(&bounds[2u * index], near_code(least));
     atomicMax(&bounds[2u * index + 1u], far_code(greatest));
 #endif
+}
+
+#ifdef COMPUTE
+const WORKGROUP_SIZE: u32 = 64u;
+
+#ifdef CONSERVATIVE
+// Rows with fewer tiles are not asked whether the triangle touches them.
+const SHORT_ROW: i32 = 4;
+
+fn put_parts(part: RasterPart) {
+    let a = eye_point(part.triangle, 0u);
+    let b = eye_point(part.triangle, 1u);
+    let c = eye_point(part.triangle, 2u);
+    let touched = tile_rectangle(drawn.view, grid.tiles, a, b, c);
+    let low = max(vec2<i32>(touched.first), part.low);
+    let high = min(vec2<i32>(touched.last), part.high);
+    for (var row = low.y; row < high.y; row++) {
+        if (high.x - low.x > SHORT_ROW) {
+            let frustum = tiles_frustum(drawn.view, vec2<i32>(low.x, row), vec2<i32>(high.x, row + 1));
+            let range = polygon_range(frustum, a, b, c);
+            if (range.least > range.greatest) {
+                continue;
+            }
+        }
+        for (var column = low.x; column < high.x; column++) {
+            put_part(vec2<u32>(vec2<i32>(column, row)), part.triangle);
+        }
+    }
+}
+#else
+fn put_parts(part: RasterPart) {
+    let a = corner_of(part.triangle, 0u);
+    let b = corner_of(part.triangle, 1u);
+    let c = corner_of(part.triangle, 2u);
+    if (!outline_in_view(drawn.view, a, b, c)) {
+        return;
+    }
+    let rows = rows_of_outline();
+    for (var row = max(rows.x, part.low.y); row < min(rows.y, part.high.y); row++) {
+        let span = span_of_row(row);
+        for (var column = max(span.x, part.low.x); column < min(span.y, part.high.x); column++) {
+            put_part(vec2<u32>(vec2<i32>(column, row)), part.triangle);
+        }
+    }
+}
+#endif
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn draw(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let part = part_of(linear_workgroup(workgroup, workgroups), local);
+    if (all(part.low < part.high)) {
+        put_parts(part);
+    }
+}
+#else
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat) triangle: u32,
+}
+
+#ifdef CONSERVATIVE
+fn unpacked(tile: u32) -> vec2<f32> {
+    return vec2<f32>(vec2<u32>(tile & 0xffffu, tile >> 16u));
+}
+
+// Two triangles a triangle: the rectangle of tiles that it may touch.
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> Corner {
+    let number = index / 6u;
+    if (number >= listed.counts[drawn.view_index]) {
+        return Corner(NOTHING_DRAWN, 0u);
+    }
+    let entry = listed.entries[drawn.first_entry + number];
+    let rectangle = TileRectangle(unpacked(entry.first), unpacked(entry.last));
+    return Corner(rectangle_corner(rectangle, grid.tiles, index), entry.triangle);
+}
+#else
+// Tiles whose centres a triangle covers, by the rasterizer's own rule.
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> Corner {
+    let number = index / 3u;
+    if (number >= listed.counts[drawn.view_index]) {
+        return Corner(NOTHING_DRAWN, 0u);
+    }
+    let triangle = listed.entries[drawn.first_entry + number].triangle;
+    let position = clip_position(drawn.view, eye_point(triangle, index % 3u));
+    // The last column and row of tiles may reach beyond the view, and the attachment with them.
+    let scale = drawn.view.size / vec2<f32>(grid.tiles);
+    let x = (position.x + position.w) * scale.x - position.w;
+    let y = position.w - (position.w - position.y) * scale.y;
+    return Corner(vec4<f32>(x, y, position.zw), triangle);
+}
+#endif
+
+@fragment
+fn fragment(in: Corner) -> @location(0) vec4<f32> {
+    put_part(vec2<u32>(in.position.xy), in.triangle);
     return vec4<f32>(0.0);
 }
+#endif

@@ -1,27 +1,15 @@
 // Rasterizes what is nearest at every pixel's centre: its linear eye depth, or the number of its triangle. With BEHIND that is the
-// nearest behind a layer that was drawn before (depth peeling; Everitt, "Interactive Order-Independent Transparency", NVIDIA, 2001).
+// nearest behind a layer that was drawn before.
 
 #import tracebench::view::{View, to_eye_space, clip_position}
 #import tracebench::plane_depth::{FlatTriangle, flat_triangle, plane_depth, tested_depth}
+#ifdef BEHIND
+#import tracebench::passed_layer::lies_behind
+#endif
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<storage, read> positions: array<f32>;
 @group(0) @binding(2) var<storage, read> indices: array<u32>;
-#ifdef BEHIND
-struct Passing {
-    // Scene units: what is nearer to the layer before counts as that (Mara, McGuire, Luebke, "Lighting Deep G-Buffers", NVIDIA, 2013).
-    separation: f32,
-    // 1: faces that turn their back to the eye alone.
-    backs_only: u32,
-    padding: vec2<u32>,
-}
-
-@group(0) @binding(3) var<uniform> passing: Passing;
-@group(0) @binding(4) var passed: texture_2d<f32>;
-
-// What the same surface's depth may differ by between two passes, share: their pipelines are two, which a driver may round in two ways.
-const PASS_SLACK: f32 = 4e-6;
-#endif
 
 struct Corner {
     @builtin(position) position: vec4<f32>,
@@ -69,10 +57,8 @@ struct Seen {
 fn fragment(in: Corner) -> Seen {
     let depth = plane_depth(view, FlatTriangle(in.plane, in.depths), in.position.xy);
 #ifdef BEHIND
-    let before = textureLoad(passed, vec2<i32>(in.position.xy), 0).x;
     // The plane's normal is on the side from which the corners run counter-clockwise, its offset that of the eye's distance.
-    let shows_back = in.plane.w > 0.0;
-    if (!(depth > before * (1.0 + PASS_SLACK) + passing.separation) || (passing.backs_only == 1u && !shows_back)) {
+    if (!lies_behind(depth, vec2<i32>(in.position.xy), in.plane.w > 0.0)) {
         discard;
     }
 #endif

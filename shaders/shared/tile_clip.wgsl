@@ -41,6 +41,19 @@ fn tile_frustum(view: View, tile: vec2<u32>, margin: f32) -> TileFrustum {
     );
 }
 
+// The frustum of tiles from `first` to before `last`, grown by an eighth of one: what does not touch it touches none of its tiles, however
+// f32 rounds.
+fn tiles_frustum(view: View, first: vec2<i32>, last: vec2<i32>) -> TileFrustum {
+    let low = (vec2<f32>(first) - 0.125) * 2.0 / view.size;
+    let high = (vec2<f32>(last) + 0.125) * 2.0 / view.size;
+    return TileFrustum(
+        vec2<f32>((low.x - 1.0) * view.tan_half_width, (1.0 - high.y) * view.tan_half_height),
+        vec2<f32>((high.x - 1.0) * view.tan_half_width, (1.0 - low.y) * view.tan_half_height),
+        view.near,
+        view.far,
+    );
+}
+
 fn joined(a: DepthRange, b: DepthRange) -> DepthRange {
     return DepthRange(min(a.least, b.least), max(a.greatest, b.greatest));
 }

@@ -6,12 +6,12 @@
 //!
 //! ```
 //! use tracebench_shaders::{Shader, dirt};
-//! let shader = Shader::from(dirt::Fill::Primitives { conservative: true, split: false });
+//! let shader = Shader::from(dirt::Fill::Primitives { conservative: true, split: false, compute: false });
 //! assert_eq!(shader.name, "dirt/fill PRIMITIVES CONSERVATIVE");
 //! ```
 //! ```compile_fail
 //! // Depth bounds have no lists that could be split.
-//! let shader = tracebench_shaders::dirt::Fill::Plain { conservative: true, split: false };
+//! let shader = tracebench_shaders::dirt::Fill::Plain { conservative: true, split: false, compute: false };
 //! ```
 
 #[cfg(test)]

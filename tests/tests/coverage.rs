@@ -1,14 +1,19 @@
-//! The rule by which triangles are rasterized in compute: on the device against integers and f64 on the host.
+//! The rule by which triangles are rasterized in compute: on the device against integers and f64 on the host, and beside the device's own
+//! rasterizer.
 
-use tracebench_api::View;
+use std::sync::Arc;
+
 use tracebench_api::glam::{DVec2, DVec3, Vec3};
 use tracebench_api::wgpu::{Buffer, BufferUsages};
+use tracebench_api::{Geometry, Parameters, PhaseClock, Preset, View};
+use tracebench_harness::registry::find;
 use tracebench_kit::{
-    SUBPIXELS, TileBounds, ViewUniform, bind_group_at, clipped_polygon, compute_pipeline, covers_centre,
-    dispatch_linear, eye_space,
+    DrawnBy, EyeDepthTarget, LayerTarget, NO_SURFACE, NearestLayers, NearestScene, Passing, SUBPIXELS, TileBounds,
+    ViewUniform, allowed_fragments, bind_group_at, clipped_polygon, compute_pipeline, covers_centre, dispatch_linear,
+    eye_space,
 };
 use tracebench_shaders::test::COVERAGE_FUNCTIONS;
-use tracebench_tests::{Numbers, gpu, viewpoint};
+use tracebench_tests::{Numbers, gpu, soup, viewpoint};
 
 /// Pixels of an image's edge, in integers.
 const EDGE: i64 = 16;
@@ -215,4 +220,128 @@ fn outlines_are_those_of_clipping_in_f64() {
     assert!(sure > 40_000 && cut > 50, "{sure} {cut}");
     let wider = View { tan_half_width: view.tan_half_width * 1.01, ..view };
     assert!(outlines_misfit(&wider, &triangles, &found).0.len() > 100);
+}
+
+/// The nearest depths of a view and those behind them, row by row from the top.
+fn drawn(geometry: &Geometry, view: &View, drawn_by: DrawnBy) -> [Vec<f32>; 2] {
+    let gpu = gpu();
+    let layers = NearestLayers::of_depths(&gpu).unwrap();
+    let target = EyeDepthTarget::of_images(&gpu, view.size, 2).unwrap();
+    let (device, triangle_count) = (geometry.on_device().unwrap(), geometry.triangles.len() as u32);
+    let scene = NearestScene { drawn_by, view, geometry: device, triangle_count };
+    let passed = [None, Some((&target.images[0], Passing::behind(0.0)))];
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    for ((layer, image), passed) in (0..).zip(&target.images).zip(passed) {
+        let pass = layers.prepare(&gpu, scene, passed).unwrap();
+        layers.record(&mut encoder, &pass, LayerTarget { image, layer, test: &target.test });
+    }
+    gpu.queue.submit([encoder.finish()]);
+    [0, 1].map(|image| target.read_image(&gpu, image).unwrap())
+}
+
+/// Ulps by which depths of one triangle may differ: a depth test tells no nearer ones apart.
+const DEPTH_ULPS: u32 = 8;
+
+/// What differs between two drawings of a view: pixels at which some triangle's border lies so near that either may decide, and
+/// those without such a reason.
+fn differing(geometry: &Geometry, view: &View, [one, other]: [&[Vec<f32>; 2]; 2]) -> [usize; 2] {
+    let border = |drawn_by: DrawnBy| drawn_by.undecided_border(&gpu()).unwrap();
+    let allowed = allowed_fragments(view, geometry, 1, f64::max(border(DrawnBy::Raster), border(DrawnBy::Compute)));
+    let mut counts = [0; 2];
+    for (column, row) in (0..view.size[1]).flat_map(|row| (0..view.size[0]).map(move |column| (column, row))) {
+        let at = (row * view.size[0] + column) as usize;
+        let same = |layer: usize| one[layer][at].to_bits().abs_diff(other[layer][at].to_bits()) <= DEPTH_ULPS;
+        if !(same(0) && same(1)) {
+            let undecided = allowed.of([column, row]).iter().any(|each| !each.must);
+            counts[usize::from(!undecided)] += 1;
+        }
+    }
+    counts
+}
+
+/// Proves that what is nearest and what lies behind it are the same by the device's rasterizer and in compute, to within ulps, at every
+/// pixel at which no border lies within what either rounds; and, as a negative control, that a view half a pixel aside is noticed.
+#[test]
+fn both_draw_the_same() {
+    let view = view();
+    // The largest ones rasterizers may lose.
+    let kept: Vec<_> =
+        triangles().into_iter().filter(|corners| corners.iter().flatten().all(|x| x.abs() < 1e4)).collect();
+    let geometry = soup(&kept, Some(&gpu()));
+    let [raster, compute] = [DrawnBy::Raster, DrawnBy::Compute].map(|drawn_by| drawn(&geometry, &view, drawn_by));
+    let [undecided, wrong] = differing(&geometry, &view, [&raster, &compute]);
+    let pixels = raster[0].len();
+    assert_eq!(wrong, 0, "and {undecided} undecided of {pixels}");
+    assert!(undecided * 50 < pixels, "{undecided} of {pixels}");
+    println!("{undecided} of {pixels} pixels differ, each with a border beside its centre");
+    let covered = compute.each_ref().map(|image| image.iter().filter(|depth| **depth != NO_SURFACE).count());
+    assert!(covered[0] > pixels / 2 && covered[1] > pixels / 4, "{covered:?} of {pixels}");
+    let aside = View { forward: (view.forward + view.right * (view.tan_half_width / 63.0)).normalize(), ..view };
+    let moved = drawn(&geometry, &aside, DrawnBy::Compute);
+    assert!(differing(&geometry, &view, [&raster, &moved])[1] > 10);
+}
+
+/// A wall of so many cells along either edge, two triangles each, whose inner vertices lie anywhere about their places: beyond the whole view.
+fn wall(cells: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    let mut numbers = Numbers::new(43);
+    let mut place = |at: u32| {
+        let off = if at == 0 || at == cells { 0.0 } else { 0.1 * numbers.signed() };
+        ((f64::from(at) + off) / f64::from(cells) * 24.0 - 12.0) as f32
+    };
+    let mut positions = Vec::new();
+    for (x, y) in (0..=cells).flat_map(|y| (0..=cells).map(move |x| (x, y))) {
+        positions.push([place(x), place(y), -5.0]);
+    }
+    let row = cells + 1;
+    let firsts = (0..cells).flat_map(|y| (0..cells).map(move |x| y * row + x));
+    let triangles = firsts.flat_map(|a| [[a, a + 1, a + row + 1], [a, a + row + 1, a + row]]).collect();
+    (positions, triangles)
+}
+
+/// Fragments that are drawn in compute of a scene, in one view of so many pixels.
+fn fragments(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> (usize, usize) {
+    let (gpu, frame) = (gpu(), [320, 200]);
+    let geometry = Geometry::new(positions.to_vec(), triangles.to_vec(), Some(&gpu)).unwrap();
+    let registration = find("fragment-abuffer").unwrap();
+    let described = (registration.describe)().parameters;
+    let mut parameters = Parameters::preset(&described, Preset::Published);
+    for (name, value) in [("build", "compute"), ("views", "frame"), ("storage", "ll")] {
+        parameters.set(&described, name, value).unwrap();
+    }
+    let eye = Vec3::new(0.3, -0.2, 0.1);
+    let viewpoint = viewpoint(eye, eye - Vec3::Z, 0.1, 2e3, frame);
+    let mut clock = PhaseClock::new(Some(&gpu));
+    let tracer = registration.create(&Ok(Arc::clone(&gpu))).unwrap();
+    let structure = tracer.build(&geometry, &viewpoint, &parameters, &mut clock).unwrap();
+    clock.finish().unwrap();
+    let statistics = structure.validate(&geometry).unwrap();
+    let found = statistics.iter().find(|(name, _)| *name == "fragments").unwrap().1;
+    (found as usize, frame.map(|edge| edge as usize).iter().product())
+}
+
+/// Proves that triangles with common edges leave no pixel out and share none, where a lane draws them whole, where they are divided into
+/// blocks, and where both kinds meet; and, as negative controls, that one too few and one too many are noticed.
+#[test]
+fn neighbours_leave_no_gap_and_share_no_pixel() {
+    for cells in [1, 6, 60] {
+        let (positions, triangles) = wall(cells);
+        let (found, pixels) = fragments(&positions, &triangles);
+        assert_eq!(found, pixels, "{cells}");
+        // In the middle of the view.
+        let seen = ((cells / 2) * (cells + 1) * 2) as usize;
+        let fewer: Vec<_> =
+            triangles.iter().enumerate().filter(|(place, _)| *place != seen).map(|(_, all)| *all).collect();
+        assert!(fragments(&positions, &fewer).0 < pixels, "{cells}");
+        let more = [&triangles[..], &[triangles[seen]]].concat();
+        assert!(fragments(&positions, &more).0 > pixels, "{cells}");
+    }
+    // A fan of slivers round a corner in the middle, from small ones to some that cross the view.
+    let mut numbers = Numbers::new(44);
+    let mut turns: Vec<f64> = (0..300).map(|_| numbers.unit().powi(3) * std::f64::consts::TAU).collect();
+    turns.sort_by(f64::total_cmp);
+    let rim = turns.iter().map(|turn| [40.0 * turn.cos() as f32, 40.0 * turn.sin() as f32, -5.0]);
+    let positions: Vec<[f32; 3]> = std::iter::once([0.1, 0.2, -5.0]).chain(rim).collect();
+    let triangles: Vec<[u32; 3]> = (1..=300).map(|at| [0, at, at % 300 + 1]).collect();
+    let (found, pixels) = fragments(&positions, &triangles);
+    assert_eq!(found, pixels);
 }

@@ -12,7 +12,7 @@ use tracebench_harness::progress::Progress;
 use tracebench_harness::rays::primary_rays;
 use tracebench_harness::results::Judgement;
 use tracebench_harness::truth::{Cache, Ray64, Truth};
-use tracebench_kit::{EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
+use tracebench_kit::{DrawnBy, EyeDepthTarget, LayerTarget, NO_SURFACE, NearestLayers, NearestScene};
 use tracebench_screen_dda::{ScreenDda, description};
 use tracebench_tests::{Numbers, gpu, ray, rectangle, soup};
 
@@ -99,11 +99,13 @@ fn from(origin: [f64; 3], direction: [f64; 3]) -> Ray {
 }
 
 fn rasterize(gpu: &Gpu, geometry: &Geometry, view: &View) -> Vec<f32> {
-    let raster = EyeDepthRaster::new(gpu).unwrap();
+    let layers = NearestLayers::of_depths(gpu).unwrap();
     let target = EyeDepthTarget::new(gpu, view.size).unwrap();
-    let bindings = raster.bind(gpu, view, geometry.on_device().unwrap()).unwrap();
+    let (geometry, triangle_count) = (geometry.on_device().unwrap(), geometry.triangles.len() as u32);
+    let scene = NearestScene { drawn_by: DrawnBy::Raster, view, geometry, triangle_count };
+    let pass = layers.prepare(gpu, scene, None).unwrap();
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    raster.record(&mut encoder, &bindings, geometry.triangles.len() as u32, &target);
+    layers.record(&mut encoder, &pass, LayerTarget { image: &target.eye_depth, layer: 0, test: &target.test });
     gpu.queue.submit([encoder.finish()]);
     target.read(gpu).unwrap()
 }

@@ -141,6 +141,8 @@ fn entry_points_exist() {
             ("shared/raster_setup.wgsl", _) => {
                 vec![("find", ShaderStage::Compute, 64), ("deal", ShaderStage::Compute, 1)]
             }
+            ("shared/nearest_compute.wgsl", _) => compute(&["draw"], 64),
+            ("shared/nearest_resolve.wgsl", _) => compute(&["resolve"], 64),
             ("test/coverage_functions.wgsl", _) => compute(&["cover", "project"], 64),
             (_, name) if name.split(' ').any(|definition| definition == "COMPUTE") => compute(&["draw"], 64),
             (_, "bvh/refit") => vec![("fit", ShaderStage::Compute, 64), ("fit_last", ShaderStage::Compute, 256)],

@@ -15,7 +15,7 @@ use tracebench_api::{
 };
 use tracebench_harness::registry::find;
 use tracebench_harness::viewpoint::Pose;
-use tracebench_kit::{BehindRaster, EyeDepthRaster, EyeDepthTarget, Passing};
+use tracebench_kit::{DrawnBy, EyeDepthTarget, LayerTarget, NearestLayers, NearestScene, Passing};
 use tracebench_tests::{Numbers, gpu, ray, soup};
 
 /// From the origin along -z: 90 degrees across, over odd numbers of pixels.
@@ -155,20 +155,21 @@ fn total(counters: &[Counter], name: &str) -> u64 {
 /// Depths drawn apart from any tracer: the nearest, so many layers behind it, and their backs.
 fn draw(geometry: &Geometry, view: &View, layers: u32, separation: f32, backs: bool) -> Depths {
     let gpu = gpu();
-    let (nearest, behind) = (EyeDepthRaster::new(&gpu).unwrap(), BehindRaster::of_depths(&gpu).unwrap());
+    let drawn = NearestLayers::of_depths(&gpu).unwrap();
     let images = if backs { 2 * layers } else { layers };
     let target = EyeDepthTarget::of_images(&gpu, view.size, images).unwrap();
-    let device = geometry.on_device().unwrap();
-    let count = geometry.triangles.len() as u32;
+    let (geometry, triangle_count) = (geometry.on_device().unwrap(), geometry.triangles.len() as u32);
+    let scene = NearestScene { drawn_by: DrawnBy::Raster, view, geometry, triangle_count };
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    nearest.record(&mut encoder, &nearest.bind(&gpu, view, device).unwrap(), count, &target);
-    for image in 1..images as usize {
-        let (before, passing) = match image.checked_sub(layers as usize) {
-            Some(layer) => (layer, Passing::backs()),
-            None => (image - 1, Passing::behind(separation)),
+    for layer in 0..images {
+        let passed = match (layer, layer.checked_sub(layers)) {
+            (0, _) => None,
+            (_, Some(front)) => Some((&target.images[front as usize], Passing::backs())),
+            (_, None) => Some((&target.images[layer as usize - 1], Passing::behind(separation))),
         };
-        let bindings = behind.bind(&gpu, view, device, &target.images[before], passing).unwrap();
-        behind.record(&mut encoder, &bindings, count, &target.images[image], &target.test);
+        let pass = drawn.prepare(&gpu, scene, passed).unwrap();
+        let image = &target.images[layer as usize];
+        drawn.record(&mut encoder, &pass, LayerTarget { image, layer, test: &target.test });
     }
     gpu.queue.submit([encoder.finish()]);
     let images = (0..images).map(|image| target.read_image(&gpu, image).unwrap()).collect();

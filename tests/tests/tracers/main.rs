@@ -3,6 +3,7 @@
 
 mod conformance;
 mod device_memory;
+mod drawn_in_compute;
 mod drivers;
 mod hostile;
 mod means;

@@ -2,9 +2,12 @@
 
 use std::num::NonZeroU64;
 
-use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, BufferBinding, BufferUsages, RenderPipeline};
+use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, BufferBinding, BufferUsages};
 use tracebench_api::{Gpu, PhaseClock, TracerError};
-use tracebench_kit::{EmptyTarget, ROW_BITS, ReadSlot, Readable, Reads, bind_group, dispatch_linear, uniform_buffer};
+use tracebench_kit::{
+    Canvas, DrawnBy, EmptyTarget, ROW_BITS, RasterImage, RasterWork, ReadSlot, Readable, Reads, TrianglePass,
+    bind_group, dispatch_linear, uniform_buffer,
+};
 use tracebench_shaders::dirt::Fill;
 
 use crate::layout::{FillPass, Layout, MOST_VIEWS, MipmapLevel, TileGrid};
@@ -43,8 +46,8 @@ pub(crate) struct Buffers {
     pub taken: Buffer,
     /// The triangles that views are drawn with.
     pub setup: TriangleSetup,
-    /// The colour attachment that nothing is written to.
-    pub attachment: EmptyTarget,
+    /// The colour attachment that nothing is written to; none where there is no rasterizer.
+    pub attachment: Option<EmptyTarget>,
     /// Nodes that there is room for.
     pub node_capacity: u32,
     /// Nodes of each buffer but the last.
@@ -151,6 +154,7 @@ impl Buffers {
         let by_view = bounds_bytes.max(heads_bytes) > gpu.limits.max_storage_buffer_binding_size;
         let bound = |whole, of_view| if by_view && Pipelines::can_split(gpu) { of_view } else { whole };
         let (views, sums) = (layout.views.len(), pipelines.prefix_sum()?);
+        let drawn = layout.drawn_by == DrawnBy::Raster;
         Ok(Self {
             bounds: storage(
                 gpu,
@@ -165,7 +169,7 @@ impl Buffers {
             nodes: node_buffers(gpu, node_capacity)?,
             taken: storage(gpu, NODE_COUNT, 4, 4, "nothing")?,
             setup: TriangleSetup::new(gpu, &sums, views, triangle_count, there)?,
-            attachment: EmptyTarget::new(gpu, ATTACHMENT, layout.tiles)?,
+            attachment: drawn.then(|| EmptyTarget::new(gpu, ATTACHMENT, layout.tiles)).transpose()?,
             node_capacity,
             nodes_per_part: nodes_per_part(gpu) as u32,
         })
@@ -238,53 +242,49 @@ impl Buffers {
     }
 }
 
-/// The pipelines of the two passes over all triangles.
-struct Fills {
-    depth: RenderPipeline,
-    primitives: RenderPipeline,
-}
-
 /// What a fill binds: made before the phases, which only record.
-struct Prepared {
+struct Prepared<'a> {
     setup: setup::Bound,
-    depth: Vec<BindGroup>,
+    depth: Vec<TrianglePass<'a>>,
     mipmaps: Vec<(BindGroup, u32)>,
-    primitives: Vec<BindGroup>,
-    /// Vertices that each view is drawn with.
-    vertices: Vec<u32>,
+    primitives: Vec<TrianglePass<'a>>,
 }
 
 impl Pipelines {
-    fn prepare(
+    fn prepare<'a>(
         &self,
         layout: &Layout,
-        buffers: &Buffers,
+        buffers: &'a Buffers,
         scene: &Resident,
         filling: Filling,
         counted: Option<&Buffer>,
-    ) -> Result<Prepared, TracerError> {
+        work: &'a [RasterWork],
+    ) -> Result<Prepared<'a>, TracerError> {
         let gpu = &*self.gpu;
         let grid = uniform_buffer(gpu, "grid", &buffers.grid(layout))?;
-        let Fills { depth, primitives } = self.fills(buffers, filling, counted.is_some())?;
         let setup = buffers.setup.bind(gpu, &self.setup()?, layout, &scene.surfaces.device)?;
-        let mut prepared =
-            Prepared { setup, depth: Vec::new(), mipmaps: Vec::new(), primitives: Vec::new(), vertices: Vec::new() };
+        let mut prepared = Prepared { setup, depth: Vec::new(), mipmaps: Vec::new(), primitives: Vec::new() };
+        let [of_depth, of_primitives] = fills(layout, buffers, filling, counted.is_some());
         for (index, view) in layout.uniforms().into_iter().enumerate() {
             let by_plane = u32::from(filling.by_plane);
             let [first_entry, entries] = buffers.setup.room_of(index);
-            prepared.vertices.push(entries * filling.vertices());
             let drawn = FillPass { view, by_plane, view_index: index as u32, first_entry, padding: 0 };
             let drawn = uniform_buffer(gpu, "drawn view", &drawn)?;
-            let bind = |pipeline: &RenderPipeline, more: Vec<BindingResource<'_>>| {
-                let shared = [&grid, &drawn, buffers.setup.vertices(), buffers.setup.drawn()];
-                let resources: Vec<_> = shared.map(Buffer::as_entire_binding).into_iter().chain(more).collect();
-                bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources)
+            let pass = |variant: Fill, more: Vec<BindingResource<'_>>| {
+                let mut shared = vec![(0, &grid), (1, &drawn), (2, buffers.setup.vertices())];
+                if layout.drawn_by == DrawnBy::Raster {
+                    shared.push((3, buffers.setup.drawn()));
+                }
+                let shared = shared.into_iter().map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
+                let resources: Vec<_> = shared.chain((4..).zip(more)).collect();
+                let canvas = Canvas::of(work.get(index), buffers.attachment.as_ref(), entries * filling.vertices())?;
+                self.fill.pass(gpu, variant, &resources, canvas)
             };
-            prepared.depth.push(bind(&depth, vec![buffers.bounds_of(index)]));
+            prepared.depth.push(pass(of_depth, vec![buffers.bounds_of(index)])?);
             let lists = [&buffers.nodes[0], &buffers.taken].into_iter().chain(counted).chain(&buffers.nodes[1..]);
             let lists = lists.map(Buffer::as_entire_binding);
             let lists = [buffers.bounds_of(index), buffers.heads_of(index)].into_iter().chain(lists).collect();
-            prepared.primitives.push(bind(&primitives, lists));
+            prepared.primitives.push(pass(of_primitives, lists)?);
         }
         let views = layout.views.len();
         // By view where one binding does not hold all, else all at once.
@@ -304,15 +304,6 @@ impl Pipelines {
             }
         }
         Ok(prepared)
-    }
-
-    fn fills(&self, buffers: &Buffers, filling: Filling, counters: bool) -> Result<Fills, TracerError> {
-        let (conservative, split) = (filling.conservative, buffers.nodes.len() > 1);
-        let primitives = match counters {
-            true => Fill::PrimitivesCounters { conservative },
-            false => Fill::Primitives { conservative, split },
-        };
-        Ok(Fills { depth: self.fill(Fill::Plain { conservative })?, primitives: self.fill(primitives)? })
     }
 
     /// Records triangle setup alone, which tells how many triangles every view has.
@@ -351,18 +342,17 @@ impl Pipelines {
         counted: Option<&Buffer>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        let prepared = self.prepare(layout, buffers, scene, filling, counted)?;
-        let Fills { depth, primitives } = self.fills(buffers, filling, counted.is_some())?;
-        let draw = |encoder: &mut _, pipeline, bindings: &[BindGroup]| {
-            for (bindings, vertices) in bindings.iter().zip(&prepared.vertices) {
-                buffers.attachment.draw(encoder, pipeline, bindings, *vertices);
-            }
-        };
+        let image = |view| RasterImage::View { view, size: layout.tiles, touched: filling.conservative };
+        let images = layout.uniforms().into_iter().map(image);
+        let (device, triangles) = (&scene.surfaces.device, scene.triangle_count);
+        let work = self.raster.prepare_all(&self.gpu, layout.drawn_by, images, device, triangles)?;
+        let prepared = self.prepare(layout, buffers, scene, filling, counted, &work)?;
         let (setup, sums) = (self.setup()?, self.prefix_sum()?);
         buffers.setup.record(&setup, &sums, &prepared.setup, clock)?;
+        RasterWork::record_all(&work, clock)?;
         clock.device_phase("fill depth", |encoder| {
             encoder.clear_buffer(&buffers.bounds, 0, None);
-            draw(encoder, &depth, &prepared.depth);
+            prepared.depth.iter().for_each(|pass| pass.record(encoder));
         })?;
         let mipmap = self.mipmap()?;
         clock.device_phase("mipmap depth", |encoder| {
@@ -373,7 +363,17 @@ impl Pipelines {
         clock.device_phase("fill primitives", |encoder| {
             encoder.clear_buffer(&buffers.heads, 0, None);
             encoder.clear_buffer(&buffers.taken, 0, None);
-            draw(encoder, &primitives, &prepared.primitives);
+            prepared.primitives.iter().for_each(|pass| pass.record(encoder));
         })
     }
+}
+
+/// The variants of the two passes over all triangles.
+fn fills(layout: &Layout, buffers: &Buffers, filling: Filling, counters: bool) -> [Fill; 2] {
+    let (conservative, compute) = (filling.conservative, layout.drawn_by == DrawnBy::Compute);
+    let primitives = match counters {
+        true => Fill::PrimitivesCounters { conservative, compute },
+        false => Fill::Primitives { conservative, split: buffers.nodes.len() > 1, compute },
+    };
+    [Fill::Plain { conservative, compute }, primitives]
 }

@@ -2,7 +2,7 @@
 
 use tracebench_api::ParameterScope::{Build, Trace};
 use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
-use tracebench_kit::{Reads, rays_per_lane_parameter, reads_parameter};
+use tracebench_kit::{DrawnBy, Reads, build_parameter, rays_per_lane_parameter, reads_parameter};
 
 use crate::layout::layouts;
 
@@ -171,6 +171,7 @@ parameters! {
         )
         .unit("cells")
         .sweep([64, 256, 1024, 4096, 16_384]),
+        build: DrawnBy = build_parameter(),
         reads: Reads = reads_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),
     }

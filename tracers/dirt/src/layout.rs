@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::{SharedLayout, View, Viewpoint};
-use tracebench_kit::{MOST_LEVELS, Pyramid, ViewUniform};
+use tracebench_kit::{DrawnBy, MOST_LEVELS, Pyramid, RasterWork, ViewUniform};
 
 use crate::description::{Centre, DirtParameters, Near, Views};
 use crate::fetch::{FetchPass, HitNode, MaskSettings, StoreSettings};
@@ -117,6 +117,8 @@ pub(crate) struct Layout {
     pub tile_size: u32,
     pub tiles: [u32; 2],
     pub buckets: u32,
+    /// What draws the two geometry passes.
+    pub drawn_by: DrawnBy,
 }
 
 impl Layout {
@@ -133,7 +135,7 @@ impl Layout {
             }
         }
         let tiles = views[0].size.map(|edge| edge.div_ceil(tile_size));
-        Self { views, tile_size, tiles, buckets: parameters.buckets }
+        Self { views, tile_size, tiles, buckets: parameters.buckets, drawn_by: parameters.build }
     }
 
     fn pyramid(&self) -> Pyramid {
@@ -205,10 +207,12 @@ impl Layout {
         [self.heads_part_bytes(), self.heads_of_view() * 4].map(|bytes| bytes * self.views.len() as u64)
     }
 
-    /// Bytes of the uniforms of a build, which are kept until it is done.
-    pub(crate) fn build_uniform_bytes(&self) -> u64 {
+    /// Bytes of the uniforms of a build, and of what deals triangles out, which are kept until it is done.
+    pub(crate) fn build_bytes(&self, triangles: u32) -> u64 {
+        let dealt = if self.drawn_by == DrawnBy::Compute { RasterWork::bytes(triangles, false) } else { 0 };
         let levels = (self.levels() - 1) * size_of::<MipmapLevel>();
         let setup = size_of::<SetupPass>() + MOST_VIEWS * size_of::<ViewUniform>();
-        (size_of::<TileGrid>() + setup + self.views.len() * size_of::<FillPass>() + levels) as u64
+        let uniforms = size_of::<TileGrid>() + setup + self.views.len() * size_of::<FillPass>() + levels;
+        uniforms as u64 + self.views.len() as u64 * dealt
     }
 }

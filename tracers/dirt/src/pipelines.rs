@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use tracebench_api::wgpu::{ComputePipeline, RenderPipeline};
+use tracebench_api::wgpu::ComputePipeline;
 use tracebench_api::{Gpu, TracerError};
-use tracebench_kit::{EmptyTarget, Gather, OnDemand, PrefixSum, check_limits, compute_pipeline};
+use tracebench_kit::{ComputeRaster, Gather, OnDemand, PrefixSum, TrianglePipelines, check_limits, compute_pipeline};
 use tracebench_shaders::dirt::{Fill, MIPMAP, SETUP, Trace};
 
 use crate::fetch::Fetch;
@@ -23,12 +23,17 @@ pub(crate) enum Search {
     Unanswered,
 }
 
+/// Tiles of a rectangle up to which a lane draws a triangle by itself. A tile is more work than a pixel, and more rounds of loops, up to one a
+/// bucket: eight lanes together have 65,535 with Mesa's software driver.
+const SMALL_TILES: u32 = 32;
+
 /// Every pipeline.
 pub(crate) struct Pipelines {
     pub gpu: Arc<Gpu>,
     setup: OnDemand<(), SetupPipelines>,
     prefix_sum: OnDemand<(), Arc<PrefixSum>>,
-    fill: OnDemand<Fill, RenderPipeline>,
+    pub raster: ComputeRaster,
+    pub fill: TrianglePipelines<Fill>,
     mipmap: OnDemand<(), ComputePipeline>,
     trace: OnDemand<(Trace, Search), ComputePipeline>,
     gather: OnDemand<(), Arc<Gather>>,
@@ -42,7 +47,7 @@ impl Pipelines {
     pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         for shader in [
             SETUP,
-            Fill::Primitives { conservative: true, split: false }.into(),
+            Fill::Primitives { conservative: true, split: false, compute: false }.into(),
             Trace::Plain { textures: false, centres: false, counters: true }.into(),
         ] {
             check_limits(&gpu, shader)?;
@@ -51,7 +56,8 @@ impl Pipelines {
             gpu,
             setup: OnDemand::default(),
             prefix_sum: OnDemand::default(),
-            fill: OnDemand::default(),
+            raster: ComputeRaster::of_small(SMALL_TILES),
+            fill: TrianglePipelines::new(),
             mipmap: OnDemand::default(),
             trace: OnDemand::default(),
             gather: OnDemand::default(),
@@ -65,7 +71,7 @@ impl Pipelines {
     /// hold them.
     pub(crate) fn can_split(gpu: &Gpu) -> bool {
         let traced = Trace::Split { centres: false, counters: true }.into();
-        let filled = Fill::Primitives { conservative: true, split: true }.into();
+        let filled = Fill::Primitives { conservative: true, split: true, compute: false }.into();
         check_limits(gpu, traced).and_then(|()| check_limits(gpu, filled)).is_ok()
     }
 
@@ -76,10 +82,6 @@ impl Pipelines {
 
     pub(crate) fn prefix_sum(&self) -> Result<Arc<PrefixSum>, TracerError> {
         self.prefix_sum.of((), || PrefixSum::new(&self.gpu).map(Arc::new))
-    }
-
-    pub(crate) fn fill(&self, variant: Fill) -> Result<RenderPipeline, TracerError> {
-        self.fill.of(variant, || EmptyTarget::pipeline(&self.gpu, variant))
     }
 
     pub(crate) fn mipmap(&self) -> Result<ComputePipeline, TracerError> {

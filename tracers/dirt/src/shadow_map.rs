@@ -11,8 +11,8 @@ use tracebench_api::{
     EndPoint, Geometry, Gpu, HitBuffer, Ledger, PhaseClock, Query, Ray, TraceJob, TracerError, View, Viewpoint,
 };
 use tracebench_kit::{
-    EyeDepthRaster, EyeDepthTarget, SurfaceGeometry, ViewUniform, bind_group, compute_pipeline, dispatch_linear,
-    uniform_buffer,
+    EyeDepthTarget, LayerTarget, NearestLayers, NearestOf, NearestScene, ViewUniform, bind_group, compute_pipeline,
+    dispatch_linear, uniform_buffer,
 };
 use tracebench_shaders::dirt::SHADOW_MAP;
 
@@ -39,7 +39,7 @@ pub struct ShadowLookup {
 
 /// The pipelines.
 pub(crate) struct ShadowMapPipelines {
-    raster: EyeDepthRaster,
+    depths: NearestLayers,
     look_up: ComputePipeline,
 }
 
@@ -48,6 +48,8 @@ pub(crate) struct ShadowMap {
     pub view: View,
     target: EyeDepthTarget,
     end_slack: f64,
+    /// Bytes held while it is drawn.
+    drawing_bytes: u64,
 }
 
 /// The view from the light that holds the scene; `None` of a scene without extent.
@@ -74,29 +76,31 @@ pub(crate) fn light_view(geometry: &Geometry, edge: u32) -> Option<View> {
 
 impl ShadowMapPipelines {
     pub(crate) fn new(gpu: &Gpu) -> Result<Self, TracerError> {
-        Ok(Self { raster: EyeDepthRaster::new(gpu)?, look_up: compute_pipeline(gpu, SHADOW_MAP, "look_up")? })
+        Ok(Self { depths: NearestLayers::of_depths(gpu)?, look_up: compute_pipeline(gpu, SHADOW_MAP, "look_up")? })
     }
 
     /// Records the phase "shadow map", into the textures that are there where their size serves.
     fn record(
         &self,
         gpu: &Gpu,
-        view: View,
+        scene: NearestScene<'_>,
         end_slack: f64,
-        scene: &Resident,
         there: Option<ShadowMap>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<ShadowMap, TracerError> {
+        let NearestScene { drawn_by, view, triangle_count, .. } = scene;
         let target = match there.filter(|there| there.view.size == view.size) {
             Some(there) => there.target,
             None => EyeDepthTarget::new(gpu, view.size)?,
         };
-        let SurfaceGeometry { device, .. } = &scene.surfaces;
-        let bindings = self.raster.bind(gpu, &view, device)?;
+        let pass = self.depths.prepare(gpu, scene, None)?;
         clock.device_phase("shadow map", |encoder| {
-            self.raster.record(encoder, &bindings, scene.triangle_count, &target);
+            let layer = LayerTarget { image: &target.eye_depth, layer: 0, test: &target.test };
+            self.depths.record(encoder, &pass, layer);
         })?;
-        Ok(ShadowMap { view, target, end_slack })
+        let drawing = NearestLayers::memory(NearestOf::Depths, drawn_by, view.size, triangle_count, 1);
+        let drawing_bytes = drawing.iter().map(|entry| entry.allocated_bytes).sum();
+        Ok(ShadowMap { view: *view, target, end_slack, drawing_bytes })
     }
 }
 
@@ -113,7 +117,7 @@ impl ShadowMap {
     /// Enters the map and what is held while it is drawn.
     pub(crate) fn enter(&self, ledger: &mut Ledger) {
         self.target.enter(ledger);
-        ledger.borrow_transient(size_of::<ViewUniform>() as u64);
+        ledger.borrow_transient(self.drawing_bytes);
     }
 
     /// Eye depths, row by row from the top.
@@ -138,7 +142,9 @@ impl Pipelines {
         let view = light_view(geometry, edge).filter(|_| parameters.shadow_map == Wanted::On);
         let Some(view) = view else { return Ok(None) };
         let end_slack = geometry.diagonal() * END_SLACK;
-        self.shadow_map()?.record(&self.gpu, view, end_slack, scene, there, clock).map(Some)
+        let (geometry, triangle_count) = (&scene.surfaces.device, scene.triangle_count);
+        let drawn = NearestScene { drawn_by: parameters.build, view: &view, geometry, triangle_count };
+        self.shadow_map()?.record(&self.gpu, drawn, end_slack, there, clock).map(Some)
     }
 
     /// Records the phase "shadow map lookup", which answers every ray.

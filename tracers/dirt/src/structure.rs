@@ -181,7 +181,8 @@ impl Structure for DirtStructure {
                 let resident = Resident::of(geometry)?;
                 let same_size = layout.tiles == self.layout.tiles
                     && layout.buckets == self.layout.buckets
-                    && layout.views.len() == self.layout.views.len();
+                    && layout.views.len() == self.layout.views.len()
+                    && layout.drawn_by == self.layout.drawn_by;
                 let (pipelines, triangles) = (&self.pipelines, resident.triangle_count);
                 if !same_size {
                     let there = Some(&self.buffers.setup);
@@ -251,9 +252,11 @@ impl Structure for DirtStructure {
             used_bytes -= of_part;
         }
         buffers.setup.enter(&mut ledger, &buffers.setup.counts(gpu).unwrap_or_default());
-        buffers.attachment.enter(&mut ledger);
+        if let Some(attachment) = &buffers.attachment {
+            attachment.enter(&mut ledger);
+        }
         self.arrays.iter().for_each(|array| array.enter(&mut ledger));
-        ledger.borrow_transient(self.layout.build_uniform_bytes());
+        ledger.borrow_transient(self.layout.build_bytes(self.geometry.triangle_count));
         if let Some(frame) = &self.frame {
             frame.enter(&mut ledger);
         }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
-use tracebench_api::wgpu::BufferUsages;
+use tracebench_api::wgpu::{Buffer, BufferUsages};
 use tracebench_api::{
     AdapterChoice, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Query, Ray, RayBuffer, Residency,
     Structure, TraceJob, TracerError, Update, Viewpoint,
@@ -85,7 +85,7 @@ pub(crate) fn hostile() -> Vec<[[f32; 3]; 3]> {
 }
 
 /// What is stored of hostile triangles lies between brute force over tiles shrunk and grown by the stated rounding, for
-/// tile sizes, buckets, coverages, clips and views.
+/// tile sizes, buckets, coverages, clips and views, drawn by the rasterizer or in compute.
 #[test]
 fn what_is_stored_is_what_brute_force_finds() {
     let gpu = gpu();
@@ -100,10 +100,37 @@ fn what_is_stored_is_what_brute_force_finds() {
         &[("coverage", "standard"), ("tile_size", "1")],
         &[("coverage", "standard"), ("views", "frame"), ("buckets", "7")],
         &[("clip", "plane")],
+        &[("build", "compute")],
+        &[("build", "compute"), ("tile_size", "8"), ("buckets", "40"), ("clip", "plane")],
+        &[("build", "compute"), ("coverage", "standard"), ("tile_size", "1")],
+        &[("build", "compute"), ("coverage", "standard"), ("views", "frame"), ("buckets", "7")],
     ] {
         let statistics = built(&gpu, &geometry, settings).check(&geometry);
         let statistics = statistics.unwrap_or_else(|error| panic!("{settings:?}: {error}"));
         assert!(statistics.iter().any(|(name, value)| *name == "references" && *value > 1000.0), "{settings:?}");
+    }
+}
+
+/// Drawn in compute every tile gets the parts that it gets by the rasterizer, with the same depths, bit for bit, and rays the same answers;
+/// and, as a negative control, triangles a little aside are noticed.
+#[test]
+fn both_builds_store_the_same() {
+    let gpu = gpu();
+    let geometry = soup(&hostile(), Some(&gpu));
+    let aside = hostile().iter().map(|corners| corners.map(|[x, y, z]| [x + 1e-3, y, z])).collect::<Vec<_>>();
+    let aside = soup(&aside, Some(&gpu));
+    let mut numbers = Numbers::new(9);
+    let rays: Vec<Ray> = (0..600).map(|_| ray(numbers.point() * 5.0, numbers.direction())).collect();
+    for settings in [&[][..], &[("tile_size", "1"), ("buckets", "4")], &[("tile_size", "8"), ("clip", "plane")]] {
+        let stored = |geometry: &Geometry, build: &str| {
+            let structure = built(&gpu, geometry, &[settings, &[("build", build)]].concat());
+            let read = |buffer: &Buffer| gpu.read(buffer, buffer.size()).unwrap();
+            let [bounds, nodes] = [&structure.buffers.bounds, &structure.buffers.taken].map(read);
+            (bounds, nodes, answer(&gpu, &structure, &rays))
+        };
+        let drawn = stored(&geometry, "raster");
+        assert!(drawn == stored(&geometry, "compute"), "{settings:?}");
+        assert!(drawn != stored(&aside, "compute"), "{settings:?}");
     }
 }
 

@@ -8,8 +8,8 @@
 use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline, TextureUsages, TextureView};
 use tracebench_api::{Gpu, Ledger, MemoryEntry, PhaseClock, Surface, TracerError, View, Viewpoint};
 use tracebench_kit::{
-    DEPTH_TEST_FORMAT, PrimitiveRaster, PrimitiveTexture, SurfaceGeometry, ViewUniform, bind_group, compute_pipeline,
-    create_texture, dispatch_linear,
+    DEPTH_TEST_FORMAT, LayerTarget, NearestLayers, NearestOf, NearestScene, PrimitiveTexture, ViewUniform, bind_group,
+    compute_pipeline, create_texture, dispatch_linear,
 };
 use tracebench_shaders::dirt::VISIBILITY;
 
@@ -26,7 +26,7 @@ const VIEW: &str = "resolved view";
 
 /// The pipelines.
 pub(crate) struct Visibility {
-    raster: PrimitiveRaster,
+    primitives: NearestLayers,
     resolve: ComputePipeline,
 }
 
@@ -39,6 +39,8 @@ pub(crate) struct Frame {
     depth_memory: MemoryEntry,
     /// A surface a pixel, row by row from the top.
     shading: Buffer,
+    /// Bytes held while it is drawn.
+    drawing_bytes: u64,
 }
 
 impl Frame {
@@ -66,7 +68,7 @@ impl Frame {
         let mut depth_memory = MemoryEntry::whole(DEPTH, pixels * 4);
         depth_memory.allocated_bytes = gpu.allocations().added_since(&before, DEPTH).unwrap_or(pixels * 4);
         let depth = depth.create_view(&Default::default());
-        Ok(Self { view: *view, primitives, depth, depth_memory, shading })
+        Ok(Self { view: *view, primitives, depth, depth_memory, shading, drawing_bytes: 0 })
     }
 
     /// Enters what is kept, and what is held while it is drawn.
@@ -75,7 +77,7 @@ impl Frame {
             ledger.keep(&part.name, part.allocated_bytes, part.used_bytes);
         }
         ledger.keep(SHADING, self.shading.size(), self.shading.size());
-        ledger.borrow_transient(PrimitiveRaster::memory().allocated_bytes + size_of::<ViewUniform>() as u64);
+        ledger.borrow_transient(self.drawing_bytes + size_of::<ViewUniform>() as u64);
     }
 
     /// The surfaces, row by row from the top.
@@ -87,26 +89,29 @@ impl Frame {
 
 impl Visibility {
     pub(crate) fn new(gpu: &Gpu) -> Result<Self, TracerError> {
-        Ok(Self { raster: PrimitiveRaster::new(gpu)?, resolve: compute_pipeline(gpu, VISIBILITY, "resolve")? })
+        Ok(Self {
+            primitives: NearestLayers::of_primitives(gpu)?,
+            resolve: compute_pipeline(gpu, VISIBILITY, "resolve")?,
+        })
     }
 
     /// Records the phase "direct visibility", into the frame that is there where its size serves.
     pub(crate) fn record(
         &self,
         gpu: &Gpu,
-        view: &View,
-        geometry: &SurfaceGeometry,
-        triangle_count: u32,
+        scene: NearestScene<'_>,
         there: Option<&Frame>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Frame, TracerError> {
+        let NearestScene { drawn_by, view, geometry: device, triangle_count } = scene;
+        let drawing = NearestLayers::memory(NearestOf::Primitives, drawn_by, view.size, triangle_count, 1);
+        let drawing_bytes = drawing.iter().map(|entry| entry.allocated_bytes).sum();
         let frame = match there.filter(|there| there.view.size == view.size) {
-            Some(there) => Frame { view: *view, ..there.clone() },
-            None => Frame::new(gpu, view)?,
+            Some(there) => Frame { view: *view, drawing_bytes, ..there.clone() },
+            None => Frame { drawing_bytes, ..Frame::new(gpu, view)? },
         };
-        let device = &geometry.device;
         gpu.check_storage_binding("triangle materials", device.materials.size(), "the scene's triangle count")?;
-        let drawn = self.raster.bind(gpu, view, device)?;
+        let drawn = self.primitives.prepare(gpu, scene, None)?;
         let uniform = ViewUniform::from(view);
         let uniform = gpu.buffer_with(VIEW, bytemuck::bytes_of(&uniform), BufferUsages::UNIFORM, "nothing")?;
         let resources = [
@@ -120,7 +125,8 @@ impl Visibility {
         let resolved = bind_group(gpu, &self.resolve.get_bind_group_layout(0), &resources);
         let pixels = view.size[0] * view.size[1];
         clock.device_phase("direct visibility", |encoder| {
-            self.raster.record(encoder, &drawn, triangle_count, &frame.primitives.view, &frame.depth);
+            let layer = LayerTarget { image: &frame.primitives.view, layer: 0, test: &frame.depth };
+            self.primitives.record(encoder, &drawn, layer);
             dispatch_linear(encoder, &self.resolve, &resolved, pixels, WORKGROUP_SIZE);
         })?;
         Ok(frame)
@@ -140,7 +146,9 @@ impl Pipelines {
         if parameters.direct_visibility == DirectVisibility::Off {
             return Ok(None);
         }
-        let (view, triangles) = (viewpoint.frame_view(), scene.triangle_count);
-        self.visibility()?.record(&self.gpu, &view, &scene.surfaces, triangles, there, clock).map(Some)
+        let (view, drawn_by) = (viewpoint.frame_view(), parameters.build);
+        let (geometry, triangle_count) = (&scene.surfaces.device, scene.triangle_count);
+        let drawn = NearestScene { drawn_by, view: &view, geometry, triangle_count };
+        self.visibility()?.record(&self.gpu, drawn, there, clock).map(Some)
     }
 }

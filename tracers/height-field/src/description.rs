@@ -2,7 +2,7 @@
 
 use tracebench_api::ParameterScope::{Build, Trace};
 use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
-use tracebench_kit::{Reads, rays_per_lane_parameter, reads_parameter};
+use tracebench_kit::{DrawnBy, Reads, build_parameter, rays_per_lane_parameter, reads_parameter};
 
 use crate::trace::layouts;
 
@@ -37,6 +37,7 @@ parameters! {
         )
         .unit("pixels")
         .sweep([0.0, 0.5, 1.0, 2.0, 4.0]),
+        build: DrawnBy = build_parameter(),
         reads: Reads = reads_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),
     }

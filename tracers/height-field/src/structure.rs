@@ -8,8 +8,8 @@ use tracebench_api::{
     Projection, Sampling, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_kit::{
-    CellDepths, DepthCopy, DepthPyramid, EyeDepthRaster, EyeDepthTarget, NO_SURFACE, PipelinesOnDemand, PyramidBuilder,
-    PyramidShape, Reads, SeenRaster, SurfaceGeometry, ViewUniform,
+    CellDepths, DepthCopy, DepthPyramid, DrawnBy, EyeDepthTarget, LayerTarget, NO_SURFACE, NearestLayers, NearestOf,
+    NearestScene, PipelinesOnDemand, PyramidBuilder, PyramidShape, Reads, SeenRaster, SurfaceGeometry,
 };
 use tracebench_shaders::height_field::Trace;
 
@@ -18,7 +18,7 @@ use crate::description::{HeightParameters, NO_REFIT, Pyramid};
 /// The pipelines.
 pub(crate) struct Pipelines {
     pub gpu: Arc<Gpu>,
-    raster: EyeDepthRaster,
+    layers: NearestLayers,
     pyramids: PyramidBuilder,
     /// The triangles at the view's pixels, for surfaces.
     pub seen: SeenRaster,
@@ -37,7 +37,7 @@ impl HeightField {
     /// [`TracerError::Failed`] if the device refuses one.
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         let pipelines = Pipelines {
-            raster: EyeDepthRaster::new(&gpu)?,
+            layers: NearestLayers::of_depths(&gpu)?,
             pyramids: PyramidBuilder::new(&gpu)?,
             seen: SeenRaster::new(&gpu)?,
             trace: PipelinesOnDemand::new("trace"),
@@ -64,14 +64,18 @@ impl Heights {
         Ok(Self { target, copy, pyramid: DepthPyramid::new(gpu, shape, reads)? })
     }
 
-    fn enter(&self, ledger: &mut Ledger) {
+    /// Enters all, with what drawing so many triangles takes.
+    fn enter(&self, drawn_by: DrawnBy, triangle_count: u32, ledger: &mut Ledger) {
         self.target.enter(ledger);
         if let Some(copy) = &self.copy {
             copy.enter(ledger);
         }
         self.pyramid.enter(ledger);
-        // Uniforms, while the depth buffer is drawn and the pyramid made.
-        ledger.borrow_transient(size_of::<ViewUniform>() as u64 + self.pyramid.shape().build_bytes());
+        // While the depth buffer is drawn and the pyramid made.
+        let size = self.pyramid.shape().size;
+        let drawing = NearestLayers::memory(NearestOf::Depths, drawn_by, size, triangle_count, 1);
+        let of_layer: u64 = drawing.iter().map(|entry| entry.allocated_bytes).sum();
+        ledger.borrow_transient(of_layer + self.pyramid.shape().build_bytes());
     }
 }
 
@@ -80,13 +84,16 @@ impl Pipelines {
         &self,
         geometry: &Geometry,
         view: &View,
+        drawn_by: DrawnBy,
         heights: &Heights,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        let bindings = self.raster.bind(&self.gpu, view, geometry.on_device()?)?;
-        let triangle_count = geometry.triangles.len() as u32;
+        let (device, triangle_count) = (geometry.on_device()?, geometry.triangles.len() as u32);
+        let scene = NearestScene { drawn_by, view, geometry: device, triangle_count };
+        let pass = self.layers.prepare(&self.gpu, scene, None)?;
+        let EyeDepthTarget { eye_depth, test, .. } = &heights.target;
         clock.device_phase("rasterize depth buffer", |encoder| {
-            self.raster.record(encoder, &bindings, triangle_count, &heights.target);
+            self.layers.record(encoder, &pass, LayerTarget { image: eye_depth, layer: 0, test });
         })?;
         if let Some(copy) = &heights.copy {
             clock.device_phase("copy to a buffer", |encoder| copy.record(encoder, &heights.target))?;
@@ -101,6 +108,7 @@ pub(crate) struct HeightFieldStructure {
     pub view: View,
     pub heights: Heights,
     reads: Reads,
+    pub drawn_by: DrawnBy,
     pub geometry: SurfaceGeometry,
     pub triangle_count: u32,
     /// What the last texture of triangles took.
@@ -115,19 +123,20 @@ impl Tracer for HeightField {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Box<dyn Structure>, TracerError> {
-        let HeightParameters { pyramid, reads, .. } = HeightParameters::try_from(parameters)?;
+        let HeightParameters { pyramid, reads, build: drawn_by, .. } = HeightParameters::try_from(parameters)?;
         let depths = match pyramid {
             Pyramid::MinMax => CellDepths::NearFar,
             Pyramid::Max => CellDepths::Near,
         };
         let view = viewpoint.frame_view();
         let heights = Heights::new(&self.pipelines.gpu, view.size, depths, reads)?;
-        self.pipelines.draw(geometry, &view, &heights, clock)?;
+        self.pipelines.draw(geometry, &view, drawn_by, &heights, clock)?;
         Ok(Box::new(HeightFieldStructure {
             pipelines: Arc::clone(&self.pipelines),
             view,
             heights,
             reads,
+            drawn_by,
             geometry: SurfaceGeometry::of(geometry)?,
             triangle_count: geometry.triangles.len() as u32,
             primitive_texture: RefCell::new(None),
@@ -151,11 +160,11 @@ impl Structure for HeightFieldStructure {
                 let pipelines = Arc::clone(&self.pipelines);
                 // A frame of the same size is drawn into the textures that are there.
                 if view.size == self.view.size {
-                    pipelines.draw(geometry, &view, &self.heights, clock)?;
+                    pipelines.draw(geometry, &view, self.drawn_by, &self.heights, clock)?;
                 } else {
                     let depths = self.heights.pyramid.shape().depths;
                     let heights = Heights::new(&pipelines.gpu, view.size, depths, self.reads)?;
-                    pipelines.draw(geometry, &view, &heights, clock)?;
+                    pipelines.draw(geometry, &view, self.drawn_by, &heights, clock)?;
                     self.heights = heights;
                 }
                 self.view = view;
@@ -178,7 +187,7 @@ impl Structure for HeightFieldStructure {
 
     fn memory(&self) -> MemoryReport {
         let mut ledger = Ledger::new();
-        self.heights.enter(&mut ledger);
+        self.heights.enter(self.drawn_by, self.triangle_count, &mut ledger);
         ledger.report(0).with_surface_geometry(self.geometry.bytes)
     }
 
@@ -186,7 +195,8 @@ impl Structure for HeightFieldStructure {
         let mut parts = Self::uniforms();
         if job.end == EndPoint::Surface {
             let last = self.primitive_texture.borrow().clone();
-            parts.extend(SeenRaster::memory(self.view.size, 1, job.rays.host.len(), last));
+            let (triangles, rays) = (self.triangle_count, job.rays.host.len());
+            parts.extend(SeenRaster::memory(self.drawn_by, self.view.size, triangles, 1, rays, last));
         }
         Ok(parts)
     }

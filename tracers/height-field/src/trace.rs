@@ -83,6 +83,7 @@ impl HeightFieldStructure {
                 hits.surfaces_on_device(count)?;
                 let (gpu, raster) = (&*self.pipelines.gpu, &self.pipelines.seen);
                 let view = SeenView {
+                    drawn_by: self.drawn_by,
                     view: &self.view,
                     geometry: &self.geometry,
                     triangle_count: self.triangle_count,

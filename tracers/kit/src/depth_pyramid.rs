@@ -274,7 +274,7 @@ impl DepthPyramid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BehindRaster, EyeDepthRaster, Passing};
+    use crate::{DrawnBy, LayerTarget, NearestLayers, NearestScene, Passing};
     use tracebench_api::glam::DVec3;
     use tracebench_api::{AdapterChoice, Geometry, View};
 
@@ -340,14 +340,20 @@ mod tests {
     #[test]
     fn the_device_makes_the_same_cells() {
         let gpu = Gpu::open(&AdapterChoice::default()).unwrap();
-        let (nearest, behind) = (EyeDepthRaster::new(&gpu).unwrap(), BehindRaster::of_depths(&gpu).unwrap());
+        let layers = NearestLayers::of_depths(&gpu).unwrap();
         let builder = PyramidBuilder::new(&gpu).unwrap();
         let places = numbers(360);
         let corner = |three: &[f32]| [three[0] % 1.0 * 8.0 - 4.0, three[1] % 1.0 * 8.0 - 4.0, -2.0 - three[2] % 7.0];
         let positions: Vec<[f32; 3]> = places.chunks_exact(3).map(corner).collect();
         let triangles: Vec<[u32; 3]> = (0..40).map(|first| [3 * first, 3 * first + 1, 3 * first + 2]).collect();
         let geometry = Geometry::new(positions, triangles, Some(&gpu)).unwrap();
-        for size in [[13, 5], [64, 64], [37, 1], [1, 1]] {
+        let images = [
+            ([13, 5], DrawnBy::Raster),
+            ([64, 64], DrawnBy::Compute),
+            ([37, 1], DrawnBy::Compute),
+            ([1, 1], DrawnBy::Raster),
+        ];
+        for (size, drawn_by) in images {
             let view = View {
                 eye: DVec3::ZERO,
                 right: DVec3::X,
@@ -360,12 +366,14 @@ mod tests {
                 size,
             };
             let target = EyeDepthTarget::of_images(&gpu, size, 2).unwrap();
-            let device = geometry.on_device().unwrap();
-            let first = nearest.bind(&gpu, &view, device).unwrap();
-            let second = behind.bind(&gpu, &view, device, &target.images[0], Passing::behind(0.0)).unwrap();
+            let geometry = geometry.on_device().unwrap();
+            let scene = NearestScene { drawn_by, view: &view, geometry, triangle_count: 40 };
+            let passed = [None, Some((&target.images[0], Passing::behind(0.0)))];
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            nearest.record(&mut encoder, &first, 40, &target);
-            behind.record(&mut encoder, &second, 40, &target.images[1], &target.test);
+            for ((layer, image), passed) in (0..).zip(&target.images).zip(passed) {
+                let pass = layers.prepare(&gpu, scene, passed).unwrap();
+                layers.record(&mut encoder, &pass, LayerTarget { image, layer, test: &target.test });
+            }
             gpu.queue.submit([encoder.finish()]);
             let images = [0, 1].map(|image| target.read_image(&gpu, image).unwrap());
             assert!(images[0].iter().zip(&images[1]).all(|(first, second)| first < second || *second == NO_SURFACE));

@@ -1,13 +1,11 @@
-//! Linear eye depth of one view, by the hardware rasterizer: the nearest surface at every pixel, and what lies behind it.
+//! Images of linear eye depth of one view: the nearest surface at every pixel, and what lies behind it.
 
 use tracebench_api::wgpu::{
     self, COPY_BYTES_PER_ROW_ALIGNMENT, TexelCopyBufferInfo, TexelCopyBufferLayout, TextureFormat, TextureUsages,
     TextureView,
 };
-use tracebench_api::{DeviceGeometry, Gpu, Ledger, TracerError, View};
-use tracebench_shaders::shared::NearestRaster as Variant;
+use tracebench_api::{Gpu, Ledger, TracerError};
 
-use crate::nearest_raster::NearestRaster;
 use crate::texture::{create_texture, create_texture_array, views_of};
 use crate::{ReadSlot, Readable, Reads, Room};
 
@@ -18,12 +16,6 @@ pub(crate) const DEPTH_FORMAT: TextureFormat = TextureFormat::R32Float;
 const EYE_DEPTH: &str = "eye depth buffer";
 const DEPTH_TEST: &str = "depth test buffer";
 const DEPTH_COPY: &str = "eye depths in a buffer";
-
-/// The pipeline that rasterizes eye depth.
-#[derive(Debug)]
-pub struct EyeDepthRaster {
-    raster: NearestRaster,
-}
 
 /// The textures of one view: one image of eye depths, or several of the same size.
 #[derive(Debug)]
@@ -65,7 +57,8 @@ impl EyeDepthTarget {
             )));
         }
         let before = gpu.allocations();
-        let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
+        let copied = TextureUsages::COPY_SRC | TextureUsages::COPY_DST;
+        let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | copied;
         let depths = create_texture_array(gpu, EYE_DEPTH, size, images, DEPTH_FORMAT, usage);
         let test = create_texture(gpu, DEPTH_TEST, size, crate::DEPTH_TEST_FORMAT, TextureUsages::RENDER_ATTACHMENT);
         gpu.check()?;
@@ -139,36 +132,6 @@ pub(crate) fn turn_down(images: u32) -> &'static str {
 /// Bytes of a row of a copy.
 fn row_bytes(width: u32) -> u32 {
     (width * 4).next_multiple_of(COPY_BYTES_PER_ROW_ALIGNMENT)
-}
-
-impl EyeDepthRaster {
-    /// Creates the pipeline.
-    ///
-    /// # Errors
-    /// [`TracerError::Failed`] if the device refuses it.
-    pub fn new(gpu: &Gpu) -> Result<Self, TracerError> {
-        Ok(Self { raster: NearestRaster::new(gpu, Variant { primitives: false, behind: false }, DEPTH_FORMAT)? })
-    }
-
-    /// Prepares one view.
-    ///
-    /// # Errors
-    /// [`TracerError::TooLarge`] if the device cannot bind the scene.
-    pub fn bind(&self, gpu: &Gpu, view: &View, geometry: &DeviceGeometry) -> Result<wgpu::BindGroup, TracerError> {
-        self.raster.bind(gpu, view, geometry, None)
-    }
-
-    /// Records the pass that draws all triangles into the first image.
-    pub fn record(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        bindings: &wgpu::BindGroup,
-        triangle_count: u32,
-        target: &EyeDepthTarget,
-    ) {
-        let targets = [&target.eye_depth, &target.test];
-        self.raster.record(encoder, bindings, triangle_count, f64::from(NO_SURFACE), targets);
-    }
 }
 
 /// A copy of all images of eye depths in a buffer, row by row, image after image: for searches that read buffers. Those that read

@@ -4,7 +4,6 @@
 //! along axes, how searches read and are launched, work that is the same every time; and clipping, coverage and drawing on the host,
 //! which what they rasterize is held against.
 
-mod behind;
 mod brute_force;
 mod clip;
 mod compute;
@@ -19,10 +18,12 @@ mod gather;
 mod lanes;
 mod last_count;
 mod means_probe;
+mod nearest_compute;
+mod nearest_layers;
 mod nearest_raster;
 mod on_demand;
 mod prefix_sum;
-mod primitive_raster;
+mod primitive_texture;
 mod pyramid;
 mod radix_sort;
 mod raster;
@@ -36,7 +37,6 @@ mod triangle_pass;
 mod unit_space;
 mod view_uniform;
 
-pub use behind::BehindRaster;
 pub use brute_force::{Allowed, AllowedFragments, Fragment, allowed_fragments, undecided_border};
 pub use clip::{TileBounds, clipped_depths, clipped_polygon, eye_space, touched_tiles};
 pub use compute::{
@@ -48,16 +48,18 @@ pub use counts::{RayCounts, counters_of};
 pub use coverage::{SUBPIXELS, covers_centre};
 pub use depth_pyramid::{CellDepths, DepthPyramid, PyramidBuilder, PyramidLayout, PyramidShape};
 pub use empty_target::EmptyTarget;
-pub use eye_depth::{DepthCopy, EyeDepthRaster, EyeDepthTarget, NO_SURFACE};
+pub use eye_depth::{DepthCopy, EyeDepthTarget, NO_SURFACE};
 pub use fixed_work::{FixedWork, FixedWorkPlan, fixed_task};
 pub use gather::{Gather, SurfaceGeometry};
 pub use lanes::{LANES_OF_WORKGROUP, dispatch_rays, rays_per_lane_parameter, rays_within_rounds};
 pub use last_count::LastCount;
 pub use means_probe::{MANY_RAYS, ProbeTimes, probe_means};
+pub use nearest_compute::{NearestImage, NearestOf, ResolvedImage};
+pub use nearest_layers::{LayerTarget, NearestLayers, NearestPass, NearestScene};
 pub use nearest_raster::{DEPTH_TEST_FORMAT, Passing};
 pub use on_demand::OnDemand;
 pub use prefix_sum::{PrefixSum, PrefixSumPlan};
-pub use primitive_raster::{PrimitiveRaster, PrimitiveTexture};
+pub use primitive_texture::PrimitiveTexture;
 pub use pyramid::{MOST_LEVELS, Pyramid};
 pub use radix_sort::{RadixSort, RadixSortPlan};
 pub use raster::{RasterTargets, raster_pipeline};
@@ -85,6 +87,8 @@ pub fn layouts() -> Vec<SharedLayout> {
         }
         UnitSpace { low, image, scale, grid, begin, padding }
         Passing { separation, backs_only, padding }
+        NearestImage { row_words, names, padding }
+        ResolvedImage { words, nothing, padding }
         PyramidLevel { size, level, image, begin, begin_below, covered_only, padding }
         PyramidLayout as DepthPyramid { size, levels, cells, level_offsets }
         GatherSettings { ray_count, padding_a, padding_b, padding_c }

@@ -13,7 +13,7 @@ pub const DEPTH_TEST_FORMAT: TextureFormat = TextureFormat::Depth32Float;
 const VIEW: &str = "drawn view";
 const PASSING: &str = "passed layer";
 
-/// What lies behind a layer: `Passing` of shaders/shared/nearest_raster.wgsl.
+/// What lies behind a layer: `Passing` of shaders/shared/passed_layer.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct Passing {

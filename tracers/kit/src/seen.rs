@@ -4,7 +4,10 @@
 use tracebench_api::wgpu::{Buffer, BufferUsages};
 use tracebench_api::{Gpu, HitBuffer, MemoryEntry, PhaseClock, RayBuffer, TracerError, View};
 
-use crate::{BehindRaster, EyeDepthTarget, Gather, Passing, PrimitiveRaster, PrimitiveTexture, SurfaceGeometry};
+use crate::{
+    DrawnBy, EyeDepthTarget, Gather, LayerTarget, NearestLayers, NearestOf, NearestScene, Passing, PrimitiveTexture,
+    SurfaceGeometry,
+};
 
 /// Name of the triangles that rays saw.
 const SEEN: &str = "hit primitives";
@@ -12,14 +15,15 @@ const SEEN: &str = "hit primitives";
 /// The pipelines.
 #[derive(Debug)]
 pub struct SeenRaster {
-    nearest: PrimitiveRaster,
-    behind: BehindRaster,
+    layers: NearestLayers,
     gather: Gather,
 }
 
 /// What is drawn again: a view as its depths were drawn, layer behind layer.
 #[derive(Clone, Copy, Debug)]
 pub struct SeenView<'a> {
+    /// What draws.
+    pub drawn_by: DrawnBy,
     /// The view.
     pub view: &'a View,
     /// The scene as the structure has it.
@@ -49,11 +53,7 @@ impl SeenRaster {
     /// # Errors
     /// [`TracerError::Failed`] if the device refuses one.
     pub fn new(gpu: &Gpu) -> Result<Self, TracerError> {
-        Ok(Self {
-            nearest: PrimitiveRaster::new(gpu)?,
-            behind: BehindRaster::of_primitives(gpu)?,
-            gather: Gather::new(gpu)?,
-        })
+        Ok(Self { layers: NearestLayers::of_primitives(gpu)?, gather: Gather::new(gpu)? })
     }
 
     /// Records the phase "rasterize primitives" and makes room for what so many rays see.
@@ -67,18 +67,17 @@ impl SeenRaster {
         rays: usize,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Seen, TracerError> {
-        let SeenView { view, geometry, triangle_count, target, layers, separation } = seen;
+        let SeenView { drawn_by, view, geometry, triangle_count, target, layers, separation } = seen;
         let primitives = PrimitiveTexture::of_layers(gpu, view.size, layers)?;
-        let first = self.nearest.bind(gpu, view, &geometry.device)?;
-        let deeper = (1..layers as usize).map(|layer| {
-            let passed = &target.images[layer - 1];
-            self.behind.bind(gpu, view, &geometry.device, passed, Passing::behind(separation))
+        let scene = NearestScene { drawn_by, view, geometry: &geometry.device, triangle_count };
+        let passes = (0..layers as usize).map(|layer| {
+            let passed = layer.checked_sub(1).map(|before| (&target.images[before], Passing::behind(separation)));
+            self.layers.prepare(gpu, scene, passed)
         });
-        let deeper = deeper.collect::<Result<Vec<_>, _>>()?;
+        let passes = passes.collect::<Result<Vec<_>, _>>()?;
         clock.device_phase("rasterize primitives", |encoder| {
-            self.nearest.record(encoder, &first, triangle_count, &primitives.view, &target.test);
-            for (bindings, layer) in deeper.iter().zip(&primitives.layers[1..]) {
-                self.behind.record(encoder, bindings, triangle_count, layer, &target.test);
+            for ((layer, image), pass) in (0..).zip(&primitives.layers).zip(&passes) {
+                self.layers.record(encoder, pass, LayerTarget { image, layer, test: &target.test });
             }
         })?;
         let bytes = Self::triangle_bytes(rays);
@@ -104,14 +103,20 @@ impl SeenRaster {
     }
 
     /// What a trace to surfaces takes beside the search; `last` is what the last texture of triangles took.
-    pub fn memory(size: [u32; 2], layers: u32, rays: usize, last: Option<MemoryEntry>) -> Vec<MemoryEntry> {
+    pub fn memory(
+        drawn_by: DrawnBy,
+        size: [u32; 2],
+        triangle_count: u32,
+        layers: u32,
+        rays: usize,
+        last: Option<MemoryEntry>,
+    ) -> Vec<MemoryEntry> {
         let mut parts = vec![
             last.unwrap_or_else(|| PrimitiveTexture::memory_of(size, layers)),
             MemoryEntry::whole(SEEN, Self::triangle_bytes(rays)),
-            PrimitiveRaster::memory(),
             Gather::memory(),
         ];
-        parts.extend((1..layers).flat_map(|_| BehindRaster::memory()));
+        parts.extend(NearestLayers::memory(NearestOf::Primitives, drawn_by, size, triangle_count, layers));
         parts
     }
 

@@ -2,7 +2,7 @@
 
 use tracebench_api::ParameterScope::{Build, Trace};
 use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
-use tracebench_kit::{Reads, rays_per_lane_parameter, reads_parameter};
+use tracebench_kit::{DrawnBy, Reads, build_parameter, rays_per_lane_parameter, reads_parameter};
 
 use crate::trace::layouts;
 
@@ -96,6 +96,7 @@ parameters! {
             "how a ray goes over its samples: one after the other, or up and down a pyramid of depth bounds, built for it, which \
              skips samples that cannot hit; the hits are the same",
         ),
+        build: DrawnBy = build_parameter(),
         reads: Reads = reads_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),
     }

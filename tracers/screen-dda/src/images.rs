@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use tracebench_api::wgpu::CommandEncoder;
 use tracebench_api::{Geometry, Gpu, Ledger, Parameters, PhaseClock, TracerError, View};
 use tracebench_kit::{
-    BehindRaster, CellDepths, DepthCopy, DepthPyramid, EyeDepthRaster, EyeDepthTarget, NO_SURFACE, Passing,
-    PyramidBuilder, PyramidShape, Reads, ViewUniform,
+    CellDepths, DepthCopy, DepthPyramid, DrawnBy, EyeDepthTarget, LayerTarget, NO_SURFACE, NearestLayers, NearestOf,
+    NearestPass, NearestScene, Passing, PyramidBuilder, PyramidShape, Reads,
 };
 
 use crate::description::{DdaParameters, March, ThicknessFrom};
@@ -13,8 +14,7 @@ use crate::description::{DdaParameters, March, ThicknessFrom};
 /// The pipelines of a build.
 pub(crate) struct ImagePipelines {
     gpu: Arc<Gpu>,
-    nearest: EyeDepthRaster,
-    behind: BehindRaster,
+    layers: NearestLayers,
     pyramids: PyramidBuilder,
 }
 
@@ -30,6 +30,8 @@ pub(crate) struct ImageShape {
     pub separation: f64,
     pub hi_z: bool,
     pub reads: Reads,
+    /// What draws.
+    pub drawn_by: DrawnBy,
 }
 
 impl ImageShape {
@@ -42,6 +44,7 @@ impl ImageShape {
             separation: parameters.layer_separation,
             hi_z: parameters.march == March::HiZ,
             reads: parameters.reads,
+            drawn_by: parameters.build,
         })
     }
 
@@ -74,7 +77,8 @@ impl Images {
         Ok(Self { shape, target, copy, pyramid })
     }
 
-    pub fn enter(&self, ledger: &mut Ledger) {
+    /// Enters all, with what drawing so many triangles takes.
+    pub fn enter(&self, triangle_count: u32, ledger: &mut Ledger) {
         self.target.enter(ledger);
         if let Some(copy) = &self.copy {
             copy.enter(ledger);
@@ -82,11 +86,12 @@ impl Images {
         if let Some(pyramid) = &self.pyramid {
             pyramid.enter(ledger);
         }
-        // Uniforms, while the images are drawn.
-        let passes_behind = u64::from(self.shape.images() - 1);
-        let of_pass: u64 = BehindRaster::memory().iter().map(|entry| entry.allocated_bytes).sum();
+        // While the images are drawn.
+        let ImageShape { drawn_by, size, .. } = self.shape;
+        let drawing = NearestLayers::memory(NearestOf::Depths, drawn_by, size, triangle_count, self.shape.images());
+        let of_layers: u64 = drawing.iter().map(|entry| entry.allocated_bytes).sum();
         let of_pyramid = self.pyramid.as_ref().map_or(0, |pyramid| pyramid.shape().build_bytes());
-        ledger.borrow_transient(size_of::<ViewUniform>() as u64 + passes_behind * of_pass + of_pyramid);
+        ledger.borrow_transient(of_layers + of_pyramid);
     }
 
     /// Reads the images back and holds them against one another; gives how many pixels of each are covered.
@@ -127,12 +132,7 @@ fn check_images(images: &[Vec<f32>], shape: &ImageShape, view: &View, diagonal: 
 
 impl ImagePipelines {
     pub fn new(gpu: &Arc<Gpu>) -> Result<Self, TracerError> {
-        Ok(Self {
-            nearest: EyeDepthRaster::new(gpu)?,
-            behind: BehindRaster::of_depths(gpu)?,
-            pyramids: PyramidBuilder::new(gpu)?,
-            gpu: Arc::clone(gpu),
-        })
+        Ok(Self { layers: NearestLayers::of_depths(gpu)?, pyramids: PyramidBuilder::new(gpu)?, gpu: Arc::clone(gpu) })
     }
 
     /// Draws everything: the whole build.
@@ -146,22 +146,26 @@ impl ImagePipelines {
         let (gpu, device) = (&*self.gpu, geometry.on_device()?);
         let Images { shape, target, copy, pyramid } = images;
         let triangle_count = geometry.triangles.len() as u32;
-        let first = self.nearest.bind(gpu, view, device)?;
-        clock.device_phase("rasterize depth buffer", |encoder| {
-            self.nearest.record(encoder, &first, triangle_count, target);
-        })?;
+        let scene = NearestScene { drawn_by: shape.drawn_by, view, geometry: device, triangle_count };
+        let record = |encoder: &mut CommandEncoder, pass: &NearestPass, image: usize| {
+            let layer = LayerTarget { image: &target.images[image], layer: image as u32, test: &target.test };
+            self.layers.record(encoder, pass, layer);
+        };
+        let first = self.layers.prepare(gpu, scene, None)?;
+        clock.device_phase("rasterize depth buffer", |encoder| record(encoder, &first, 0))?;
         let layers = shape.layers as usize;
         let separation = (shape.separation * geometry.diagonal()) as f32;
         let mut behind = |name: &str, begin: usize, end: usize, before: usize, passing: Passing| {
-            let bind = |image: usize| self.behind.bind(gpu, view, device, &target.images[image - before], passing);
+            let prepare =
+                |image: usize| self.layers.prepare(gpu, scene, Some((&target.images[image - before], passing)));
             let passes =
-                (begin..end).map(|image| Ok((bind(image)?, image))).collect::<Result<Vec<_>, TracerError>>()?;
+                (begin..end).map(|image| Ok((prepare(image)?, image))).collect::<Result<Vec<_>, TracerError>>()?;
             if passes.is_empty() {
                 return Ok(());
             }
             clock.device_phase(name, |encoder| {
-                for (bindings, image) in &passes {
-                    self.behind.record(encoder, bindings, triangle_count, &target.images[*image], &target.test);
+                for (pass, image) in &passes {
+                    record(encoder, pass, *image);
                 }
             })
         };
@@ -197,8 +201,15 @@ mod tests {
             far: 100.0,
             size: [3, 1],
         };
-        let shape =
-            ImageShape { size: [3, 1], layers: 2, backs: true, separation: 0.1, hi_z: false, reads: Reads::Buffer };
+        let shape = ImageShape {
+            size: [3, 1],
+            layers: 2,
+            backs: true,
+            separation: 0.1,
+            hi_z: false,
+            reads: Reads::Buffer,
+            drawn_by: DrawnBy::Raster,
+        };
         let right = [
             vec![2.0, 3.0, NO_SURFACE],
             vec![4.5, NO_SURFACE, NO_SURFACE],

@@ -121,7 +121,7 @@ impl Structure for ScreenDdaStructure {
 
     fn memory(&self) -> MemoryReport {
         let mut ledger = Ledger::new();
-        self.images.enter(&mut ledger);
+        self.images.enter(self.triangle_count, &mut ledger);
         ledger.report(0).with_surface_geometry(self.geometry.bytes)
     }
 
@@ -129,8 +129,9 @@ impl Structure for ScreenDdaStructure {
         let mut parts = self.uniforms();
         if job.end == EndPoint::Surface {
             let last = self.primitive_texture.borrow().clone();
-            let layers = self.images.shape.layers;
-            parts.extend(SeenRaster::memory(self.view.size, layers, job.rays.host.len(), last));
+            let ImageShape { drawn_by, layers, .. } = self.images.shape;
+            let (triangles, rays) = (self.triangle_count, job.rays.host.len());
+            parts.extend(SeenRaster::memory(drawn_by, self.view.size, triangles, layers, rays, last));
         }
         Ok(parts)
     }

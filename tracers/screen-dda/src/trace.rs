@@ -100,6 +100,7 @@ impl ScreenDdaStructure {
                 let (gpu, raster) = (&*self.pipelines.gpu, &self.pipelines.seen);
                 let shape = &self.images.shape;
                 let view = SeenView {
+                    drawn_by: shape.drawn_by,
                     view: &self.view,
                     geometry: &self.geometry,
                     triangle_count: self.triangle_count,
