@@ -201,10 +201,15 @@ fn walk_tree(image: u32, first: f32, limit: f32) {
     found.inpainted = false;
     found.stopped = false;
     before_until = NOT_BEFORE;
-    begin = first;
+    // Views are a little wider than their images. A walk begins where the ray comes into the image and ends where it leaves that: else
+    // it would hang on the size of cells which of those along a side are met before the ray is in them, or behind.
+    let whole = Bounds(vec2<f32>(0.0), vec2<f32>(forest.size));
     end = limit;
+    begin = min(enters_at(track, whole, first), end);
+    let out = leaves_at(track, whole, begin);
+    let outside_from = min(min(out.x, out.y), end);
     let last = vec2<i32>(forest.size) - 1;
-    var place = first;
+    var place = begin;
     var level = forest.top;
     var cell = cell_at(track, place, level, last >> vec2<u32>(level));
 #ifdef STACK
@@ -227,7 +232,7 @@ fn walk_tree(image: u32, first: f32, limit: f32) {
         let exit = min(min(leaves.x, leaves.y), end);
         var down = NOWHERE;
         // Of cells that are touched at a corner alone it hangs on the way of the walk which are met.
-        if (exit > place) {
+        if (exit > place && place < outside_from) {
             let words = visit(image, level, vec2<u32>(cell));
             if (is_plane(words)) {
 #ifdef COUNTERS
@@ -254,7 +259,7 @@ fn walk_tree(image: u32, first: f32, limit: f32) {
             level -= 1u;
             continue;
         }
-        if (exit >= end) {
+        if (exit >= outside_from) {
             open -= 1u;
             break;
         }

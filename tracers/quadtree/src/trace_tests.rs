@@ -115,17 +115,30 @@ fn along_borders() -> Vec<Ray> {
     [-0.3, 0.01, 0.1].into_iter().flat_map(from).collect()
 }
 
+/// Rays of a square of eyes beside the view's, through the pixels' centres as the view has them: many enter the image through its sides,
+/// and run along them.
+fn through_sides() -> Vec<Ray> {
+    let view = viewpoint().frame_view();
+    let steps = [-2.4, -1.2, -0.8, 0.0, 0.8, 1.2, 2.4];
+    let eyes = steps.into_iter().flat_map(|across| steps.map(|up| view.right * across + view.up * up));
+    eyes.flat_map(|beside| {
+        let pixels = (0..41).step_by(3).flat_map(|row| (0..63).step_by(2).map(move |column| (column, row)));
+        pixels.map(move |(x, y)| ray(view.eye + beside, view.direction_through(f64::from(x) + 0.5, f64::from(y) + 0.5)))
+    })
+    .collect()
+}
+
 /// Proves that the way a tree is walked changes no bit: with a stack or without, over as many levels as there are or none, read from
-/// textures, with several rays a lane. Negative control: merged planes do change some.
+/// textures, with several rays a lane; of one layer, too, where holes are inpainted. Negative control: merged planes do change some.
 #[test]
 fn ways_to_walk_change_no_hit() {
     let gpu = gpu();
     let geometry = soup(&hostile(), Some(&gpu));
     let tracer = Quadtree::new(Arc::clone(&gpu)).unwrap();
-    let rays = [rays(1500), along_borders()].concat();
-    for views in ["frame", "six"] {
+    let rays = [rays(1500), along_borders(), through_sides()].concat();
+    for base in [("views", "frame"), ("views", "six"), ("layers", "1")] {
         let by = |more: &[(&'static str, &'static str)]| {
-            let settings = [&LOSSLESS[..], &[("views", views)], more].concat();
+            let settings = [&LOSSLESS[..], &[base], more].concat();
             let structure = built_by(&tracer, &gpu, &geometry, &settings);
             answer(&gpu, &structure, &rays, &settings, EndPoint::Surface)
         };
@@ -139,8 +152,8 @@ fn ways_to_walk_change_no_hit() {
         ] {
             let found = by(&more);
             let off: Vec<_> = rays.iter().zip(found.0.iter().zip(&expected.0)).filter(|(_, (a, b))| a != b).collect();
-            assert!(off.is_empty(), "{views} {more:?}: {} rays, {:?}", off.len(), &off[..off.len().min(4)]);
-            assert!(found.1 == expected.1, "{views} {more:?}");
+            assert!(off.is_empty(), "{base:?} {more:?}: {} rays, {:?}", off.len(), &off[..off.len().min(4)]);
+            assert!(found.1 == expected.1, "{base:?} {more:?}");
         }
         assert!(by(&[("gamma_dist", "0.01"), ("gamma_norm", "25")]).0 != expected.0);
     }
