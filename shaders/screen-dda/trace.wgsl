@@ -3,7 +3,8 @@
 //
 // DEEP: several layers of depth, backs behind them. HI_Z: samples that cannot hit are skipped by a pyramid of depth bounds
 // (Uludag, "Hi-Z Screen-Space Cone-Traced Reflections", GPU Pro 5, 2014). A skip is of samples that lie surely in one cell and all
-// before or all behind what the cell bounds, so that what is answered is the same bit for bit.
+// before or all behind what the cell bounds, so that what is answered is the same bit for bit. Which cell a sample on a border lies in
+// is told by the pixel that it reads; of a ray along a border the cells on both sides are asked.
 
 #import tracebench::types::{Ray, Hit, miss, NO_PRIMITIVE, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, STATUS_THICKNESS_REJECTED}
 #import tracebench::view::{View, pixel_position}
@@ -123,37 +124,74 @@ fn reach_of(place: f32, step: f32) -> f32 {
     return select(place + 0.5 * step, 1.0, (place + step > 1.0 || step == 1.0));
 }
 
+// The pixel that a sample reads.
+fn pixel_of(position: vec2<f32>) -> vec2<i32> {
+    return clamp(vec2<i32>(floor(position)), vec2<i32>(0), vec2<i32>(view.size) - 1);
+}
+
 #ifdef HI_Z
-// The borders of a cell, pixels: left and top, right and bottom. Beyond the image's own there is nothing to be taken for.
-fn borders_of(cell: vec2<i32>, level: u32) -> vec4<f32> {
+// The borders round two cells side by side, or one, pixels: left and top, right and bottom. Beyond the image's own there is nothing to be
+// taken for.
+fn borders_of(one: vec2<i32>, other: vec2<i32>, level: u32) -> vec4<f32> {
     let beyond = view.size + 4.0;
-    let low = vec2<f32>(cell << vec2<u32>(level));
-    let high = vec2<f32>((cell + 1) << vec2<u32>(level));
+    let first = min(one, other);
+    let low = vec2<f32>(first << vec2<u32>(level));
+    let high = vec2<f32>((max(one, other) + 1) << vec2<u32>(level));
     return vec4<f32>(
-        select(low, -beyond, (cell == vec2<i32>(0))),
+        select(low, -beyond, (first == vec2<i32>(0))),
         select(high, beyond + view.size, (high >= view.size)),
     );
 }
 
-// Whether a position lies within borders by more than rounding moves it.
-fn is_within(at: vec2<f32>, borders: vec4<f32>) -> bool {
-    let slack = PLACE_SLACK * max(view.size.x, view.size.y);
-    return all(at >= borders.xy + slack) && all(at <= borders.zw - slack);
+// By how much positions of samples may be off the line, pixels.
+fn place_slack() -> f32 {
+    return PLACE_SLACK * max(view.size.x, view.size.y);
 }
 
-// Samples from a position on that lie within borders, by their way between one and the next: one at least.
-fn samples_within(at: vec2<f32>, way: vec2<f32>, borders: vec4<f32>) -> u32 {
-    let slack = PLACE_SLACK * max(view.size.x, view.size.y);
-    let left = select(at - borders.xy, borders.zw - at, (way > vec2<f32>(0.0))) - slack;
+// Along which axes samples lie so far apart that rounding does not change their order: what lies between two of them that read a cell
+// reads it too, be they on its very borders. Along the other ones a ray may run along a border.
+fn keeps_order(way: vec2<f32>) -> vec2<bool> {
+    return abs(way) >= vec2<f32>(2.0 * place_slack());
+}
+
+// The cell across the border that the ray runs along, where rounding decides which of both its samples read; the same for none.
+fn cell_across(at: vec2<f32>, cell: vec2<i32>, level: u32, ordered: vec2<bool>) -> vec2<i32> {
+    let borders = borders_of(cell, cell, level);
+    let slack = place_slack();
+    let before = select(vec2<i32>(0), vec2<i32>(1), at < borders.xy + slack);
+    let behind = select(vec2<i32>(0), vec2<i32>(1), at > borders.zw - slack);
+    return cell + select(behind - before, vec2<i32>(0), ordered);
+}
+
+// Whether a position lies within borders by more than rounding moves it, along axes that need it.
+fn is_within(at: vec2<f32>, borders: vec4<f32>, ordered: vec2<bool>) -> bool {
+    let slack = place_slack();
+    let clear = (at >= borders.xy + slack) & (at <= borders.zw - slack);
+    return all(clear | ordered);
+}
+
+// Whether a sample reads a pixel of one of two cells.
+fn reads_one_of(at: vec2<f32>, one: vec2<i32>, other: vec2<i32>, level: u32) -> bool {
+    let cell = pixel_of(at) >> vec2<u32>(level);
+    return all(cell == one) || all(cell == other);
+}
+
+// Samples from a position on that lie within borders, by their way between one and the next: one at least, and one too many where the
+// last of them falls on a border.
+fn samples_within(at: vec2<f32>, way: vec2<f32>, borders: vec4<f32>, ordered: vec2<bool>) -> u32 {
+    let slack = place_slack();
+    let margin = select(vec2<f32>(-slack), vec2<f32>(slack), ordered);
+    let left = select(at - borders.xy, borders.zw - at, (way > vec2<f32>(0.0))) + margin;
     let steps = select(vec2<f32>(65536.0), left / max(abs(way), vec2<f32>(1e-6)), (abs(way) > vec2<f32>(1e-6)));
     return u32(clamp(min(steps.x, steps.y), 0.0, 65535.0)) + 1u;
 }
 
-// The level of the next cell: one up where the ray comes into another one of the level above, which it has not asked yet.
-fn next_level(pixel: vec2<i32>, position: vec2<f32>, level: u32) -> u32 {
-    let next = clamp(vec2<i32>(floor(position)), vec2<i32>(0), vec2<i32>(view.size) - 1);
+// The level of the next cell: one up where the ray comes into another one of the level above, which it has not asked yet. It does not come
+// into those that it runs along.
+fn next_level(pixel: vec2<i32>, position: vec2<f32>, level: u32, ordered: vec2<bool>) -> u32 {
+    let next = pixel_of(position);
     let above = vec2<u32>(level + 1u);
-    let crosses = any((pixel >> above) != (next >> above)) && level + 1u < pyramid.levels;
+    let crosses = any(((pixel >> above) != (next >> above)) & ordered) && level + 1u < pyramid.levels;
     return select(level, level + 1u, crosses);
 }
 
@@ -216,7 +254,6 @@ fn march(ray: Ray) -> Answer {
     let starts_inside = span.x <= ray.t_min;
     let first = select(0.0, min(settings.start_bias / max(major, 1e-6), 1.0), starts_inside);
 
-    let last_pixel = vec2<i32>(view.size) - vec2<i32>(1);
     // Of the next sample: its number, where it begins and where it looks.
     var sample = 0u;
     var low = first;
@@ -225,6 +262,7 @@ fn march(ray: Ray) -> Answer {
     var behind_a_surface = false;
 #ifdef HI_Z
     let way = (pixel_end - pixel_begin) * step;
+    let ordered = keeps_order(way);
     // Rays start on surfaces: a coarse cell would say nothing.
     var level = 0u;
 #endif
@@ -233,26 +271,41 @@ fn march(ray: Ray) -> Answer {
             return no_hit(STATUS_STEP_CAP, work);
         }
         let position = mix(pixel_begin, pixel_end, s);
-        let pixel = clamp(vec2<i32>(floor(position)), vec2<i32>(0), last_pixel);
+        let pixel = pixel_of(position);
 #ifdef HI_Z
         if (level > 0u) {
             work.y += 1u;
             let cell = pixel >> vec2<u32>(level);
-            let borders = borders_of(cell, level);
-            let count = min(samples_within(position, way, borders), settings.max_steps - sample);
-            let last = place_of(first, step, sample + count - 1u);
-            if (is_within(position, borders) && is_within(mix(pixel_begin, pixel_end, last), borders)) {
+            let other = cell_across(position, cell, level, ordered);
+            let borders = borders_of(cell, other, level);
+            var count = min(samples_within(position, way, borders, ordered), settings.max_steps - sample);
+            var last = place_of(first, step, sample + count - 1u);
+            if (count > 1u && !reads_one_of(mix(pixel_begin, pixel_end, last), cell, other, level)) {
+                count -= 1u;
+                last = place_of(first, step, sample + count - 1u);
+            }
+            let last_position = mix(pixel_begin, pixel_end, last);
+            // The ray's end may lie closer behind a sample than samples behind each other.
+            let last_ordered = ordered & vec2<bool>(last < 1.0);
+            if (is_within(position, borders, ordered) && is_within(last_position, borders, last_ordered)
+                && reads_one_of(last_position, cell, other, level)) {
                 let reach = reach_of(last, step);
                 let depths = 1.0 / vec2<f32>(between(k, low), between(k, reach));
                 let nearest = min(depths.x, depths.y) * (1.0 - DEPTH_SLACK);
                 let farthest = max(depths.x, depths.y) * (1.0 + DEPTH_SLACK);
-                let compared = compare_to_cell(level, vec2<u32>(cell), nearest, farthest);
+                var compared = compare_to_cell(level, vec2<u32>(cell), nearest, farthest);
+                if (compared != MEETS && any(other != cell)) {
+                    work.y += 1u;
+                    // Of which it is behind some only the samples could tell.
+                    let beside = compare_to_cell(level, vec2<u32>(other), nearest, farthest);
+                    compared = select(MEETS, compared, beside == compared);
+                }
                 if (compared != MEETS) {
                     behind_a_surface = behind_a_surface || (compared == SOME_BEHIND);
                     sample += count;
                     low = reach;
                     s = place_of(first, step, sample);
-                    level = next_level(pixel, mix(pixel_begin, pixel_end, s), level);
+                    level = next_level(pixel, mix(pixel_begin, pixel_end, s), level, ordered);
                     continue;
                 }
             }
@@ -297,7 +350,7 @@ fn march(ray: Ray) -> Answer {
         low = high;
         s = place_of(first, step, sample);
 #ifdef HI_Z
-        level = next_level(pixel, mix(pixel_begin, pixel_end, s), 0u);
+        level = next_level(pixel, mix(pixel_begin, pixel_end, s), 0u, ordered);
 #endif
     }
     if (behind_a_surface) {

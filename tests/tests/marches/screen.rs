@@ -26,15 +26,33 @@ const TRACES: [&[(&str, &str)]; 6] = [
     &[("thickness", "10"), ("max_steps", "7"), ("stride", "2")],
 ];
 
+/// Rays of eyes beside the view's, as far from it as told: all samples of those that enter the image through a side lie on borders
+/// between pixels. Every second eye looks along a row or a column of corners.
+fn from_beside(view: &View, reach: f64) -> Vec<Ray> {
+    let away = [-1.0, 1.0].into_iter().flat_map(|side| [view.right, view.up].map(|axis| axis * (0.4 * reach * side)));
+    let eyes = away.chain([(view.right - view.up) * (0.3 * reach)]).enumerate();
+    eyes.flat_map(|(index, beside)| {
+        let inside = if index % 2 == 0 { 0.5 } else { 0.0 };
+        let pixels =
+            (1..12).flat_map(|row| (1..12).map(move |column| [column, row].map(|place| f64::from(place) / 12.0)));
+        pixels.map(move |[x, y]| {
+            let at = [x * f64::from(view.size[0]), y * f64::from(view.size[1])].map(|at| at.floor() + inside);
+            ray(view.eye + beside, view.direction_through(at[0], at[1]))
+        })
+    })
+    .collect()
+}
+
 /// Proves that marching by Hi-Z gives the hits and statuses of marching over pixels bit for bit, by every kind of build and of trace, in an
-/// open scene and a closed one, of rays from anywhere, along lines between pixels too; that it looks at fewer samples; and, as a
-/// negative control, that another stride is noticed.
+/// open scene and a closed one, of rays from anywhere, along lines between pixels and through the image's sides too; that it looks at
+/// fewer samples; and, as a negative control, that another stride is noticed.
 #[test]
 fn hi_z_gives_the_same_hits() {
     let (room, view_of_room) = room();
     let tracer = tracer(NAME);
     for (geometry, viewpoint, reach) in [(scene(), camera(), 9.0), (room, view_of_room, 3.0)] {
-        let rays = rays(&viewpoint.frame_view(), 1200, reach, 83);
+        let view = viewpoint.frame_view();
+        let rays = [rays(&view, 1200, reach, 83), from_beside(&view, reach)].concat();
         for build in BUILDS {
             let [pixels, hi_z] = ["pixels", "hi-z"].map(|march| {
                 let settings = [build, &[("march", march)]].concat();
@@ -78,7 +96,8 @@ fn hi_z_serves_every_frame() {
     }
 }
 
-/// The share of samples that long rays over an empty view look at by Hi-Z: nearly none.
+/// Long rays over an empty view look at nearly none of its samples by Hi-Z, whether they start in it or enter it through any of its sides,
+/// where their samples lie on borders between pixels.
 #[test]
 fn hi_z_crosses_emptiness_at_once() {
     let viewpoint = Viewpoint { frame: [1024, 512], ..camera() };
@@ -86,12 +105,20 @@ fn hi_z_crosses_emptiness_at_once() {
     let built = Built::new(&*tracer, parameters(NAME, &[("march", "hi-z")]), &geometry, &viewpoint);
     // Before all blocks.
     let mut numbers = Numbers::new(85);
-    let rays: Vec<Ray> = (0..100)
-        .map(|_| ray(DVec3::new(-0.3, 0.15 * numbers.signed(), -0.5), DVec3::new(1.0, 0.1 * numbers.signed(), 0.0)))
-        .collect();
-    let counters = built.hits_with(&built.parameters, &rays).1;
-    let [samples, cells] = ["depth_samples", "cells_visited"].map(|name| total(&counters, name) / 100);
-    assert!(samples < 20 && cells < 60, "{samples} {cells}");
+    let starts = [[-0.3, 0.0], [-3.0, 0.0], [3.0, 0.0], [0.0, -3.0], [0.0, 3.0]];
+    for [x, y] in starts.map(|start| start.map(f64::from)) {
+        let along = DVec3::new(-x, -y, 0.0).normalize();
+        let aside = along.cross(DVec3::Z);
+        let rays: Vec<Ray> = (0..100)
+            .map(|_| {
+                let from = DVec3::new(x, y, -0.5) + aside * (0.15 * numbers.signed());
+                ray(from, along + aside * (0.1 * numbers.signed()))
+            })
+            .collect();
+        let counters = built.hits_with(&built.parameters, &rays).1;
+        let [samples, cells] = ["depth_samples", "cells_visited"].map(|name| total(&counters, name) / 100);
+        assert!(samples < 20 && cells < 60, "from {x}, {y}: {samples} {cells}");
+    }
 }
 
 /// Proves that hits of several layers and by back faces are those of the same march in f64 over the same depths, by several settings;
