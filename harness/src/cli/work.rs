@@ -144,7 +144,10 @@ pub(super) fn all_measured(plan: &Plan, run: &Run) -> Result<(), CliError> {
     let refused: Vec<String> = run.skipped.iter().filter(refused).map(told).collect();
     match refused.is_empty() {
         true => Ok(()),
-        false => Err(CliError::Other(format!("not measured, the rest is kept: {}", refused.join("; ")))),
+        false => Err(CliError::Other(format!(
+            "not measured, the rest is kept: {}; leave it out of --tracer if that cannot be helped",
+            refused.join("; ")
+        ))),
     }
 }
 

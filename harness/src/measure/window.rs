@@ -9,7 +9,7 @@ use super::place::{Measured, Place, Placed, Refusal, Told};
 use super::race::{Built, Outcome, Race, Setting};
 use super::run::Context;
 use super::{RunError, records};
-use crate::plan::Resolution;
+use crate::plan::{Resolution, TracerRequest};
 use crate::results::{RaceRecord, SceneRecord, Skipped, TraceRecord, TracerRun, ViewpointRecord};
 
 /// Structures of contenders that are there at a time.
@@ -235,7 +235,9 @@ impl<'a> Here<'a> {
                     race.enter(contender, Some(request), None);
                     None
                 }
-                Err(error) if request.tracer.required && !self.place.effort.lenient => {
+                Err(error)
+                    if request.tracer.required && !self.place.effort.lenient && self.is_alone(&request.tracer) =>
+                {
                     return Err(RunError::Tracer { tracer: request.tracer.name().to_owned(), error });
                 }
                 Err(error) => {
@@ -254,6 +256,11 @@ impl<'a> Here<'a> {
             }
         }
         Ok(race)
+    }
+
+    /// Whether no other tracer is asked for: then there is nothing left that could be measured.
+    fn is_alone(&self, tracer: &TracerRequest) -> bool {
+        self.place.requests.iter().all(|other| other.tracer.name() == tracer.name())
     }
 
     /// A device that was lost ends the run: what it did not answer is no property of tracers.

@@ -289,8 +289,8 @@ fn without_an_adapter() {
     assert_eq!(bench.call_without_adapter(&["list", "tracers"]).status, 0);
 }
 
-/// Proves that a tracer which asks more of an adapter than it has is skipped with the reason by `all` and an error with
-/// status 1 by name; on an adapter that has it, it runs both ways.
+/// Proves that a tracer which asks more of an adapter than it has is skipped with the reason: by `all` and nothing more, by name with an
+/// error and status 1 beside the others' results, and alone without any; on an adapter that has it, it runs both ways.
 #[test]
 fn without_ray_queries() {
     let bench = Bench::new();
@@ -311,9 +311,16 @@ fn without_ray_queries() {
     let adapter = result["machine"]["adapter"]["name"].as_str().unwrap();
     assert!(reason.contains(adapter) && reason.contains("EXPERIMENTAL_RAY_QUERY"), "{reason}");
     assert!(all.stderr.contains("skipped ray-query"), "{all:?}");
-    assert_eq!((named.status, named.stdout.as_str()), (1, ""), "{named:?}");
-    assert!(named.stderr.contains("ray-query") && named.stderr.contains("EXPERIMENTAL_RAY_QUERY"), "{named:?}");
-    assert!(names(&bench.path("named")).is_empty());
+    let last = named.stderr.lines().last().unwrap();
+    assert_eq!(named.status, 1, "{named:?}");
+    assert!(last.contains("EXPERIMENTAL_RAY_QUERY") && last.contains("leave it out of --tracer"), "{named:?}");
+    let record: Value = serde_json::from_slice(&std::fs::read(bench.path("named/run.json")).unwrap()).unwrap();
+    let tracer = |part: &str, row: usize| record[part][row]["tracer"].clone();
+    assert!(tracer("runs", 0)["name"] == "bvh-cpu" && tracer("skipped", 0) == "ray-query", "{record}");
+    let alone = run("ray-query", "alone");
+    assert_eq!((alone.status, alone.stdout.as_str()), (1, ""), "{alone:?}");
+    assert!(alone.stderr.contains("ray-query") && alone.stderr.contains("EXPERIMENTAL_RAY_QUERY"), "{alone:?}");
+    assert!(names(&bench.path("alone")).is_empty());
 }
 
 /// Proves that a tracer which refuses what it is asked for costs a run nothing but its own row: the others' are there, it is named
