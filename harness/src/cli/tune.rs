@@ -11,7 +11,7 @@ use super::{CliError, names};
 use crate::judge::Rule;
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
-use crate::registry::{self, Registration};
+use crate::registry::{self, Registration, TRACERS};
 use crate::report;
 use crate::results::AxisRecord;
 use crate::studies::sweep::RESOLUTION;
@@ -28,9 +28,8 @@ pub(super) struct TuneArguments {
     /// Ray sets: names from `list rays` with commas, or all.
     #[arg(long, default_value = "specular,diffuse")]
     rays: String,
-    /// The parameter, with the values of `list tracers` or with others (NAME=V,V,...); the preset's is always among them.
-    #[arg(long, value_name = "P[=V,V...]", default_value = tuned().and_then(|tracer| tracer.tune), allow_hyphen_values = true)]
-    over: String,
+    #[arg(long, value_name = "P[=V,V...]", allow_hyphen_values = true, help = over_help())]
+    over: Option<String>,
     /// The rule by which the best value is chosen; any-hit sets are judged by balanced accuracy.
     #[arg(long, default_value = Rule::Footprint.name(), value_parser = Rule::ALL.map(Rule::name))]
     rule: String,
@@ -43,7 +42,32 @@ fn tuned() -> Option<&'static Registration> {
     registry::first(|tracer| tracer.tune.is_some())
 }
 
+/// The help of `--over`, with what rooms say is tuned.
+fn over_help() -> String {
+    let of = TRACERS.iter().filter_map(|tracer| Some(format!("{} {}", tracer.name(), tracer.tune?)));
+    format!(
+        "The parameter, with the values of `list tracers` or with others (NAME=V,V,...); the preset's is always among them. Of {} if \
+         not given; of another tracer one must be named",
+        of.collect::<Vec<_>>().join(", of ")
+    )
+}
+
 impl TuneArguments {
+    /// What is tuned, and how: as it is said, or what the tracer's room says.
+    fn over(&self, request: &TracerRequest) -> Result<String, CliError> {
+        if let Some(over) = self.over.as_deref().or(request.registration.tune) {
+            return Ok(over.to_owned());
+        }
+        let described = (request.registration.describe)().parameters;
+        let worth: Vec<&str> = described.iter().filter(|each| each.sweep.len() > 1).map(|each| each.name).collect();
+        let worth =
+            if worth.is_empty() { "it has none with values to choose from".to_owned() } else { worth.join(", ") };
+        Err(CliError::Argument(format!(
+            "which parameter of {} is to be tuned? Name one with --over: {worth}",
+            request.name()
+        )))
+    }
+
     fn request(&self) -> Result<TracerRequest, CliError> {
         one_tracer(&self.tracer, &self.work.common.settings, "tune")
     }
@@ -63,9 +87,10 @@ impl TuneArguments {
     }
 
     fn axis(&self, request: &TracerRequest) -> Result<AxisRecord, CliError> {
-        let mut found = axes(request, std::slice::from_ref(&self.over), "--over")?;
+        let over = self.over(request)?;
+        let mut found = axes(request, std::slice::from_ref(&over), "--over")?;
         let (Some(axis), []) = (found.pop(), found.as_slice()) else {
-            return Err(CliError::Argument(format!("--over '{}': tune takes one parameter", self.over)));
+            return Err(CliError::Argument(format!("--over '{over}': tune takes one parameter")));
         };
         let name = &axis.name;
         let why = if name == RESOLUTION {
@@ -131,6 +156,8 @@ mod tests {
         assert!(found.name == "thickness" && found.values.len() > 5 && found.values.contains(&found.own), "{found:?}");
         let found = axis(&["--tracer", "screen-dda", "--over", "thickness=0.3,0.1"]).unwrap();
         assert_eq!((found.values.join(" ").as_str(), found.own.as_str()), ("0.005 0.1 0.3", "0.005"));
+        // Where nothing is said the tracer's own is meant.
+        assert_eq!(axis(&["--tracer", "quadtree"]).unwrap().name, "gamma_dist");
         for (arguments, part) in [
             (&["--over", "thickness,start_bias"][..], "one parameter"),
             (&["--over", "resolution"], "sweep"),
@@ -140,7 +167,8 @@ mod tests {
             (&["--tracer", "screen-dda", "--over", "thickness=-1"], "a number from 0"),
             (&["--tracer", "screen-dda@thickness=0.1"], "set already"),
             (&["--tracer", "screen-dda", "--set", "screen-dda.thickness=0.1"], "set already"),
-            (&["--tracer", "dirt"], "no parameter of dirt"),
+            (&["--tracer", "dirt"], "which parameter of dirt is to be tuned? Name one with --over: "),
+            (&["--tracer", "ray-query"], "--over: it has none"),
             (&["--tracer", "all"], "one tracer"),
         ] {
             let message = axis(arguments).map_or_else(|error| error.to_string(), |_| String::new());
