@@ -48,7 +48,7 @@ impl Images {
         if let Some(too_large) = shape.size().into_iter().find(|size| *size > edge) {
             return Err(TracerError::Failed(format!(
                 "the depth layers have an edge of {too_large} pixels, the device allows {edge}: turn down {}",
-                shape.turn_down()
+                shape.smaller_by()
             )));
         }
         let down = shape.turn_down();

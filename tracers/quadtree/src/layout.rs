@@ -191,7 +191,12 @@ impl Shape {
         self.capture == Capture::KBuffer && self.separation > 0.0
     }
 
-    /// The parameter that makes views smaller.
+    /// The option that makes views smaller.
+    pub(crate) fn smaller_by(&self) -> &'static str {
+        if self.has_faces { "--face" } else { "--frame" }
+    }
+
+    /// What makes views smaller, or fewer.
     pub(crate) fn turn_down(&self) -> &'static str {
         match self.has_faces {
             true => "--face or quadtree.layers",
