@@ -16,9 +16,16 @@ use crate::tables::Table;
 
 /// Says that a name is not known, with the nearest that is.
 pub(super) fn unknown(kind: &str, name: &str, known: &[&str]) -> CliError {
-    let nearest = known.iter().max_by(|a, b| strsim::jaro_winkler(name, a).total_cmp(&strsim::jaro_winkler(name, b)));
-    let hint = nearest.map_or_else(String::new, |nearest| format!("; did you mean '{nearest}'?"));
+    let near = known.iter().filter(|known| is_near(name, known));
+    let nearest = near.max_by(|a, b| strsim::jaro_winkler(name, a).total_cmp(&strsim::jaro_winkler(name, b)));
+    let hint = nearest.map_or_else(|| ".".to_owned(), |nearest| format!("; did you mean '{nearest}'?"));
     CliError::Argument(format!("there is no {kind} '{name}'{hint} There are: {}", known.join(", ")))
+}
+
+/// Whether a name may be another one, mistyped or cut short: a third of its letters may be wrong, one of few.
+fn is_near(name: &str, known: &str) -> bool {
+    let letters = name.chars().count();
+    strsim::damerau_levenshtein(name, known) <= (letters / 3).max(1) || (letters >= 3 && known.starts_with(name))
 }
 
 /// The parts of a comma-separated list, each once, in order.
@@ -127,8 +134,23 @@ pub(super) fn tracers(list: &str, settings: &[String]) -> Result<Vec<TracerReque
             }
         }
     }
+    let idle = idle(settings, &requests);
     apply_all(settings, &mut requests)?;
-    Ok(requests)
+    idle.map_or(Ok(requests), Err)
+}
+
+/// That a `--set` has nothing to set: all requests of its tracer have a value of their own there.
+fn idle(settings: &[String], requests: &[TracerRequest]) -> Option<CliError> {
+    settings.iter().find_map(|setting| {
+        let (tracer, parameter, _) = split(setting).ok()?;
+        let mut own = requests.iter().filter(|request| request.name() == tracer).peekable();
+        own.peek()?;
+        own.all(|request| request.changed.iter().any(|name| name == parameter)).then(|| {
+            CliError::Argument(format!(
+                "--set {setting} sets nothing: every {tracer} in --tracer has its own value of {parameter}"
+            ))
+        })
+    })
 }
 
 /// The tracers of a table with `--set` values on top; none is required, since nobody has named it.
@@ -205,6 +227,7 @@ pub(super) fn ray_values(settings: &[String]) -> Result<Parameters, CliError> {
         let (of, parameter, value) = split(setting)?;
         if of == RAYS {
             let set = parameters.set(&known, parameter, value);
+            let set = set.and_then(|()| rays::check_ray_parameters(&parameters));
             set.map_err(|error| refused(&known, RAYS, parameter, error))?;
         }
     }
@@ -308,6 +331,32 @@ mod tests {
         assert!(message(set("stride=1")).contains("tracer.parameter=value"));
         assert!(message(set("bvh-cpu.build=fast")).contains("not in --tracer"));
         assert!(message(ray_sets("primary,,ao")).contains("empty name"));
+        assert!(message(tracers("quad", &[])).contains("did you mean 'quadtree'?"));
+    }
+
+    /// Names that are like none have none suggested, and get the list all the same.
+    #[test]
+    fn strange_names_get_no_suggestion() {
+        for message in [
+            message(tracers("quadtree@foo=1", &[])),
+            message(ray_sets("foo")),
+            message(scenes("kitchen")),
+            message(tracers("embree", &[])),
+        ] {
+            assert!(!message.contains("did you mean") && message.contains("'. There are: "), "{message}");
+        }
+    }
+
+    /// A lens is focused by itself, or no nearer than at the near plane.
+    #[test]
+    fn lenses_are_focused_where_something_is() {
+        let set = |value: &str| ray_values(&[format!("rays.lens_focus={value}")]);
+        for value in ["0", "0.001", "1000"] {
+            assert!(set(value).is_ok(), "{value}");
+        }
+        for value in ["1e-30", "0.0009", "-1"] {
+            assert!(message(set(value)).contains("lens_focus"), "{value}");
+        }
     }
 
     /// The value of `build`.
@@ -347,6 +396,9 @@ mod tests {
             assert!(message(tracers(list, &[])).contains(part), "{list}");
         }
         assert!(message(tracers("bvh-cpu@build=fast", &["bvh-cpu.build=quick".to_owned()])).contains("very_fast"));
+        // Where there is none without, nothing is set.
+        let idle = message(tracers("bvh-cpu@build=fast,bvh-gpu", &["bvh-cpu.build=slow".to_owned()]));
+        assert!(idle.contains("--set bvh-cpu.build=slow") && idle.contains("sets nothing"), "{idle}");
     }
 
     /// A table has every peer, none of them required, and no row twice, whatever is set.

@@ -16,7 +16,7 @@ use tracebench_scenes::CameraPath;
 
 pub use eye::primary_rays;
 pub use order::TILE;
-pub use parameters::{Order, RayParameters, Target, default_parameters, ray_parameters};
+pub use parameters::{Order, RayParameters, Target, check_ray_parameters, default_parameters, ray_parameters};
 
 use crate::truth::{Answer, Truth, TruthError};
 

@@ -1,7 +1,7 @@
 //! What can be said about ray sets: `--set rays.NAME=VALUE`.
 
 use tracebench_api::ParameterScope::Trace;
-use tracebench_api::{Parameter, ParameterDescription, Parameters, Preset, choice, parameters};
+use tracebench_api::{Parameter, ParameterDescription, ParameterError, Parameters, Preset, Value, choice, parameters};
 
 choice! {
     /// The order in which a set's rays are handed to tracers.
@@ -76,7 +76,7 @@ parameters! {
             Trace,
             0.0..=1e3,
             0.0,
-            "eye depth in focus, in scene diagonals; 0 is that of what the image's centre shows",
+            "eye depth in focus, in scene diagonals, 0.001 or more; 0 is that of what the image's centre shows",
         )
         .unit("diagonals"),
         light_field_cameras: u32 = Parameter::integer(
@@ -104,4 +104,23 @@ pub fn ray_parameters() -> Vec<ParameterDescription> {
 /// The values that count where nothing is set.
 pub fn default_parameters() -> Parameters {
     Parameters::preset(&ray_parameters(), Preset::Published)
+}
+
+/// The least eye depth in focus: what lies nearer than near planes no view shows.
+const LEAST_FOCUS: f64 = 1e-3;
+
+/// Refuses values that lie within their ranges and mean nothing all the same.
+///
+/// # Errors
+/// [`ParameterError::Value`] with what is allowed.
+pub fn check_ray_parameters(parameters: &Parameters) -> Result<(), ParameterError> {
+    let name = "lens_focus";
+    match parameters.value(name) {
+        Some(Value::Real(focus)) if *focus > 0.0 && *focus < LEAST_FOCUS => Err(ParameterError::Value {
+            name: name.to_owned(),
+            given: focus.to_string(),
+            expected: format!("0, or a number from {LEAST_FOCUS} on"),
+        }),
+        _ => Ok(()),
+    }
 }
