@@ -21,7 +21,8 @@ use crate::{report, tables};
 /// Where results go, and how a long run is spread and gone on with.
 #[derive(Args)]
 pub(super) struct OutputArguments {
-    /// Folder for the results; a new one below tracebench-out/ if not given.
+    /// Folder for the results; a new one below tracebench-out/ if not given. Results of a run that ended there before are replaced;
+    /// what was broken off there is not, see --resume.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Go on with the run that was broken off in --out: what had ended there is not measured again. Everything else must be
