@@ -26,21 +26,17 @@ const TRACES: [&[(&str, &str)]; 6] = [
     &[("thickness", "10"), ("max_steps", "7"), ("stride", "2")],
 ];
 
-/// Rays of eyes beside the view's, as far from it as told: all samples of those that enter the image through a side lie on borders
-/// between pixels. Every second eye looks along a row or a column of corners.
+/// Rays of eyes beside the view's, as far from it as told, through centres and through corners of pixels: all samples of those that enter
+/// the image through a side lie on borders between pixels, and some rays run along borders all the way.
 fn from_beside(view: &View, reach: f64) -> Vec<Ray> {
     let away = [-1.0, 1.0].into_iter().flat_map(|side| [view.right, view.up].map(|axis| axis * (0.4 * reach * side)));
-    let eyes = away.chain([(view.right - view.up) * (0.3 * reach)]).enumerate();
-    eyes.flat_map(|(index, beside)| {
-        let inside = if index % 2 == 0 { 0.5 } else { 0.0 };
-        let pixels =
-            (1..12).flat_map(|row| (1..12).map(move |column| [column, row].map(|place| f64::from(place) / 12.0)));
-        pixels.map(move |[x, y]| {
-            let at = [x * f64::from(view.size[0]), y * f64::from(view.size[1])].map(|at| at.floor() + inside);
-            ray(view.eye + beside, view.direction_through(at[0], at[1]))
-        })
-    })
-    .collect()
+    let eyes: Vec<DVec3> = away.chain([(view.right - view.up) * (0.3 * reach)]).collect();
+    let size = view.size.map(f64::from);
+    let places = (1..8).flat_map(|row| (1..8).map(move |column| [column, row].map(|place| f64::from(place) / 8.0)));
+    places
+        .flat_map(|[x, y]| [0.0, 0.5].map(|inside| [(x * size[0]).floor() + inside, (y * size[1]).floor() + inside]))
+        .flat_map(|[x, y]| eyes.iter().map(move |beside| ray(view.eye + *beside, view.direction_through(x, y))))
+        .collect()
 }
 
 /// Proves that marching by Hi-Z gives the hits and statuses of marching over pixels bit for bit, by every kind of build and of trace, in an
@@ -97,27 +93,31 @@ fn hi_z_serves_every_frame() {
 }
 
 /// Long rays over an empty view look at nearly none of its samples by Hi-Z, whether they start in it or enter it through any of its sides,
-/// where their samples lie on borders between pixels.
+/// where their samples lie on borders between pixels, or run along borders.
 #[test]
 fn hi_z_crosses_emptiness_at_once() {
     let viewpoint = Viewpoint { frame: [1024, 512], ..camera() };
     let (geometry, tracer) = (scene(), tracer(NAME));
     let built = Built::new(&*tracer, parameters(NAME, &[("march", "hi-z")]), &geometry, &viewpoint);
     // Before all blocks.
+    let ahead = DVec3::NEG_Z * 0.5;
     let mut numbers = Numbers::new(85);
-    let starts = [[-0.3, 0.0], [-3.0, 0.0], [3.0, 0.0], [0.0, -3.0], [0.0, 3.0]];
-    for [x, y] in starts.map(|start| start.map(f64::from)) {
-        let along = DVec3::new(-x, -y, 0.0).normalize();
+    let mut crosses = |from: DVec3, slant: f64| -> Vec<Ray> {
+        let along = -from.normalize();
         let aside = along.cross(DVec3::Z);
-        let rays: Vec<Ray> = (0..100)
-            .map(|_| {
-                let from = DVec3::new(x, y, -0.5) + aside * (0.15 * numbers.signed());
-                ray(from, along + aside * (0.1 * numbers.signed()))
-            })
-            .collect();
+        let mut beside = || aside * numbers.signed();
+        (0..100).map(|_| ray(from + ahead + beside() * 0.15, along + beside() * slant)).collect()
+    };
+    let starts = [[-0.3, 0.0], [-3.0, 0.0], [3.0, 0.0], [0.0, -3.0], [0.0, 3.0]];
+    let mut all = starts.map(|[x, y]| crosses(DVec3::new(x, y, 0.0), 0.1)).to_vec();
+    // Along rows of corners.
+    let view = viewpoint.frame_view();
+    let rows = (1..101).map(|row| view.direction_through(512.0, 5.0 * f64::from(row)) * 0.5);
+    all.push(rows.map(|at| ray(at + DVec3::X * 3.0, DVec3::NEG_X)).collect());
+    for rays in all {
         let counters = built.hits_with(&built.parameters, &rays).1;
         let [samples, cells] = ["depth_samples", "cells_visited"].map(|name| total(&counters, name) / 100);
-        assert!(samples < 20 && cells < 60, "from {x}, {y}: {samples} {cells}");
+        assert!(samples < 20 && cells < 60, "{:?}: {samples} {cells}", rays[0]);
     }
 }
 
