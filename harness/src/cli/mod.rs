@@ -14,6 +14,7 @@ mod merge;
 mod names;
 mod need;
 mod output;
+mod page;
 mod pareto;
 mod reproduce;
 mod run;
@@ -73,7 +74,7 @@ enum Verb {
     Compare(compare::CompareArguments),
     /// Join the shards of a run that was spread over machines by --shard.
     Merge(merge::MergeArguments),
-    /// Make every file that derives from a run.json, of whatever verb, again.
+    /// Make every file that derives from a run.json, of whatever verb, again; or one page of several records.
     Report(run::ReportArguments),
     /// Draw what a tracer sees, or gets wrong, as a PNG.
     Picture(arguments::PictureArguments),

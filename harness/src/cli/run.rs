@@ -18,8 +18,12 @@ use crate::{report as reports, tables};
 
 #[derive(Args)]
 pub(super) struct ReportArguments {
-    /// A run.json, plain or compressed by gzip, of whatever verb, or the folder that holds it.
-    path: PathBuf,
+    /// Records: run.json files, plain or compressed by gzip, of whatever verb, or the folders that hold them.
+    #[arg(required = true, value_name = "RECORD")]
+    paths: Vec<PathBuf>,
+    /// Write one page of all records here, which needs no other file: who to take, fronts, tables, claims, causes. Nothing else is made then.
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
 }
 
 pub(super) fn run(arguments: &RunArguments, progress: &Progress) -> Result<(), CliError> {
@@ -30,11 +34,16 @@ pub(super) fn run(arguments: &RunArguments, progress: &Progress) -> Result<(), C
 }
 
 pub(super) fn report(arguments: &ReportArguments, progress: &Progress) -> Result<(), CliError> {
-    let directory = folder_of(&arguments.path);
-    for path in reports::write_derived(&reports::read_run(&arguments.path)?, &directory, tables::of_run)? {
-        progress.say(&path.display().to_string());
-    }
-    Ok(())
+    let Some(file) = &arguments.html else {
+        for path in &arguments.paths {
+            let run = reports::read_run(path)?;
+            for written in reports::write_derived(&run, &folder_of(path), tables::of_run)? {
+                progress.say(&written.display().to_string());
+            }
+        }
+        return Ok(());
+    };
+    super::page::write(file, &arguments.paths, progress)
 }
 
 /// The folder that a file is in, or that is one.

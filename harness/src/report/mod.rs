@@ -13,6 +13,7 @@ mod explain;
 pub(crate) mod fixture;
 pub(crate) mod format;
 pub(crate) mod group;
+mod html;
 pub(crate) mod markdown;
 pub(crate) mod means;
 pub(crate) mod metrics;
@@ -40,6 +41,7 @@ use flate2::read::MultiGzDecoder;
 pub use compare::comparison_text;
 pub use error::ReportError;
 pub use explain::{EXPLAIN_PAGE, explanation_page};
+pub use html::{Claims, MOST_BYTES, Makers, Page, page as html_page};
 pub use need::NEED_PAGE;
 pub use pareto::PARETO_PAGE;
 pub use stability::{STABILITY_TABLE, matrix as stability_matrix};
@@ -54,6 +56,9 @@ use crate::studies::tune::Tuning;
 
 /// The file that holds everything.
 pub const RUN_FILE: &str = "run.json";
+
+/// The page of a run in full.
+const SUMMARY: &str = "summary.md";
 
 /// Makes the files of the table that a run was made for, name and contents; none of one that was made for none. Tables know
 /// reports, reports know no table.
@@ -142,7 +147,7 @@ fn of_run(run: &Run, of_table: Tables) -> Result<Contents, ReportError> {
     let labelled = sweep::labelled(run);
     let shown = group::groups(&labelled);
     let mut contents = vec![
-        ("summary.md".to_owned(), summary::summary(&labelled, &shown).into_bytes()),
+        (SUMMARY.to_owned(), summary::summary(&labelled, &shown).into_bytes()),
         ("traces.csv".to_owned(), tables::traces(run, &groups)?),
         ("wrong_rays.csv".to_owned(), tables::wrong_rays(&groups)?),
     ];

@@ -4,6 +4,7 @@ mod clock;
 mod compare;
 mod docs;
 mod fronts;
+mod pages;
 mod papers;
 mod refusals;
 mod reproductions;

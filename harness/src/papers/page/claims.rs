@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::broken;
 use crate::files;
-use crate::papers::{Claim, JudgedClaim, Paper, SceneValue, Test, Verdict, judge_all};
+use crate::papers::{Claim, JudgedClaim, PAPERS, Paper, SceneValue, Test, Verdict, judge_all};
 use crate::report::ReportError;
 use crate::report::format::{NONE, significant};
 use crate::report::markdown::{Table, inline};
@@ -140,6 +140,18 @@ pub fn claims_text(paper: &Paper, runs: &[Run]) -> Result<String, ReportError> {
     }
     let _ = write!(text, "\n{HOW}\n\n{}", table(&judged, true));
     Ok(text)
+}
+
+/// The claims of every paper for one of whose tables a run was made, a page a paper in Markdown.
+///
+/// # Errors
+/// If the embedded data is not as it should be.
+pub fn claims_of(runs: &[Run]) -> Result<Vec<String>, ReportError> {
+    let is_of = |paper: &&&Paper| {
+        let tables = runs.iter().filter_map(|run| run.table.as_deref());
+        tables.into_iter().any(|table| paper.experiments.iter().any(|experiment| experiment.name == table))
+    };
+    PAPERS.iter().filter(is_of).map(|paper| claims_text(paper, runs)).collect()
 }
 
 fn judged(paper: &Paper, runs: &[Run]) -> Result<Vec<JudgedClaim>, ReportError> {

@@ -8,7 +8,7 @@ mod published;
 
 use std::fmt::Write as _;
 
-pub use claims::{claims_text, write_claims};
+pub use claims::{claims_of, claims_text, write_claims};
 
 use super::{DataError, Experiment, Paper, PublishedTable, Rows, judge};
 use crate::report::chart::series::series_chart;

@@ -13,7 +13,7 @@ use plotters::style::{Color, FontStyle, FontTransform, RGBColor, ShapeStyle, Tex
 use super::palette::{Shape, Style};
 
 /// Backend pixels a point: plotters takes whole pixels only, so small ones make positions exact and PNGs sharp.
-const SCALE: f64 = 2.0;
+pub(super) const SCALE: f64 = 2.0;
 
 /// The bundled font first; where an SVG's viewer lacks it, fonts of much the same widths, then any.
 const FAMILY: &str = "Roboto, Arial, Helvetica, sans-serif";

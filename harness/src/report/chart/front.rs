@@ -1,10 +1,15 @@
 //! Fronts: what points cost against what they get wrong.
 
+mod layer;
+mod names;
+
+pub(in crate::report) use layer::{FrontLayers, PointMark};
+
 use plotters::prelude::DrawingBackend;
 use plotters::style::RGBColor;
 
 use super::axis::{LogAxis, labels, log_range, percent_label};
-use super::canvas::{Align, Canvas, Drawn, Figure, register, text_width};
+use super::canvas::{Align, Canvas, Drawn, Figure, register};
 use super::frame::{Entry as Line, Frame, Rect, Sample};
 use super::palette::{CONTROL, GREY, INK, Shape, Style, Styles};
 use super::{LONGEST_NAME, LONGEST_SET, cut, untimed_caption};
@@ -22,8 +27,10 @@ const FAINT: f64 = 2.8;
 const WHITENED: f64 = 0.55;
 /// Size of the names beside points.
 const NAME_SIZE: f64 = 9.5;
-/// Height of a line of them.
-const NAME_LINE: f64 = 12.0;
+/// Width of the line of the front of all.
+const FRONT_WIDTH: f64 = 1.5;
+/// Width of the line of a tracer's own front.
+const OWN_WIDTH: f64 = 0.75;
 /// From where to where below a mark its arrow goes.
 const ARROW: [f64; 2] = [6.0, 13.0];
 /// Half the length of the caps at the ends of bars.
@@ -42,6 +49,9 @@ pub(in crate::report) struct PanelOf<'a> {
 /// A point's place.
 #[derive(Debug)]
 struct Mark {
+    /// Its place among the record's points.
+    index: usize,
+    tracer: String,
     style: Style,
     x: Amount,
     error: Amount,
@@ -62,8 +72,9 @@ struct Panel {
     x_name: String,
     x_range: (f64, f64),
     marks: Vec<Mark>,
-    /// Each tracer's own, with its colour.
-    own: Vec<(RGBColor, Corners)>,
+    cost: Cost,
+    /// Each tracer's own, with its name and colour.
+    own: Vec<(String, RGBColor, Corners)>,
     controls: Vec<(String, f64)>,
 }
 
@@ -170,6 +181,8 @@ fn panel<'a>(field: &Field<'a>, by: By, asked: &PanelOf<'a>, styles: &FrontStyle
         let wrong = Wrong::of(entry.trace, by)?;
         let x = as_read(field, asked.cost, field.cost(&entry, asked.cost)?);
         Some(Mark {
+            index: entry.index,
+            tracer: entry.point.tracer.clone(),
             style: styles.get(entry.point),
             x,
             error: wrong.share,
@@ -195,20 +208,52 @@ fn panel<'a>(field: &Field<'a>, by: By, asked: &PanelOf<'a>, styles: &FrontStyle
                 (spot.cost, read, spot.error)
             })
             .collect();
-        own.push((styles.get(&published).colour, corners(on)));
+        own.push((tracer.to_owned(), styles.get(&published).colour, corners(on)));
     }
     let mut controls = Vec::new();
     for (row, trace) in &field.controls {
         controls.extend(Wrong::of(trace, by).map(|wrong| (row.label(), wrong.drawn())));
     }
     let x_range = log_range(marks.iter().flat_map(|mark| mark.x.interval.into_iter().chain([mark.x.value])));
-    Panel { title: asked.title.clone(), x_name: cost_name(asked.cost), x_range, marks, own, controls }
+    let (title, cost, x_name) = (asked.title.clone(), asked.cost, cost_name(asked.cost));
+    Panel { title, x_name, x_range, marks, cost, own, controls }
 }
 
 /// Points of a front (cost, value, height) as places in the order of cost.
 fn corners(mut on: Vec<(f64, f64, f64)>) -> Corners {
     on.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.2.total_cmp(&a.2)));
     on.into_iter().map(|(_, value, height)| (value, height)).collect()
+}
+
+/// The line round a front on the canvas.
+fn line_round(corners: &Corners, [x, y]: [&LogAxis; 2]) -> Vec<(f64, f64)> {
+    steps(&corners.iter().map(|(value, height)| (x.at(*value), y.at(*height))).collect::<Vec<_>>())
+}
+
+/// The colour of the line of a tracer's own front.
+fn own_colour(colour: RGBColor) -> RGBColor {
+    mixed(colour, RGBColor(255, 255, 255), 0.3)
+}
+
+impl Mark {
+    fn place(&self, [x, y]: [&LogAxis; 2]) -> (f64, f64) {
+        (x.at(self.x.value), y.at(self.y))
+    }
+}
+
+impl Panel {
+    /// The corners of the front of all.
+    fn front(&self) -> Corners {
+        let on_front = self.marks.iter().filter(|mark| mark.standing == Standing::OnFront);
+        corners(on_front.map(|mark| (mark.cost, mark.x.value, mark.y)).collect())
+    }
+
+    /// The marks as they are drawn: what is behind lies below what is on the front.
+    fn in_order(&self) -> Vec<&Mark> {
+        let mut order: Vec<&Mark> = self.marks.iter().collect();
+        order.sort_by_key(|mark| std::cmp::Reverse(mark.standing));
+        order
+    }
 }
 
 /// The line round what a front has: what is cheaper is not to be had below it, up to the next point.
@@ -223,22 +268,6 @@ fn steps(places: &[(f64, f64)]) -> Vec<(f64, f64)> {
     line
 }
 
-/// What a mark covers: left, right, top and bottom.
-fn box_of((left, top): (f64, f64), mark: &Mark) -> [f64; 4] {
-    let below = if mark.at_bound { ARROW[1] } else { ON_FRONT };
-    [left - ON_FRONT, left + ON_FRONT, top - ON_FRONT, top + below]
-}
-
-/// The box round a line that goes along or up.
-fn box_round(from: (f64, f64), to: (f64, f64)) -> [f64; 4] {
-    [from.0.min(to.0), from.0.max(to.0), from.1.min(to.1), from.1.max(to.1)]
-}
-
-/// Whether two boxes lie less than a hair apart.
-fn meet(one: &[f64; 4], other: &[f64; 4]) -> bool {
-    one[0] < other[1] + 2.0 && other[0] < one[1] + 2.0 && one[2] < other[3] + 1.0 && other[2] < one[3] + 1.0
-}
-
 impl Figure for FrontFigure {
     fn size(&self) -> (f64, f64) {
         self.frame.size()
@@ -247,17 +276,29 @@ impl Figure for FrontFigure {
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
         self.frame.draw(canvas)?;
         for (index, panel) in self.panels.iter().enumerate() {
-            self.draw_panel(canvas, panel, self.frame.panel(index))?;
+            self.draw_ground(canvas, panel, self.frame.panel(index))?;
+            self.draw_points(canvas, panel, self.frame.panel(index))?;
         }
         Ok(())
     }
 }
 
 impl FrontFigure {
-    fn draw_panel<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, panel: &Panel, rect: Rect) -> Drawn {
-        let x = LogAxis::new(panel.x_range, rect.left, rect.right);
+    /// The axes of a panel's rectangle.
+    fn axes(&self, panel: &Panel, rect: Rect) -> [LogAxis; 2] {
         // A little above 100 %, so that markers there are whole.
         let y = LogAxis::new((self.floor, 0.3), rect.bottom, rect.top);
+        [LogAxis::new(panel.x_range, rect.left, rect.right), y]
+    }
+
+    /// Where the controls of a panel are.
+    fn controls(panel: &Panel, y: &LogAxis) -> Vec<(String, f64)> {
+        panel.controls.iter().map(|(name, share)| (name.clone(), y.at(*share))).collect()
+    }
+
+    /// What does not hang on who is shown.
+    fn draw_ground<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, panel: &Panel, rect: Rect) -> Drawn {
+        let [x, y] = self.axes(panel, rect);
         let ticks = x.ticks(8);
         for (tick, text) in ticks.iter().zip(labels(&ticks)) {
             rect.tick_below(canvas, x.at(tick.value), text.as_deref())?;
@@ -268,33 +309,29 @@ impl FrontFigure {
         }
         rect.title(canvas, &panel.title)?;
         rect.axis_names(canvas, &panel.x_name, &self.y_name)?;
-        let controls: Vec<_> = panel.controls.iter().map(|(name, share)| (name.clone(), y.at(*share))).collect();
+        let controls = Self::controls(panel, &y);
         for (_, height) in &controls {
             canvas.dashed((rect.left, *height), (rect.right, *height), CONTROL, 1.0)?;
         }
         rect.names_right(canvas, &controls)?;
         rect.edge(canvas)?;
-        let at = |(value, height): &(f64, f64)| (x.at(*value), y.at(*height));
-        for (colour, corners) in &panel.own {
-            let places: Vec<(f64, f64)> = corners.iter().map(at).collect();
-            canvas.path(&steps(&places), mixed(*colour, RGBColor(255, 255, 255), 0.3), 0.75)?;
-        }
-        let on_front = panel.marks.iter().filter(|mark| mark.standing == Standing::OnFront);
-        let front = corners(on_front.map(|mark| (mark.cost, mark.x.value, mark.y)).collect());
-        let places: Vec<(f64, f64)> = front.iter().map(at).collect();
-        canvas.path(&steps(&places), INK, 1.5)?;
-        // What is behind lies below what is on the front.
-        let mut order: Vec<&Mark> = panel.marks.iter().collect();
-        order.sort_by_key(|mark| std::cmp::Reverse(mark.standing));
-        for mark in &order {
-            self.draw_mark(canvas, mark, (x.at(mark.x.value), y.at(mark.y)), [&x, &y])?;
-        }
-        // Names keep off the line of the front and those of controls.
-        let mut lines: Vec<[f64; 4]> = steps(&places).windows(2).map(|ends| box_round(ends[0], ends[1])).collect();
-        lines.extend(controls.iter().map(|(_, height)| box_round((rect.left, *height), (rect.right, *height))));
-        self.draw_names(canvas, panel, rect, [&x, &y], lines)?;
         if panel.marks.is_empty() {
             rect.note(canvas, "no point was timed and judged")?;
+        }
+        Ok(())
+    }
+
+    fn draw_points<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, panel: &Panel, rect: Rect) -> Drawn {
+        let [x, y] = self.axes(panel, rect);
+        for (_, colour, corners) in &panel.own {
+            canvas.path(&line_round(corners, [&x, &y]), own_colour(*colour), OWN_WIDTH)?;
+        }
+        canvas.path(&line_round(&panel.front(), [&x, &y]), INK, FRONT_WIDTH)?;
+        for mark in panel.in_order() {
+            self.draw_mark(canvas, mark, mark.place([&x, &y]), [&x, &y])?;
+        }
+        for name in self.names(panel, rect) {
+            canvas.text(&name.mark.name, name.place, Align::Start, NAME_SIZE, name.mark.style.colour)?;
         }
         Ok(())
     }
@@ -326,58 +363,5 @@ impl FrontFigure {
             Standing::WithinNoise => canvas.hollow_marker(place, HOLLOW, mark.style),
             Standing::Behind => canvas.filled_marker(place, FAINT, faint(mark.style)),
         }
-    }
-
-    /// The names of points on the front, each where it meets no other; of neighbours of the same name one.
-    fn draw_names<DB: DrawingBackend>(
-        &self,
-        canvas: &Canvas<DB>,
-        panel: &Panel,
-        rect: Rect,
-        [x, y]: [&LogAxis; 2],
-        lines: Vec<[f64; 4]>,
-    ) -> Drawn {
-        let mut on: Vec<&Mark> = panel.marks.iter().filter(|mark| mark.standing == Standing::OnFront).collect();
-        on.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(b.y.total_cmp(&a.y)));
-        on.dedup_by(|next, before| next.name == before.name);
-        let mut taken: Vec<[f64; 4]> = Vec::new();
-        let place = |mark: &Mark| (x.at(mark.x.value), y.at(mark.y));
-        let marks = panel.marks.iter().map(|mark| box_of(place(mark), mark));
-        let drawn: Vec<[f64; 4]> = marks.chain(lines).collect();
-        for mark in on {
-            let (left, top) = place(mark);
-            let width = text_width(&mark.name, NAME_SIZE);
-            let covers = |(begin, middle): &(f64, f64)| {
-                [*begin, begin + width, middle - NAME_LINE / 2.0, middle + NAME_LINE / 2.0]
-            };
-            let free = |corner: &(f64, f64)| {
-                let own = covers(corner);
-                let inside = own[0] >= rect.left + 2.0
-                    && own[1] <= rect.right - 2.0
-                    && own[2] >= rect.top + 2.0
-                    && own[3] <= rect.bottom - 2.0;
-                inside && !taken.iter().any(|other| meet(&own, other))
-            };
-            let clear = |corner: &(f64, f64)| free(corner) && !drawn.iter().any(|other| meet(&covers(corner), other));
-            let corners = [
-                (left + 8.0, top - 8.0),
-                (left + 8.0, top + 8.0),
-                (left - 8.0 - width, top - 8.0),
-                (left - 8.0 - width, top + 8.0),
-                (left - width / 2.0, top - 15.0),
-                (left - width / 2.0, top + 20.0),
-                (left + 8.0, top - 22.0),
-                (left - 8.0 - width, top - 22.0),
-                (left + 8.0, top + 22.0),
-                (left - 8.0 - width, top + 22.0),
-                (left - width / 2.0, top + 34.0),
-            ];
-            // One that finds no room is told by its colour and form.
-            let found = corners.iter().copied().find(clear).or_else(|| corners.iter().copied().find(free));
-            let Some((begin, middle)) = found else { continue };
-            taken.push(covers(&(begin, middle)));
-            canvas.text(&mark.name, (begin, middle), Align::Start, NAME_SIZE, mark.style.colour)?;
-        }
-        Ok(())
     }
 }

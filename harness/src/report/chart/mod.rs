@@ -25,11 +25,12 @@ use super::pareto::{Shown, as_read, rays_a_pixel};
 use super::sweep::View;
 use super::verdict::{self, Verdict};
 use crate::results::{ParetoRecord, Provenance, Run, TracerRun};
-use crate::studies::pareto::{Amount, By, Cost, Field, contested};
+use crate::studies::pareto::{Amount, By, Class, Cost, Field, contested};
 use crate::studies::stability::Stability;
 use crate::studies::tune::Tuning;
 use canvas::{DrawError, Figure};
-use front::{FrontFigure, FrontStyles, PanelOf};
+use front::{FrontFigure, PanelOf};
+pub(super) use front::{FrontLayers, FrontStyles, PointMark};
 use overtaking::OvertakingFigure;
 #[cfg(test)]
 pub(super) use tests::{check_png, check_svg};
@@ -108,10 +109,7 @@ pub(super) fn pareto_charts(
     for scene in shown {
         for field in &scene.fronts.fields {
             for by in By::all(field.query) {
-                let panel = |cost: Cost| PanelOf { title: front_title(cost), cost, entries: field.entries.clone() };
-                let panels: Vec<PanelOf<'_>> = Cost::all(&record.rays_per_pixel).into_iter().map(panel).collect();
-                let columns = if panels.len() > 4 { 3 } else { 2 };
-                let figure = FrontFigure::new(run, field, *by, "Fronts", panels, &styles, columns);
+                let figure = fronts_of(run, record, field, *by, &styles);
                 draw(&scene.chart(field.rays, by.name()), &figure, &mut files)?;
                 let panels: Vec<PanelOf<'_>> =
                     [Cost::Bytes, Cost::Build].into_iter().flat_map(|cost| matched(field, cost)).collect();
@@ -131,6 +129,44 @@ pub(super) fn pareto_charts(
         }
     }
     Ok(files)
+}
+
+/// The fronts of every cost over one ray set by one rule.
+fn fronts_of(run: &Run, record: &ParetoRecord, field: &Field<'_>, by: By, styles: &FrontStyles) -> FrontFigure {
+    let panel = |cost: Cost| PanelOf { title: front_title(cost), cost, entries: field.entries.clone() };
+    let panels: Vec<PanelOf<'_>> = Cost::all(&record.rays_per_pixel).into_iter().map(panel).collect();
+    let columns = if panels.len() > 4 { 3 } else { 2 };
+    FrontFigure::new(run, field, by, "Fronts", panels, styles, columns)
+}
+
+/// The fronts of a ray set in two layers, for a page.
+pub(super) fn front_layers(
+    run: &Run,
+    record: &ParetoRecord,
+    field: &Field<'_>,
+    by: By,
+) -> Result<FrontLayers, ReportError> {
+    fronts_of(run, record, field, by, &FrontStyles::of(record)).layers().map_err(|error| made("fronts", &error))
+}
+
+/// Who overtakes whom among points of classes, as SVG, for a page.
+pub(super) fn break_even_svg(
+    run: &Run,
+    record: &ParetoRecord,
+    field: &Field<'_>,
+    classes: &[Class<'_>],
+) -> Result<String, ReportError> {
+    let figure = OvertakingFigure::new(run, field, classes, &FrontStyles::of(record));
+    canvas::to_svg(&figure).map_err(|error| made("break-even", &error))
+}
+
+/// The colours that causes and the like take in turn.
+pub(super) fn colour(index: usize) -> String {
+    palette::hex(palette::COLOURS[index % palette::COLOURS.len()])
+}
+
+fn made(what: &str, error: &DrawError) -> ReportError {
+    ReportError::Made { what: what.to_owned(), reason: error.to_string() }
 }
 
 fn front_title(cost: Cost) -> String {
@@ -156,12 +192,11 @@ fn matched<'a>(field: &Field<'a>, cost: Cost) -> Vec<PanelOf<'a>> {
 }
 
 fn draw(stem: &str, figure: &impl Figure, files: &mut Vec<ChartFile>) -> Result<(), ReportError> {
-    let fail = |name: &str, error: DrawError| ReportError::Made { what: name.to_owned(), reason: error.to_string() };
     let name = format!("{stem}.svg");
-    let contents = canvas::to_svg(figure).map_err(|error| fail(&name, error))?.into_bytes();
+    let contents = canvas::to_svg(figure).map_err(|error| made(&name, &error))?.into_bytes();
     files.push(ChartFile { name, contents });
     let name = format!("{stem}.png");
-    let contents = canvas::to_png(figure).map_err(|error| fail(&name, error))?;
+    let contents = canvas::to_png(figure).map_err(|error| made(&name, &error))?;
     files.push(ChartFile { name, contents });
     Ok(())
 }

@@ -16,7 +16,7 @@ pub(super) const GRID: RGBColor = RGBColor(0xE2, 0xE2, 0xE2);
 pub(super) const SHADE: RGBColor = RGBColor(0xF1, 0xF1, 0xF1);
 
 /// Colours that stay apart for most colour-blind readers: Okabe and Ito's, then darker ones after Tol.
-const COLOURS: [RGBColor; 12] = [
+pub(super) const COLOURS: [RGBColor; 12] = [
     RGBColor(0x00, 0x72, 0xB2),
     RGBColor(0xD5, 0x5E, 0x00),
     RGBColor(0x00, 0x9E, 0x73),
@@ -30,6 +30,11 @@ const COLOURS: [RGBColor; 12] = [
     RGBColor(0xAA, 0x44, 0x99),
     RGBColor(0x66, 0x11, 0x00),
 ];
+
+/// A colour as pages name it.
+pub(super) fn hex(RGBColor(red, green, blue): RGBColor) -> String {
+    format!("#{red:02X}{green:02X}{blue:02X}")
+}
 
 /// A marker's outline as corners on the unit circle; y points down, as on the canvas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,10 +3,10 @@
 use plotters::prelude::DrawingBackend;
 
 use super::axis::{LogAxis, labels, log_range};
-use super::canvas::{Canvas, Drawn, Figure, register};
+use super::canvas::{Canvas, Drawn, Figure, register, to_svg};
 use super::frame::{Entry, Frame, Rect, Sample};
 use super::palette::{GREY, Shape, Style, Styles};
-use super::{ChartFile, LONGEST_TRACER, cut, draw, untimed_caption};
+use super::{ChartFile, LONGEST_TRACER, cut, draw, made, untimed_caption};
 use crate::report::ReportError;
 use crate::results::Run;
 
@@ -59,6 +59,11 @@ pub(crate) fn series_chart(run: &Run, chart: &SeriesChart) -> Result<Vec<ChartFi
     let mut files = Vec::new();
     draw(&chart.stem, &SeriesFigure::new(run, chart), &mut files)?;
     Ok(files)
+}
+
+/// A chart as SVG alone, for a page.
+pub(crate) fn series_svg(run: &Run, chart: &SeriesChart) -> Result<String, ReportError> {
+    to_svg(&SeriesFigure::new(run, chart)).map_err(|error| made(&chart.stem, &error))
 }
 
 #[derive(Debug)]

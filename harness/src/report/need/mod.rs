@@ -5,7 +5,9 @@ mod page;
 #[cfg(test)]
 mod tests;
 
-use super::chart::series::{Panel, Series, SeriesChart, series_chart};
+use std::collections::BTreeMap;
+
+use super::chart::series::{Panel, Series, SeriesChart, series_chart, series_svg};
 use super::format::{self, significant, thousands};
 use super::group::stems;
 use super::{Contents, ReportError};
@@ -44,6 +46,30 @@ pub(super) fn files(run: &Run, record: &NeedRecord) -> Result<Contents, ReportEr
         }
     }
     Ok(contents)
+}
+
+/// The page, and by the name of each chart that it shows the same a tracer, as SVG.
+pub(super) fn for_page(
+    run: &Run,
+    record: &NeedRecord,
+) -> Result<(String, BTreeMap<String, Vec<(String, String)>>), ReportError> {
+    let curves = curves(run, record);
+    let shown = shown(run, &curves);
+    let mut charts = BTreeMap::new();
+    for each in &shown {
+        let mut own = Vec::new();
+        for (tracer, preset) in contenders(each) {
+            let is_of = |curve: &&&Curve<'_>| curve.record.tracer == tracer && curve.record.preset == preset;
+            let curves: Vec<&Curve<'_>> = each.curves.iter().filter(is_of).copied().collect();
+            let Some(name) = curves.first().map(|first| contender(first)) else { continue };
+            let one = Shown { scene: each.scene, rays: each.rays, curves, chart: each.chart.clone() };
+            if let Some(chart) = chart(record, &one) {
+                own.push((name, series_svg(run, &chart)?));
+            }
+        }
+        charts.insert(each.chart.clone(), own);
+    }
+    Ok((page::page(run, record, &curves, &shown), charts))
 }
 
 /// Curves by scene and ray set, in the order of first appearance.

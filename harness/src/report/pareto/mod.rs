@@ -1,7 +1,7 @@
 //! Fronts: `pareto.md`, `pareto.csv`, `operating_points.csv`, `break_even.csv` and the charts.
 
 mod csv;
-mod page;
+pub(in crate::report) mod page;
 #[cfg(test)]
 pub(in crate::report) mod tests;
 

@@ -112,7 +112,7 @@ fn aims() -> [String; 3] {
 }
 
 /// An operating point with what it costs.
-fn with_cost(field: &Field<'_>, aim: Aim, found: &Entry<'_>) -> String {
+pub(in crate::report) fn with_cost(field: &Field<'_>, aim: Aim, found: &Entry<'_>) -> String {
     let cost = field.cost(found, aim.cost()).map(|cost| as_read(field, aim.cost(), cost).value);
     format!("{}: {}", found.point.label(), format::optional(cost, 4))
 }
@@ -133,7 +133,7 @@ fn by_rule(run: &Run, record: &ParetoRecord, scene: &Shown<'_>, field: &Field<'_
 }
 
 /// The operating points of every level: over all tracers, then of each.
-fn operating_points(scene: &Shown<'_>, field: &Field<'_>, by: By) -> String {
+pub(in crate::report) fn operating_points(scene: &Shown<'_>, field: &Field<'_>, by: By) -> String {
     let mut table = Table::new(&[vec!["at least".to_owned(), "of".to_owned()], aims().to_vec()].concat());
     let mut any = false;
     for level in LEVELS {
@@ -158,7 +158,7 @@ fn operating_points(scene: &Shown<'_>, field: &Field<'_>, by: By) -> String {
 }
 
 /// A level as people read it.
-fn asked(level: f64) -> String {
+pub(in crate::report) fn asked(level: f64) -> String {
     format!("{} %", percent(level, 10_000))
 }
 
@@ -178,13 +178,13 @@ fn operating_point(scene: &Shown<'_>, field: &Field<'_>, by: By, level: f64, aim
 }
 
 /// The share of right answers with its interval.
-fn right(wrong: &Wrong, trials: u64) -> String {
+pub(in crate::report) fn right(wrong: &Wrong, trials: u64) -> String {
     let [least, most] = wrong.share.interval;
     percent_with_interval(1.0 - wrong.share.value, Some([1.0 - most, 1.0 - least]), trials)
 }
 
 /// How far every tracer gets.
-fn reach(field: &Field<'_>, by: By) -> String {
+pub(in crate::report) fn reach(field: &Field<'_>, by: By) -> String {
     let mut headings = ["tracer", "farthest", "by"].map(str::to_owned).to_vec();
     headings.push(metrics::SPEED.heading());
     let mut table = Table::new(&headings);
@@ -203,7 +203,7 @@ fn reach(field: &Field<'_>, by: By) -> String {
 }
 
 /// The points that are on a front of all tracers, or within noise of one.
-fn front_points(run: &Run, record: &ParetoRecord, field: &Field<'_>, by: By) -> String {
+pub(in crate::report) fn front_points(run: &Run, record: &ParetoRecord, field: &Field<'_>, by: By) -> String {
     let costs = Cost::all(&record.rays_per_pixel);
     let standings: Vec<_> = costs.iter().map(|cost| field.standings(&field.entries, *cost, by)).collect();
     let mut headings = vec!["point".to_owned(), "wrong ↓".to_owned()];
@@ -256,7 +256,7 @@ fn cost_cell(field: &Field<'_>, entry: &Entry<'_>, cost: Cost) -> String {
 }
 
 /// Who is cheapest at how many rays a frame.
-fn break_even(scene: &Shown<'_>, field: &Field<'_>, by: By) -> String {
+pub(in crate::report) fn break_even(scene: &Shown<'_>, field: &Field<'_>, by: By) -> String {
     let headings = ["at least", "geometry", "rays a frame", "cheapest", "overtakes"].map(str::to_owned);
     let mut table = Table::new(&headings);
     let mut any = false;

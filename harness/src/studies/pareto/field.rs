@@ -282,7 +282,7 @@ impl<'a> Field<'a> {
     }
 
     /// Whether one costs less than another beyond noise: by every byte, of times by the rounds in which both were timed.
-    fn surely_cheaper(&self, one: &Entry<'a>, other: &Entry<'a>, cost: Cost) -> bool {
+    pub fn surely_cheaper(&self, one: &Entry<'a>, other: &Entry<'a>, cost: Cost) -> bool {
         let timed = |entry: &Entry<'a>| match cost {
             Cost::Trace => Some(Timed::trace(entry.row, entry.trace)),
             Cost::Build => Some(Timed::build(entry.row)),
@@ -301,8 +301,15 @@ impl<'a> Field<'a> {
         }
     }
 
+    /// Whether one costs less, or is wrong less often, beyond noise.
+    pub(super) fn surely_better(&self, one: &Entry<'a>, other: &Entry<'a>, cost: Cost, by: By) -> bool {
+        let wrong = |entry: &Entry<'_>| Wrong::of(entry.trace, by).map(|wrong| wrong.share.interval);
+        let fewer = wrong(one).zip(wrong(other)).is_some_and(|(one, other)| one[1] < other[0]);
+        fewer || self.surely_cheaper(one, other, cost)
+    }
+
     /// Entries with their places, those that lack cost or error left out.
-    fn spots(&self, entries: &[Entry<'a>], cost: Cost, by: By) -> Vec<(Entry<'a>, Spot)> {
+    pub(super) fn spots(&self, entries: &[Entry<'a>], cost: Cost, by: By) -> Vec<(Entry<'a>, Spot)> {
         let spot = |entry: &Entry<'a>| {
             let spot = Spot { cost: self.cost(entry, cost)?.value, error: Wrong::of(entry.trace, by)?.drawn() };
             Some((*entry, spot))
@@ -321,11 +328,7 @@ impl<'a> Field<'a> {
     pub fn standings(&self, entries: &[Entry<'a>], cost: Cost, by: By) -> Vec<(Entry<'a>, Spot, Standing)> {
         let all = self.spots(entries, cost, by);
         let spots: Vec<Spot> = all.iter().map(|(_, spot)| *spot).collect();
-        let wrong = |place: usize| Wrong::of(all[place].0.trace, by).map(|wrong| wrong.share.interval);
-        let surely = |one: usize, other: usize| {
-            let fewer = wrong(one).zip(wrong(other)).is_some_and(|(one, other)| one[1] < other[0]);
-            fewer || self.surely_cheaper(&all[one].0, &all[other].0, cost)
-        };
+        let surely = |one: usize, other: usize| self.surely_better(&all[one].0, &all[other].0, cost, by);
         let standings = standings(&spots, surely);
         all.into_iter().zip(standings).map(|((entry, spot), standing)| (entry, spot, standing)).collect()
     }

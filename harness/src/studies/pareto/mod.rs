@@ -8,6 +8,7 @@
 mod design;
 mod field;
 mod front;
+mod noise;
 mod operating;
 mod overtaking;
 #[cfg(test)]

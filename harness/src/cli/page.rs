@@ -1,0 +1,68 @@
+//! `report --html`.
+
+use std::path::{Path, PathBuf};
+
+use super::CliError;
+use crate::files;
+use crate::progress::Progress;
+use crate::report::{self as reports, MOST_BYTES, Makers, ReportError};
+use crate::results::Run;
+use crate::{papers, tables};
+
+const MAKERS: Makers = Makers { tables: tables::of_run, claims: papers::claims_of };
+
+/// Writes one page of all records.
+pub(super) fn write(file: &Path, paths: &[PathBuf], progress: &Progress) -> Result<(), CliError> {
+    let mut records: Vec<(String, Run)> = Vec::new();
+    let mut known: Vec<PathBuf> = Vec::new();
+    for path in paths {
+        if let Some(name) = claims_alone(path) {
+            progress.say(&format!("{}: {name} is judged again by the records of its tables", path.display()));
+            continue;
+        }
+        let run = reports::read_run(path)?;
+        let place = std::fs::canonicalize(super::run::folder_of(path)).unwrap_or_else(|_| path.clone());
+        if known.contains(&place) {
+            return Err(CliError::Argument(format!("{}: it is given twice", path.display())));
+        }
+        known.push(place);
+        records.push((path.display().to_string(), run));
+    }
+    if records.is_empty() {
+        return Err(CliError::Argument("claims alone are no record: give those of the tables, too".to_owned()));
+    }
+    let page = reports::html_page(&records, MAKERS, &command(file, paths), MOST_BYTES)?;
+    files::write(file, page.html.as_bytes()).map_err(ReportError::from)?;
+    for what in &page.dropped {
+        progress.say(&format!("left out for want of room: {what}"));
+    }
+    progress.say(&file.display().to_string());
+    Ok(())
+}
+
+/// The claims that a folder holds and no record: what `claims --out` writes.
+fn claims_alone(folder: &Path) -> Option<String> {
+    let holds = |name: &str| folder.join(name).exists();
+    if holds(reports::RUN_FILE) || holds(&format!("{}.gz", reports::RUN_FILE)) {
+        return None;
+    }
+    let names = papers::PAPERS.iter().map(|paper| format!("claims_{}.json", paper.name));
+    names.into_iter().find(|name| holds(name))
+}
+
+/// The command line that makes the page again.
+fn command(file: &Path, paths: &[PathBuf]) -> String {
+    let all = std::iter::once(file).chain(paths.iter().map(PathBuf::as_path));
+    let quoted: Vec<String> = all.map(|path| quoted(&path.display().to_string())).collect();
+    format!("tracebench report --html {}", quoted.join(" "))
+}
+
+/// A word as a shell takes it.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+@:".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}

@@ -1,0 +1,220 @@
+//! The first screen: who to take for what, and why.
+
+use std::fmt::Write as _;
+
+use super::Place;
+use super::markdown;
+use super::read::{Names, Read};
+use crate::report::format::{NONE, significant};
+use crate::report::markdown::{Table, inline};
+use crate::report::pareto::page::{asked, right, with_cost};
+use crate::report::pareto::{as_read, cost_name};
+use crate::report::verdict::{self, Verdict};
+use crate::report::{format, metrics};
+use crate::results::Run;
+use crate::studies::pareto::{Aim, Check, Entry, LEVELS, Wrong, best, check, farthest};
+
+/// The agreement that is asked for where one stands for all.
+const ASKED: f64 = LEVELS[1];
+
+/// The answer in a sentence, who to take and why, and every method.
+pub(super) fn section(places: &[Place<'_>], records: &[Read<'_>], machines: &[String], names: &Names) -> String {
+    let mut text = sentences(places, machines) + &doubts(records);
+    for (number, machine) in (1..).zip(machines) {
+        let _ = writeln!(text, "\nMachine {number}: {}.", inline(machine));
+    }
+    let mut html = format!("<div class=\"answer\">{}</div>\n", markdown::plain_html(&text, 3, names));
+    if places.is_empty() {
+        return html;
+    }
+    let _ = write!(
+        html,
+        "{}<details><summary>At {} and {} agreement</summary>{}</details>\n{}",
+        markdown::plain_html(&format!("### Which to take, and why\n\n{HOW}\n\n{}", needs(places, ASKED)), 1, names),
+        asked(LEVELS[0]),
+        asked(LEVELS[2]),
+        markdown::plain_html(&format!("{}\n\n{}", needs(places, LEVELS[0]), needs(places, LEVELS[2])), 1, names),
+        markdown::plain_html(&format!("### Every method\n\n{}\n\n{}", every_method(), methods(places)), 1, names),
+    );
+    html
+}
+
+const HOW: &str = "Closest hits are right by `footprint`, within a pixel; any hits by the balanced accuracy. Other rules stand under \
+                   *operating points*. Times are by the host's clock, of work on a device from submission until done.";
+
+/// What the second table shows.
+fn every_method() -> String {
+    format!(
+        "How often a method is right at best, and what it costs with at least {} right answers; **bold**: none costs less.",
+        asked(ASKED)
+    )
+}
+
+/// A sentence a machine.
+fn sentences(places: &[Place<'_>], machines: &[String]) -> String {
+    let mut text = String::new();
+    for machine in 1..=machines.len() {
+        let own: Vec<&Place<'_>> = places.iter().filter(|place| place.read.machine == machine).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let winners = Aim::ALL.map(|aim| {
+            let mut won: Vec<(&str, usize)> = Vec::new();
+            for place in &own {
+                let Some(found) = best(place.field, &place.field.entries, place.by, ASKED, aim) else { continue };
+                match won.iter_mut().find(|(tracer, _)| *tracer == found.point.tracer) {
+                    Some((_, cases)) => *cases += 1,
+                    None => won.push((&found.point.tracer, 1)),
+                }
+            }
+            won.sort_by_key(|(_, cases)| std::cmp::Reverse(*cases));
+            let each =
+                |(tracer, cases): &(&str, usize)| format!("**{}** (in {cases} of {})", inline(tracer), own.len());
+            let each: Vec<String> = won.iter().map(each).collect();
+            format!("{}: {}", aim.name(), if each.is_empty() { "nobody".to_owned() } else { each.join(", ") })
+        });
+        let cases = if own.len() == 1 { "case" } else { "cases" };
+        let _ = writeln!(
+            text,
+            "\nOn machine {machine}, where at least {} of the answers must be right, take as {}. {} {cases} of a ray set in a scene.",
+            asked(ASKED),
+            winners.join("; as "),
+            own.len()
+        );
+    }
+    if text.is_empty() {
+        text += "\nNo record here is of fronts or a plain run, so none says who to take.\n";
+    }
+    text
+}
+
+/// What speaks against records.
+fn doubts(records: &[Read<'_>]) -> String {
+    let mut text = String::new();
+    let mut say = |of: &dyn Fn(&Run) -> bool, what: &str| {
+        let paths: Vec<String> = records.iter().filter(|read| of(&read.run)).map(|read| inline(read.path)).collect();
+        if !paths.is_empty() {
+            let _ = writeln!(text, "\n**{what}:** {}.", paths.join(", "));
+        }
+    };
+    say(&|run| verdict::controls(run) != Verdict::Sound, "Void, since a control fails, and part of no answer");
+    say(&|run| run.preset == "smoke", "Smoke runs, whose figures only show that things work");
+    text
+}
+
+/// A row a case and aim.
+fn needs(places: &[Place<'_>], level: f64) -> String {
+    let headings = ["rays", "scene", "machine", "right at least", "need", "take", "what it costs", "why"];
+    let mut table = Table::new(&headings.map(str::to_owned));
+    for place in places {
+        for aim in Aim::ALL {
+            let found = best(place.field, &place.field.entries, place.by, level, aim);
+            let [take, cost, why] = match found {
+                Some(found) => [found.point.label(), cost_of(place, aim, &found), why(place, level, aim, &found)],
+                None => ["nobody".to_owned(), NONE.to_owned(), nobody(place)],
+            };
+            table.row(&[
+                place.field.rays.to_owned(),
+                place.field.scene.scene.name.clone(),
+                place.read.machine.to_string(),
+                format!("{} by {}", asked(level), place.by.name()),
+                aim.name().to_owned(),
+                take,
+                cost,
+                why,
+            ]);
+        }
+    }
+    table.text
+}
+
+/// What a point costs, with the unit.
+fn cost_of(place: &Place<'_>, aim: Aim, found: &Entry<'_>) -> String {
+    let cost = place.field.cost(found, aim.cost()).map(|cost| as_read(place.field, aim.cost(), cost).value);
+    format!("{}: {}", cost_name(aim.cost()), format::optional(cost, 4))
+}
+
+fn right_share(place: &Place<'_>, entry: &Entry<'_>) -> String {
+    let wrong = Wrong::of(entry.trace, place.by);
+    wrong.map_or_else(|| NONE.to_owned(), |wrong| right(&wrong, metrics::trials(entry.trace)))
+}
+
+/// Who comes closest where nobody is right so often.
+fn nobody(place: &Place<'_>) -> String {
+    farthest(place.field, &place.field.entries, place.by).map_or_else(
+        || "nobody was judged".to_owned(),
+        |found| format!("the most is {}: {}", found.point.label(), right_share(place, &found)),
+    )
+}
+
+/// How often a cost is another's, and what one that costs less is.
+fn words(aim: Aim) -> [&'static str; 2] {
+    match aim {
+        Aim::Fastest => ["times as long", "faster"],
+        Aim::Smallest => ["times as many bytes", "smaller"],
+        Aim::QuickestBuilt => ["times as long to build", "quicker to build"],
+    }
+}
+
+/// Why a point is taken: how far the next tracer is, what would cost less but is right less often, and what became of it elsewhere.
+fn why(place: &Place<'_>, level: f64, aim: Aim, found: &Entry<'_>) -> String {
+    let (field, by, cost) = (place.field, place.by, aim.cost());
+    let of = |entry: &Entry<'_>| field.cost(entry, cost).map_or(f64::INFINITY, |amount| amount.value);
+    let [times, less] = words(aim);
+    let others: Vec<_> =
+        field.entries.iter().copied().filter(|entry| entry.point.tracer != found.point.tracer).collect();
+    let mut said = vec![match best(field, &others, by, level, aim) {
+        None => "no other tracer is right so often".to_owned(),
+        Some(next) => {
+            let noise = if field.surely_cheaper(found, &next, cost) { "" } else { ", within noise" };
+            let ratio = significant(of(&next) / of(found), 3);
+            format!("the next tracer takes {ratio} {times}{noise} ({})", with_cost(field, aim, &next))
+        }
+    }];
+    let cheaper = field.entries.iter().filter(|entry| of(entry) < of(found));
+    if let Some(cheapest) = cheaper.min_by(|one, other| of(one).total_cmp(&of(other))) {
+        said.push(format!("{} is {less} but right in {}", cheapest.point.label(), right_share(place, cheapest)));
+    }
+    said.push(match check(&place.shown.fronts.elsewhere, field.rays, found.point, by, level) {
+        Check::Holds(_) => "from another viewpoint it is right as often".to_owned(),
+        Check::WithinNoise(_, by) => {
+            format!("from another viewpoint it misses by {} points, within noise", significant(by * 100.0, 2))
+        }
+        Check::Misses(_, by) => {
+            format!("**from another viewpoint it misses by {} points**", significant(by * 100.0, 2))
+        }
+        Check::NotMeasured => "it was not checked from another viewpoint".to_owned(),
+    });
+    said.join("; ")
+}
+
+/// A row a case and tracer.
+fn methods(places: &[Place<'_>]) -> String {
+    let mut headings = ["rays", "machine", "tracer", "scene", "right at best"].map(str::to_owned).to_vec();
+    headings.extend(Aim::ALL.map(|aim| format!("{}: {}", aim.name(), cost_name(aim.cost()))));
+    let mut table = Table::new(&headings);
+    for place in places {
+        let field = place.field;
+        for tracer in field.tracers() {
+            let own = field.of_tracer(tracer);
+            let farthest = farthest(field, &own, place.by);
+            let mut row = vec![
+                field.rays.to_owned(),
+                place.read.machine.to_string(),
+                tracer.to_owned(),
+                field.scene.scene.name.clone(),
+                farthest.map_or_else(|| NONE.to_owned(), |found| right_share(place, &found)),
+            ];
+            row.extend(Aim::ALL.map(|aim| {
+                let Some(found) = best(field, &own, place.by, ASKED, aim) else { return NONE.to_owned() };
+                let cost = field.cost(&found, aim.cost()).map(|cost| as_read(field, aim.cost(), cost).value);
+                let is_best =
+                    best(field, &field.entries, place.by, ASKED, aim).is_some_and(|best| best.point.tracer == tracer);
+                let text = format::optional(cost, 4);
+                if is_best { format!("**{text}**") } else { text }
+            }));
+            table.row(&row);
+        }
+    }
+    table.text
+}

@@ -1,0 +1,224 @@
+//! Fronts, operating points and break-even: charts with points that can be asked, and the tables of their pages.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use super::Place;
+use super::markdown::{figure, plain_html};
+use super::pieces::{Piece, Rank, Tags, escape};
+use super::read::Names;
+use crate::report::chart::{self, FrontLayers, PointMark};
+use crate::report::format::with_interval;
+use crate::report::pareto::page;
+use crate::report::{ReportError, metrics};
+use crate::results::FrontPoint;
+use crate::studies::pareto::{By, Cost, Standing, Wrong, contested};
+
+/// Charts of fronts, with who is on them.
+pub(super) fn fronts(places: &[Place<'_>], machines: &[String], names: &Names) -> Result<Vec<Piece>, ReportError> {
+    let mut pieces = Vec::new();
+    for place in places {
+        let layers = chart::front_layers(&place.read.run, place.record, place.field, place.by)?;
+        let tags = place.tags().text();
+        pieces.push(Piece::Heavy {
+            rank: Rank::Front,
+            what: format!("fronts of {}", place.title()),
+            html: front(place, &layers, &machines[place.read.machine - 1]),
+            tags: tags.clone(),
+        });
+        let mut text = String::new();
+        for by in By::all(place.field.query) {
+            let _ = write!(text, "### By {}\n\n", by.name());
+            text += &page::front_points(&place.read.run, place.record, place.field, *by);
+        }
+        pieces.push(Piece::Heavy {
+            rank: Rank::Full,
+            what: format!("points on fronts of {}", place.title()),
+            html: details(&format!("Points on fronts: {}", place.title()), &tags, &plain_html(&text, 2, names)),
+            tags,
+        });
+    }
+    for (index, place) in places.iter().enumerate() {
+        if places[..index].iter().all(|known| !std::ptr::eq(known.read, place.read)) {
+            pieces.push(Piece::Fixed(points(place)));
+        }
+    }
+    Ok(pieces)
+}
+
+/// Operating points, and how far every tracer gets.
+pub(super) fn operating_points(places: &[Place<'_>], names: &Names) -> Vec<Piece> {
+    let piece = |place: &Place<'_>| {
+        let mut text = String::new();
+        for by in By::all(place.field.query) {
+            let _ = write!(text, "### By {}\n\n", by.name());
+            text += &page::operating_points(place.shown, place.field, *by);
+            text += &page::reach(place.field, *by);
+        }
+        let tags = place.tags().text();
+        Piece::Heavy {
+            rank: Rank::Page,
+            what: format!("operating points of {}", place.title()),
+            html: details(&place.title(), &tags, &plain_html(&text, 2, names)),
+            tags,
+        }
+    };
+    places.iter().map(piece).collect()
+}
+
+/// Who overtakes whom.
+pub(super) fn break_even(places: &[Place<'_>], machines: &[String], names: &Names) -> Result<Vec<Piece>, ReportError> {
+    let mut pieces = Vec::new();
+    for place in places {
+        let classes = contested(&place.shown.fronts, place.field, place.by);
+        if classes.is_empty() {
+            continue;
+        }
+        let (tags, machine) = (place.tags().text(), &machines[place.read.machine - 1]);
+        let svg = chart::break_even_svg(&place.read.run, place.record, place.field, &classes)?;
+        let alt = format!("Time of a frame over its number of rays, by tracer: {}", place.title());
+        let caption = format!("{}. Time of a frame (ms) over rays a frame, of every tracer. {machine}.", place.title());
+        pieces.push(Piece::Heavy {
+            rank: Rank::Chart,
+            what: format!("break-even chart of {}", place.title()),
+            html: figure(&svg, &alt, &caption, place.tags()),
+            tags: tags.clone(),
+        });
+        let text = page::break_even(place.shown, place.field, place.by);
+        // The chart stands above.
+        let text: String =
+            text.lines().filter(|line| !line.starts_with("![")).map(|line| format!("{line}\n")).collect();
+        pieces.push(Piece::Heavy {
+            rank: Rank::Page,
+            what: format!("break-even of {}", place.title()),
+            html: details(&place.title(), &tags, &plain_html(&text, 2, names)),
+            tags,
+        });
+    }
+    Ok(pieces)
+}
+
+/// A part that opens.
+pub(super) fn details(title: &str, tags: &str, html: &str) -> String {
+    format!("<details{tags}><summary>{}</summary>{html}</details>\n", escape(title))
+}
+
+/// Every point of a record with all of its parameters.
+fn points(place: &Place<'_>) -> String {
+    let mut rows = String::new();
+    for (index, point) in place.record.points.iter().enumerate() {
+        let _ = writeln!(
+            rows,
+            "<tr id=\"{}\"{}><td>{}</td><td>{}</td><td>{}×{}, {}</td></tr>",
+            id(place, index),
+            Tags { tracer: Some(&point.tracer), ..Tags::default() }.text(),
+            escape(&point.label()),
+            escape(&parameters(point)),
+            point.frame[0],
+            point.frame[1],
+            point.face,
+        );
+    }
+    let table = format!(
+        "<div class=\"wide\" tabindex=\"0\"><table><thead><tr><th scope=\"col\">point</th><th scope=\"col\">parameters</th>\
+         <th scope=\"col\">frame, faces (px)</th></tr></thead><tbody>\n{rows}</tbody></table></div>"
+    );
+    details(&format!("Points of {} with all parameters", place.read.path), "", &table)
+}
+
+fn id(place: &Place<'_>, index: usize) -> String {
+    format!("r{}p{index}", place.number)
+}
+
+fn parameters(point: &FrontPoint) -> String {
+    let said = |value: &serde_json::Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+    let all: Vec<String> = point.parameters.iter().map(|(name, value)| format!("{name}={}", said(value))).collect();
+    all.join(" ")
+}
+
+/// A chart with its points on top.
+fn front(place: &Place<'_>, layers: &FrontLayers, machine: &str) -> String {
+    let FrontLayers { ground, scale, widths: [front, own], radii: [on_front, hollow], name_size, panels } = layers;
+    let mut marks = format!(
+        "<g class=\"points\" transform=\"scale({scale})\" style=\"--front:{front};--own:{own};--name:{name_size}px;--hollow:{}\">\n",
+        hollow / on_front
+    );
+    for panel in panels {
+        let costs: Vec<_> = place.field.unsurely_beaten(&place.field.entries, panel.cost, place.by);
+        let beaten: BTreeMap<usize, Vec<usize>> = costs.into_iter().collect();
+        let _ = writeln!(marks, "<g class=\"panel\" role=\"group\" aria-label=\"{}\">", escape(&panel.cost_name));
+        for (tracer, colour, path) in &panel.own {
+            let tags = Tags { tracer: Some(tracer), ..Tags::default() }.text();
+            let _ = writeln!(marks, "<path class=\"own\"{tags} stroke=\"{colour}\" d=\"{path}\"/>");
+        }
+        let _ = writeln!(marks, "<path class=\"line\" d=\"{}\"/>", panel.front);
+        for (place_in_panel, point) in panel.points.iter().enumerate() {
+            let said = said(place, point, &panel.cost_name, panel.cost);
+            marks +=
+                &mark(&id(place, point.index), point, &said, place_in_panel == 0, beaten.get(&point.index), *on_front);
+        }
+        for (name, point, (left, top)) in
+            panel.points.iter().filter_map(|point| point.name.as_ref().map(|(name, at)| (name, point, at)))
+        {
+            let tags = Tags { tracer: Some(&point.tracer), ..Tags::default() }.text();
+            let _ = writeln!(
+                marks,
+                "<text{tags} x=\"{left:.1}\" y=\"{top:.1}\" fill=\"{}\">{}</text>",
+                point.colour,
+                escape(name)
+            );
+        }
+        marks.push_str("</g>\n");
+    }
+    marks.push_str("</g>\n</svg>");
+    // On top of everything that is drawn.
+    let svg = ground.trim_end().strip_suffix("</svg>").unwrap_or(ground).to_owned() + &marks;
+    let alt = format!("Fronts of {}: what points cost against what they get wrong", place.title());
+    let caption = format!(
+        "{}. Wrong rays (%) by {} over cost. Points tell their parameters when they are pointed at or have the focus (arrow keys). {machine}.",
+        place.title(),
+        place.by.name()
+    );
+    figure(&svg, &alt, &caption, place.tags()).replacen("role=\"img\"", "role=\"group\"", 1)
+}
+
+/// What a point is and does, in words.
+fn said(place: &Place<'_>, point: &PointMark, cost_name: &str, cost: Cost) -> String {
+    let entry = place.field.entries.iter().find(|entry| entry.index == point.index);
+    let label = place.record.points[point.index].label();
+    let wrong = entry.and_then(|entry| Some((Wrong::of(entry.trace, place.by)?, metrics::trials(entry.trace))));
+    let right = wrong.map_or_else(String::new, |(wrong, trials)| format!("; right {}", page::right(&wrong, trials)));
+    let read = match cost {
+        Cost::Bytes => crate::report::format::significant(point.read.value, 4),
+        _ => with_interval(point.read.value, point.read.interval, 4),
+    };
+    format!("{label}; {cost_name} {read}{right}")
+}
+
+fn mark(id: &str, point: &PointMark, said: &str, first: bool, beaten: Option<&Vec<usize>>, radius: f64) -> String {
+    let standing = match point.standing {
+        Standing::OnFront => "front",
+        Standing::WithinNoise => "noise",
+        Standing::Behind => "behind",
+    };
+    let tags = Tags { tracer: Some(&point.tracer), ..Tags::default() }.text();
+    let near: Vec<String> = beaten.into_iter().flatten().map(usize::to_string).collect();
+    let near = if near.is_empty() { String::new() } else { format!(" data-near=\"{}\"", near.join(" ")) };
+    let [cost, error] = point.spot;
+    let (left, top) = point.place;
+    let dot = match &point.outline {
+        Some(path) => format!("<path class=\"dot\" d=\"{path}\"/>"),
+        None => format!("<circle class=\"dot\" r=\"{radius}\"/>"),
+    };
+    let arrow = point.arrow.as_ref().map_or_else(String::new, |path| format!("<path class=\"arrow\" d=\"{path}\"/>"));
+    format!(
+        "<g class=\"mark {standing}\"{tags} data-point=\"{id}\" data-index=\"{}\" data-cost=\"{cost}\" data-error=\"{error}\"{near} \
+         tabindex=\"{}\" role=\"img\" aria-label=\"{}\" color=\"{}\" transform=\"translate({left:.2} {top:.2})\">\
+         <path class=\"bars\" d=\"{}\"/>{arrow}{dot}</g>\n",
+        point.index,
+        if first { 0 } else { -1 },
+        escape(said),
+        point.colour,
+        point.bars,
+    )
+}

@@ -1,0 +1,210 @@
+//! Several records in one page that needs nothing else: who to take, fronts whose points can be asked, everything else that their own
+//! pages say.
+//!
+//! Tables are those of the records' Markdown pages. Charts are drawn as elsewhere; fronts in two layers, so that tracers can be left out
+//! while axes stay.
+
+mod answer;
+mod causes;
+mod fronts;
+mod markdown;
+mod pieces;
+mod read;
+mod records;
+#[cfg(test)]
+mod tests;
+
+use std::fmt::Write as _;
+
+use super::pareto::{Shown, shown};
+use super::verdict::{self, Verdict};
+use super::{ReportError, Tables, summary};
+use crate::results::{ParetoRecord, Run};
+use crate::studies::pareto::{By, Field};
+use pieces::{Piece, Tags, escape, fit};
+use read::{Names, Read};
+use records::Kind;
+
+/// The most bytes of a page.
+pub const MOST_BYTES: usize = 10_000_000;
+
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+const RULES: &str = include_str!("../../../../RULES.md");
+
+/// Says what papers' claims come to by records of their tables, a page a paper in Markdown. Claims know reports, reports know no claim.
+pub type Claims = fn(&[Run]) -> Result<Vec<String>, ReportError>;
+
+/// What a page is made of besides records.
+#[derive(Clone, Copy)]
+pub struct Makers {
+    /// Tables.
+    pub tables: Tables,
+    /// Claims.
+    pub claims: Claims,
+}
+
+/// A page.
+#[derive(Debug)]
+pub struct Page {
+    /// It.
+    pub html: String,
+    /// What was left out for want of room.
+    pub dropped: Vec<String>,
+}
+
+/// A ray set in a scene of a record that fronts are made of.
+struct Place<'a> {
+    read: &'a Read<'a>,
+    /// The record's place among all.
+    number: usize,
+    record: &'a ParetoRecord,
+    shown: &'a Shown<'a>,
+    field: &'a Field<'a>,
+    /// The rule that stands for all: by which charts show methods that sample.
+    by: By,
+}
+
+impl Place<'_> {
+    fn tags(&self) -> Tags<'_> {
+        Tags { scene: Some(&self.field.scene.scene.name), rays: Some(self.field.rays), tracer: None }
+    }
+
+    fn title(&self) -> String {
+        format!("{}, {}, machine {}", self.field.scene.scene.name, self.field.rays, self.read.machine)
+    }
+}
+
+/// Makes a page of records, each with where it was read from, in at most so many bytes.
+///
+/// # Errors
+/// If a chart cannot be drawn.
+pub fn page(records: &[(String, Run)], makers: Makers, command: &str, most_bytes: usize) -> Result<Page, ReportError> {
+    let (all, machines) = read::read(records);
+    let names = Names::of(&all);
+    let shown: Vec<Vec<Shown<'_>>> =
+        all.iter().map(|read| read.points.as_ref().map_or_else(Vec::new, |points| shown(&read.run, points))).collect();
+    let places = places(&all, &shown);
+    let mut sections = Sections::default();
+    let pages = |kind| records::pages(&all, kind, &machines, &names, makers.tables);
+    sections.add("fronts", "Fronts", fronts::fronts(&places, &machines, &names)?);
+    sections.add("operating-points", "Operating points", fronts::operating_points(&places, &names));
+    sections.add("break-even", "Break-even", fronts::break_even(&places, &machines, &names)?);
+    sections.add("need", "The need curve", pages(Kind::Need)?);
+    let runs: Vec<Run> =
+        all.iter().filter(|read| read.run.table.is_some()).map(|read| read.run.clone().into_owned()).collect();
+    let mut tables = pages(Kind::Table)?;
+    for text in (makers.claims)(&runs)? {
+        tables.extend(records::claims(&text, &names));
+    }
+    sections.add("tables", "Tables and claims beside the published values", tables);
+    sections.add("matrix", "The matrix", pages(Kind::Matrix)?);
+    sections.add("causes", "Causes of wrong answers", causes::causes(&places, &machines));
+    sections.add("studies", "Sweeps and other studies", pages(Kind::Study)?);
+    sections.add("runs", "Runs in full", pages(Kind::Run)?);
+    sections.add("machine", "Machines and records", vec![Piece::Fixed(sources(&all, &names))]);
+    let rules = markdown::plain_html(RULES, 3, &names);
+    sections.add("rules", "Rules", vec![Piece::Fixed(fronts::details("How is measured and judged", "", &rules))]);
+    let head = head(&names, &sections, &answer::section(&places, &all, &machines, &names));
+    let foot = foot(command);
+    // What is left out is named once more below.
+    let room = most_bytes.saturating_sub(head.len() + foot.len());
+    Ok(sections.finish(head, &foot, room))
+}
+
+fn places<'a>(all: &'a [Read<'a>], shown: &'a [Vec<Shown<'a>>]) -> Vec<Place<'a>> {
+    let mut places = Vec::new();
+    for (number, (read, shown)) in all.iter().zip(shown).enumerate() {
+        let Some(record) = read.points.as_ref().filter(|_| verdict::controls(&read.run) == Verdict::Sound) else {
+            continue;
+        };
+        for shown in shown {
+            for field in &shown.fronts.fields {
+                if let Some(by) = By::all(field.query).last() {
+                    places.push(Place { read, number, record, shown, field, by: *by });
+                }
+            }
+        }
+    }
+    places
+}
+
+/// Sections with their titles; those that have nothing are not there.
+#[derive(Default)]
+struct Sections {
+    titles: Vec<(&'static str, &'static str)>,
+    pieces: Vec<Piece>,
+}
+
+impl Sections {
+    fn add(&mut self, id: &'static str, title: &'static str, pieces: Vec<Piece>) {
+        if pieces.is_empty() {
+            return;
+        }
+        self.titles.push((id, title));
+        self.pieces.push(Piece::Fixed(format!("<section id=\"{id}\"><h2>{title}</h2>\n")));
+        self.pieces.extend(pieces);
+        self.pieces.push(Piece::Fixed("</section>\n".to_owned()));
+    }
+
+    fn finish(self, head: String, foot: &str, room: usize) -> Page {
+        let (middle, dropped) = fit(&self.pieces, room);
+        let mut left_out =
+            "<section id=\"left-out\"><h2>Left out</h2>\n<p>Pictures of scenes: records hold none. ".to_owned();
+        left_out += "Charts of fronts by the other rules, PNGs and tables for programs: <code>tracebench report FOLDER</code> writes them \
+                     beside each record.</p>\n";
+        if dropped.is_empty() {
+            left_out += "<p>Nothing else: there was room for all.</p>\n";
+        } else {
+            let items: String = dropped.iter().map(|what| format!("<li>{}</li>", escape(what))).collect();
+            let _ = writeln!(left_out, "<p>For want of room:</p><ul>{items}</ul>");
+        }
+        left_out += "</section>\n";
+        Page { html: head + &middle + &left_out + foot, dropped }
+    }
+}
+
+fn head(names: &Names, sections: &Sections, answer: &str) -> String {
+    let links: String =
+        sections.titles.iter().map(|(id, title)| format!("<li><a href=\"#{id}\">{title}</a></li>")).collect();
+    let choice = |what: &str, label: &str, all: &[String]| {
+        let one = |name: &String| {
+            let name = escape(name);
+            format!("<label><input type=\"checkbox\" name=\"{what}\" value=\"{name}\" checked> {name}</label>")
+        };
+        let all: String = all.iter().map(one).collect();
+        format!(
+            "<details class=\"choice\"><summary>{label} <output></output></summary><fieldset><legend>{label}</legend>{all}</fieldset></details>"
+        )
+    };
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
+         content=\"width=device-width, initial-scale=1\"><title>tracebench: which tracer to take</title>\n<style>{STYLE}</style></head>\n\
+         <body><header><h1>Which tracer to take</h1></header>\n<nav aria-label=\"Sections\"><ul>{links}\
+         <li><a href=\"#left-out\">Left out</a></li><li><a href=\"#again\">Make it again</a></li></ul></nav>\n\
+         <form id=\"choice\" aria-label=\"What is shown\">{}{}{}<button type=\"reset\">Show all</button></form>\n<main>\n\
+         <section id=\"answer\">{answer}</section>\n",
+        choice("scene", "Scenes", &names.scenes),
+        choice("rays", "Ray sets", &names.rays),
+        choice("tracer", "Tracers", &names.tracers),
+    )
+}
+
+/// Where every record is from.
+fn sources(all: &[Read<'_>], names: &Names) -> String {
+    let of = |read: &Read<'_>| {
+        let text = summary::head(&read.run, "Record") + &summary::skipped(&read.run.skipped);
+        // The title stands above.
+        let text = text.trim_start_matches("# Record");
+        fronts::details(&format!("{} (machine {})", read.path, read.machine), "", &markdown::plain_html(text, 3, names))
+    };
+    all.iter().map(of).collect()
+}
+
+fn foot(command: &str) -> String {
+    format!(
+        "<section id=\"again\"><h2>Make it again</h2>\n<pre><code>{}</code></pre>\n</section>\n</main>\n\
+         <div id=\"tip\" role=\"tooltip\" hidden></div>\n<script>{SCRIPT}</script>\n</body></html>\n",
+        escape(command)
+    )
+}

@@ -1,0 +1,162 @@
+//! What a page is put together from, and what is left out of it where it would grow too large.
+
+use std::fmt::Write as _;
+
+/// What is kept first where there is no room for all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Rank {
+    /// Fronts.
+    Front,
+    /// Pages and tables that answer what was asked.
+    Page,
+    /// Charts that go with them.
+    Chart,
+    /// Everything that was measured, in full.
+    Full,
+}
+
+/// A part of a page.
+#[derive(Debug)]
+pub(super) enum Piece {
+    /// One that is always there.
+    Fixed(String),
+    /// One that may be left out.
+    Heavy {
+        /// Of those that may, which goes first.
+        rank: Rank,
+        /// What it is, for people.
+        what: String,
+        /// What it belongs to, as attributes.
+        tags: String,
+        /// The part.
+        html: String,
+    },
+}
+
+/// Text that is nothing but text, in elements and in attributes.
+pub(super) fn escape(text: &str) -> String {
+    let mut safe = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => safe.push_str("&amp;"),
+            '<' => safe.push_str("&lt;"),
+            '>' => safe.push_str("&gt;"),
+            '"' => safe.push_str("&quot;"),
+            '\'' => safe.push_str("&#39;"),
+            c if c.is_control() && c != '\n' => safe.push('\u{fffd}'),
+            c => safe.push(c),
+        }
+    }
+    safe
+}
+
+/// What a part belongs to, as attributes: who leaves it out leaves the part out.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tags<'a> {
+    /// The scene.
+    pub scene: Option<&'a str>,
+    /// The ray set.
+    pub rays: Option<&'a str>,
+    /// The tracer.
+    pub tracer: Option<&'a str>,
+}
+
+impl Tags<'_> {
+    /// These, and of others what these do not say.
+    pub(super) fn or(self, others: Self) -> Self {
+        Self {
+            scene: self.scene.or(others.scene),
+            rays: self.rays.or(others.rays),
+            tracer: self.tracer.or(others.tracer),
+        }
+    }
+
+    /// As attributes, each after a blank.
+    pub(super) fn text(self) -> String {
+        let mut text = String::new();
+        for (name, value) in [("scene", self.scene), ("rays", self.rays), ("tracer", self.tracer)] {
+            if let Some(value) = value {
+                let _ = write!(text, " data-{name}=\"{}\"", escape(value));
+            }
+        }
+        text
+    }
+}
+
+/// Bytes that the note on a part that was left out may take, besides what it names twice.
+const NOTE: usize = 160;
+
+/// Puts parts together in at most so many bytes, and tells what was left out: of the last rank first, and there what would be too much.
+/// Fixed parts are always there.
+pub(super) fn fit(pieces: &[Piece], most: usize) -> (String, Vec<String>) {
+    let fixed: usize = pieces
+        .iter()
+        .map(|piece| match piece {
+            Piece::Fixed(html) => html.len(),
+            Piece::Heavy { what, tags, .. } => NOTE + tags.len() + 2 * escape(what).len(),
+        })
+        .sum();
+    let mut room = most.saturating_sub(fixed);
+    let mut order: Vec<usize> = (0..pieces.len()).collect();
+    let rank = |place: &usize| match &pieces[*place] {
+        Piece::Fixed(_) => None,
+        Piece::Heavy { rank, .. } => Some(*rank),
+    };
+    order.sort_by_key(rank);
+    let mut kept = vec![true; pieces.len()];
+    for place in order {
+        if let Piece::Heavy { html, .. } = &pieces[place] {
+            kept[place] = html.len() <= room;
+            room -= if kept[place] { html.len() } else { 0 };
+        }
+    }
+    let (mut page, mut dropped) = (String::new(), Vec::new());
+    for (piece, kept) in pieces.iter().zip(kept) {
+        match piece {
+            Piece::Fixed(html) => page.push_str(html),
+            Piece::Heavy { html, .. } if kept => page.push_str(html),
+            Piece::Heavy { what, tags, html, .. } => {
+                let _ = writeln!(page, "<p class=\"dropped\"{tags}>Left out for want of room: {}.</p>", escape(what));
+                dropped.push(format!("{what} ({} kB)", html.len().div_ceil(1000)));
+            }
+        }
+    }
+    (page, dropped)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Proves that parts of the last rank go first, that the rest stays in its order, that what goes is told, and that the limit holds.
+    #[test]
+    fn what_matters_least_goes_first() {
+        let heavy = |rank, what: &str| Piece::Heavy {
+            rank,
+            what: what.to_owned(),
+            tags: Tags { scene: Some("a\"b"), ..Tags::default() }.text(),
+            html: format!("<i>{}</i>", what.repeat(300)),
+        };
+        let pieces = [
+            Piece::Fixed("<p>head</p>".to_owned()),
+            heavy(Rank::Full, "f"),
+            heavy(Rank::Front, "w"),
+            heavy(Rank::Chart, "c"),
+            Piece::Fixed("<p>foot</p>".to_owned()),
+        ];
+        let (whole, dropped) = fit(&pieces, 10_000);
+        assert!(dropped.is_empty() && whole.len() < 1000 && whole.contains("www") && whole.ends_with("<p>foot</p>"));
+        let (page, dropped) = fit(&pieces, 1400);
+        assert!(page.len() <= 1400 && page.contains("www") && !page.contains("fff"), "{page}");
+        assert_eq!(dropped, ["f (1 kB)"]);
+        assert!(page.contains("data-scene=\"a&quot;b\">Left out"));
+        let (page, dropped) = fit(&pieces, 0);
+        assert!(dropped.len() == 3 && page.starts_with("<p>head</p>") && page.ends_with("<p>foot</p>"));
+    }
+
+    /// Nothing of a text is markup.
+    #[test]
+    fn text_is_text() {
+        assert_eq!(escape("<a href='\u{1}\">&"), "&lt;a href=&#39;\u{fffd}&quot;&gt;&amp;");
+    }
+}

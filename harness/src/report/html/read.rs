@@ -1,0 +1,166 @@
+//! What is read: records with the points that fronts are made of, and the names by which parts of the page are left out.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use super::pieces::Tags;
+use crate::report::group;
+use crate::results::{FrontPoint, FrontScene, ParetoRecord, Run, TracerRun};
+use crate::studies::pareto::RAYS_PER_PIXEL;
+
+/// A record.
+#[derive(Debug)]
+pub(super) struct Read<'a> {
+    /// Where it was read from.
+    pub path: &'a str,
+    /// It, as tables show it.
+    pub run: Cow<'a, Run>,
+    /// Its points, if fronts are made of them: those of a study of fronts; of a plain run every row.
+    pub points: Option<ParetoRecord>,
+    /// Which machine it is from, from 1.
+    pub machine: usize,
+}
+
+/// Reads records, and lists their machines.
+pub(super) fn read(records: &[(String, Run)]) -> (Vec<Read<'_>>, Vec<String>) {
+    let mut machines: Vec<String> = Vec::new();
+    let mut number = |run: &Run| {
+        let label = run.provenance.machine.label();
+        let known = machines.iter().position(|machine| *machine == label);
+        known.unwrap_or_else(|| {
+            machines.push(label);
+            machines.len() - 1
+        }) + 1
+    };
+    let mut all = Vec::new();
+    for (path, run) in records {
+        let run = run.aligned();
+        all.push(Read { path, points: points(&run), machine: number(&run), run });
+    }
+    (all, machines)
+}
+
+/// Whether every row of a record is something to choose: it is no study, and rows of a table are chosen for what that is of.
+fn is_plain(run: &Run) -> bool {
+    let is_study = run.sweep.is_some() || run.is_untimed() || run.updates.is_some() || run.need.is_some();
+    !is_study && run.table.is_none()
+}
+
+fn points(run: &Run) -> Option<ParetoRecord> {
+    if run.pareto.is_some() {
+        return run.pareto.clone();
+    }
+    is_plain(run).then(|| {
+        let mut points: Vec<FrontPoint> = Vec::new();
+        for row in &run.runs {
+            let order = points.iter().filter(|point| point.tracer == row.tracer.name).count() as u32;
+            let point = point(row, order);
+            if points.iter().all(|known| FrontPoint { order, ..known.clone() } != point) {
+                points.push(point);
+            }
+        }
+        let scene = |group: group::Group<'_>| FrontScene {
+            scene: group.scene.clone(),
+            viewpoint: group.viewpoint.clone(),
+            checked: None,
+            not_checked: Some("it is a plain run".to_owned()),
+            ray_images: Vec::new(),
+        };
+        let scenes = group::groups(run).into_iter().filter(|group| !group.contenders.is_empty()).map(scene).collect();
+        ParetoRecord { most_points: points.len() as u32, rays_per_pixel: RAYS_PER_PIXEL.to_vec(), points, scenes }
+    })
+}
+
+fn point(row: &TracerRun, order: u32) -> FrontPoint {
+    let said = |value: &serde_json::Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+    let changed = row.tracer.changed.iter();
+    let values = changed.filter_map(|name| Some((name.clone(), said(row.tracer.parameters.get(name)?))));
+    FrontPoint {
+        tracer: row.tracer.name.clone(),
+        preset: row.tracer.preset.clone(),
+        order,
+        values: values.collect(),
+        parameters: row.tracer.parameters.clone(),
+        frame: row.viewpoint.frame,
+        face: row.viewpoint.face,
+        skipped: BTreeMap::new(),
+    }
+}
+
+/// Names of scenes, ray sets and tracers of all records, each once.
+#[derive(Debug, Default)]
+pub(super) struct Names {
+    /// Scenes.
+    pub scenes: Vec<String>,
+    /// Ray sets.
+    pub rays: Vec<String>,
+    /// Tracers.
+    pub tracers: Vec<String>,
+}
+
+impl Names {
+    /// Of records. Cases are scenes of their own, which the matrix alone shows.
+    pub(super) fn of(records: &[Read<'_>]) -> Self {
+        fn add(names: &mut Vec<String>, name: &str) {
+            if names.iter().all(|known| known != name) {
+                names.push(name.to_owned());
+            }
+        }
+        let mut names = Self::default();
+        for read in records {
+            for row in &read.run.runs {
+                add(&mut names.tracers, &row.tracer.name);
+                if read.run.cases.is_none() {
+                    add(&mut names.scenes, &row.scene.name);
+                    row.traces.iter().for_each(|trace| add(&mut names.rays, &trace.rays));
+                }
+            }
+        }
+        names
+    }
+
+    fn scene(&self, name: &str) -> Option<&str> {
+        self.scenes.iter().find(|scene| *scene == name).map(String::as_str)
+    }
+
+    fn rays(&self, name: &str) -> Option<&str> {
+        self.rays.iter().find(|rays| *rays == name).map(String::as_str)
+    }
+
+    /// The tracer of a label, which may say more of it.
+    pub(super) fn tracer(&self, label: &str) -> Option<&str> {
+        let is_of = |name: &&String| {
+            let rest = label.strip_prefix(name.as_str());
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with([' ', ':', '@', ';', ',']))
+        };
+        self.tracers.iter().filter(is_of).max_by_key(|name| name.len()).map(String::as_str)
+    }
+
+    /// What a title begins with: a scene with its triangles, or a ray set with what is asked of it.
+    pub(super) fn of_title(&self, title: &str) -> Tags<'_> {
+        let scene = title.rsplit_once(" (").and_then(|(name, _)| self.scene(name)).or_else(|| self.scene(title));
+        let first = title.split([':', ' ']).next().unwrap_or_default();
+        // Of a need both.
+        let last = title.rsplit_once("), ").and_then(|(_, rays)| self.rays(rays));
+        Tags { scene, rays: last.or_else(|| self.rays(first)), tracer: None }
+    }
+
+    /// The tracer that a column is of.
+    pub(super) fn of_column(&self, heading: &str) -> Tags<'_> {
+        Tags { tracer: self.tracer(heading), ..Tags::default() }
+    }
+
+    /// What a row is about, by the headings of its columns.
+    pub(super) fn of_row(&self, headings: &[String], cells: &[String]) -> Tags<'_> {
+        let mut tags = Tags::default();
+        for (heading, cell) in headings.iter().zip(cells) {
+            match heading.as_str() {
+                "scene" => tags.scene = tags.scene.or_else(|| self.scene(cell)),
+                "rays" => tags.rays = tags.rays.or_else(|| self.rays(cell)),
+                "tracer" | "point" | "of" | "take" => tags.tracer = tags.tracer.or_else(|| self.tracer(cell)),
+                _ => {}
+            }
+        }
+        tags
+    }
+}

@@ -1,0 +1,219 @@
+//! Pages of planted records.
+
+use tracebench_api::{ClockKind, Query};
+
+use super::*;
+use crate::report::fixture::{self, FrontQuality, Quality};
+use crate::results::{CasesRecord, NeedRecord};
+
+const SETS: [(&str, Query); 2] = [("diffuse", Query::Closest), ("ao", Query::Any)];
+const COMMAND: &str = "tracebench report --html out.html 'a b'";
+const MAKERS: Makers = Makers { tables: fixture::tables, claims: |_| Ok(Vec::new()) };
+
+fn point(name: &str, missed: f64, speed: f64, mib: u64, build: f64) -> FrontQuality<'_> {
+    let quality = Quality { missed, blur: 1e-4 * missed, speed, clock: ClockKind::SubmitToDone };
+    FrontQuality { name, quality, mib, build }
+}
+
+fn planted() -> Run {
+    let points = [
+        point("exact", 0.0, 1.0, 40, 4.0),
+        point("exact:improved", 0.0, 2.0, 50, 5.0),
+        point("rough", 0.2, 9.0, 8, 1.0),
+        point("rough", 0.3, 5.0, 20, 3.0),
+        point("fair", 0.0004, 4.0, 30, 0.5),
+    ];
+    fixture::fronts(&points, &SETS, 30.0)
+}
+
+fn page_of(records: &[(&str, Run)], most: usize) -> Page {
+    let named: Vec<(String, Run)> = records.iter().map(|(path, run)| ((*path).to_owned(), run.clone())).collect();
+    page(&named, MAKERS, COMMAND, most).unwrap()
+}
+
+/// What of a page a browser would fetch, or follow to elsewhere.
+fn leads_out(html: &str) -> Vec<&str> {
+    let namespace = "xmlns=\"http://www.w3.org/2000/svg\"";
+    ["http:", "https:", " src=", "url(", "@import", "<link", "<iframe", "<img", "<object", "<base", "data:"]
+        .into_iter()
+        .filter(|what| html.replace(namespace, "").contains(what))
+        .chain(html.match_indices("href=\"").map(|(at, _)| &html[at..at + 7]).filter(|link| *link != "href=\"#"))
+        .collect()
+}
+
+fn part<'a>(html: &'a str, begin: &str, end: &str) -> &'a str {
+    let from = html.find(begin).unwrap_or_else(|| panic!("no {begin}"));
+    let behind = from + begin.len();
+    &html[from..behind + html[behind..].find(end).unwrap_or_else(|| panic!("no {end} behind {begin}"))]
+}
+
+/// Proves that a page of fronts needs nothing else, is under the limit, tells who to take for each need and why, names the machine at every
+/// chart, and has the command. A page with a picture of elsewhere is found out.
+#[test]
+fn a_page_needs_nothing_else() {
+    let run = planted();
+    let machine = escape(&run.provenance.machine.label());
+    let Page { html, dropped } = page_of(&[("fronts", run)], MOST_BYTES);
+    assert_eq!(leads_out(&html), Vec::<&str>::new());
+    assert_eq!(leads_out(&html.replace("<main>", "<main><img src=x>")).len(), 2);
+    assert!(html.len() < MOST_BYTES && dropped.is_empty() && html.contains("there was room for all"));
+    let answer = part(&html, "<section id=\"answer\"", "<section id=\"fronts\"");
+    for told in [
+        "fastest: <strong>fair</strong> (in 2 of 2); as smallest",
+        "no other tracer is right so often",
+        "rough stride=3 is faster but right in",
+        "<strong>from another viewpoint it misses by",
+    ] {
+        assert!(answer.contains(told), "no '{told}' in {answer}");
+    }
+    for need in ["fastest", "smallest", "quickest to build"] {
+        assert!(answer.contains(&format!("<td>{need}</td>")), "{need}");
+    }
+    let captions: Vec<&str> =
+        html.match_indices("<figcaption>").map(|(at, _)| part(&html[at..], "<figcaption>", "</fig")).collect();
+    assert!(captions.len() >= 4);
+    for caption in captions {
+        assert!(
+            caption.contains(&machine)
+                && caption.contains("room")
+                && caption.contains("(%)") | caption.contains("(ms)")
+        );
+    }
+    assert!(html.contains("tracebench report --html out.html &#39;a b&#39;"));
+    assert_eq!(
+        html.matches("<svg ").count(),
+        html.matches("aria-label=\"Fronts of").count() + html.matches("aria-label=\"Time of a frame").count()
+    );
+}
+
+/// Proves that every point is there once with its parameters, that every front of every chart has its points, as its page says, and that
+/// nothing points at a row that is not there.
+#[test]
+fn every_point_is_there_once() {
+    let run = planted();
+    let record = run.pareto.clone().unwrap();
+    let html = page_of(&[("fronts", run)], MOST_BYTES).html;
+    for (index, point) in record.points.iter().enumerate() {
+        let row = format!("<tr id=\"r0p{index}\"");
+        assert_eq!(html.matches(&row).count(), 1, "{row}");
+        let row = part(&html, &row, "</tr>");
+        assert!(row.contains(&format!("<td>{}</td>", point.label())), "{row}");
+        for name in point.parameters.keys() {
+            assert_eq!(
+                row.matches(&format!("{name}=")).count(),
+                1 + point.label().matches(&format!("{name}=")).count()
+            );
+        }
+        // A mark in each of five panels of two ray sets.
+        assert_eq!(html.matches(&format!("data-point=\"r0p{index}\"")).count(), 10, "{index}");
+    }
+    let figure = part(&html, "<figure data-scene=\"room\" data-rays=\"diffuse\"", "</figure>");
+    let panel = part(figure, "<g class=\"panel\" role=\"group\" aria-label=\"speed", "<g class=\"panel\"");
+    let begin = "class=\"mark front\"";
+    let index =
+        |at: usize| part(&panel[at..], "data-index=\"", "\" data-cost")["data-index=\"".len()..].parse().unwrap();
+    let mut on_front: Vec<usize> = panel.match_indices(begin).map(|(at, _)| index(at)).collect();
+    on_front.sort_unstable();
+    assert_eq!(on_front, fastest(&planted()));
+    assert!(panel.contains("<text data-tracer=\"fair\""));
+}
+
+/// Places of the points on the front of speed over diffuse rays by footprint.
+fn fastest(run: &Run) -> Vec<usize> {
+    let record = run.pareto.as_ref().unwrap();
+    let all = shown(run, record);
+    let field = &all[0].fronts.fields[0];
+    let by = *By::all(field.query).last().unwrap();
+    let front = field.front(&field.entries, crate::studies::pareto::Cost::Trace, by);
+    let mut places: Vec<usize> = front.iter().map(|(entry, _)| entry.index).collect();
+    places.sort_unstable();
+    places
+}
+
+/// Proves that names of scenes and tracers, reasons and paths are text, whatever they say.
+#[test]
+fn hostile_names_are_text() {
+    let hostile = "<script>alert('x')</script>\"><img src=q onerror=z>";
+    let mut run = planted();
+    let rename = |name: &mut String| *name = hostile.to_owned();
+    run.runs.iter_mut().chain(&mut run.controls).for_each(|row| rename(&mut row.scene.name));
+    let record = run.pareto.as_mut().unwrap();
+    record.scenes.iter_mut().for_each(|scene| rename(&mut scene.scene.name));
+    for name in run
+        .runs
+        .iter_mut()
+        .map(|row| &mut row.tracer.name)
+        .chain(record.points.iter_mut().map(|point| &mut point.tracer))
+    {
+        *name = name.replace("rough", "<b onclick=u>rough</b>");
+    }
+    run.skipped.push(crate::results::Skipped {
+        tracer: None,
+        scene: hostile.to_owned(),
+        rays: None,
+        reason: hostile.to_owned(),
+    });
+    let mut plain = fixture::typical();
+    plain.runs.iter_mut().chain(&mut plain.controls).for_each(|row| rename(&mut row.scene.name));
+    let html = page_of(&[(hostile, run), ("plain", plain)], MOST_BYTES).html;
+    assert_eq!(html.matches("<script").count(), 1, "only the page's own");
+    assert!(!html.contains("<img") && !html.contains("<b onclick"));
+    assert!(html.contains("data-scene=\"&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;"));
+    assert!(html.contains("data-tracer=\"&lt;b onclick=u&gt;rough&lt;/b&gt;\""));
+    // Its rows know the scene by its name, too.
+    assert!(html.contains("<tr data-scene=\"&lt;script"));
+}
+
+/// Proves that a page that would be too large is not, that fronts stay longest, and that everything that was left out is told, once in its
+/// place and once in the list.
+#[test]
+fn what_has_no_room_is_told() {
+    let records = [("fronts", planted()), ("plain", fixture::typical())];
+    let whole = page_of(&records, MOST_BYTES).html;
+    let most = whole.len() * 6 / 10;
+    let Page { html, dropped } = page_of(&records, most);
+    assert!(html.len() <= most && !dropped.is_empty(), "{} of {most}", html.len());
+    let list = part(&html, "<section id=\"left-out\"", "</section>");
+    for what in &dropped {
+        assert!(list.contains(&format!("<li>{}</li>", escape(what))), "{what}");
+        let name = what.rsplit_once(" (").unwrap().0;
+        assert!(html.contains(&format!("Left out for want of room: {}.", escape(name))), "{name}");
+    }
+    assert!(html.contains("aria-label=\"Fronts of room, diffuse"));
+}
+
+/// Proves that records of several kinds come to stand in their sections, each with its path; a kind that is not there has none; and that a
+/// record whose controls fail answers nothing and is named.
+#[test]
+fn kinds_have_their_sections() {
+    let table = Run { table: Some("bvh".to_owned()), ..fixture::typical() };
+    let need = Run {
+        need: Some(NeedRecord { most_lost_share: 0.001, most_times_as_long: 1.25, curves: Vec::new() }),
+        ..fixture::typical()
+    };
+    let cases = Run { cases: Some(CasesRecord { cases: Vec::new() }), ..fixture::typical() };
+    let records =
+        [("fronts", planted()), ("a-table", table), ("a-need", need), ("cases", cases), ("plain", fixture::typical())];
+    let html = page_of(&records, MOST_BYTES).html;
+    for (id, told) in [
+        ("fronts", "Points of fronts with all parameters"),
+        ("operating-points", "Operating points; what they do"),
+        ("break-even", "Break-even, between"),
+        ("need", "(a-need)"),
+        ("tables", "(a-table)"),
+        ("matrix", "(cases)"),
+        ("causes", "class=\"bar\""),
+        ("runs", "(plain)"),
+        ("machine", "a-need (machine 1)"),
+        ("rules", "What is timed"),
+    ] {
+        let section = part(&html, &format!("<section id=\"{id}\">"), "<section id=");
+        assert!(section.contains(told), "no '{told}' in {id}");
+    }
+    let mut void = fixture::typical();
+    void.controls.clear();
+    let html = page_of(&[("spoilt", void)], MOST_BYTES).html;
+    let answer = part(&html, "<section id=\"answer\"", "<section id=");
+    assert!(answer.contains("Void, since a control fails, and part of no answer:</strong> spoilt"), "{answer}");
+    assert!(!html.contains("<section id=\"fronts\"") && !html.contains("<section id=\"matrix\""));
+}
