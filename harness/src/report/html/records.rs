@@ -1,13 +1,13 @@
 //! Pages of records that are no fronts, with their charts: tables of papers, matrices, sweeps and all others.
 
 use std::cell::RefCell;
-use std::collections::BTreeMap;
 
 use super::fronts::details;
 use super::markdown::{caption, figure, html};
 use super::pieces::{Piece, Rank, Tags};
 use super::read::{Names, Read};
-use crate::report::{Contents, ReportError, SUMMARY, Tables, derived, need};
+use crate::report::need::{self, NeedPage};
+use crate::report::{Contents, ReportError, SUMMARY, Tables, derived};
 use crate::results::Run;
 
 /// Where a record's pages stand.
@@ -93,12 +93,7 @@ fn is_full(name: &str) -> bool {
 }
 
 /// The page of needs, with a chart a tracer.
-fn needs(
-    read: &Read<'_>,
-    (text, charts): &(String, BTreeMap<String, Vec<(String, String)>>),
-    machine: &str,
-    names: &Names,
-) -> Vec<Piece> {
+fn needs(read: &Read<'_>, NeedPage { text, charts }: &NeedPage, machine: &str, names: &Names) -> Vec<Piece> {
     with_charts(&format!("What structures need ({})", read.path), text, names, &|place, alt, tags| {
         let chart = |(tracer, svg): &(String, String)| {
             let alt = format!("{tracer}, {alt}");
@@ -115,13 +110,11 @@ pub(super) fn claims(text: &str, names: &Names) -> Vec<Piece> {
     with_charts(title_of(text).unwrap_or("Claims"), text, names, &|_, _, _| None)
 }
 
+/// Makes the charts that stand for a picture, of where it lies, what it shows and what it belongs to.
+type Charts<'a> = dyn Fn(&str, &str, Tags<'_>) -> Option<Vec<Piece>> + 'a;
+
 /// The charts of a page, then its text, which opens.
-fn with_charts(
-    title: &str,
-    text: &str,
-    names: &Names,
-    charts: &dyn Fn(&str, &str, Tags<'_>) -> Option<Vec<Piece>>,
-) -> Vec<Piece> {
+fn with_charts(title: &str, text: &str, names: &Names, charts: &Charts<'_>) -> Vec<Piece> {
     let pieces = RefCell::new(Vec::new());
     let html = html(text, 3, names, &|place, alt, tags| {
         pieces.borrow_mut().extend(charts(place, alt, tags).into_iter().flatten());

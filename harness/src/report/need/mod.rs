@@ -48,11 +48,17 @@ pub(super) fn files(run: &Run, record: &NeedRecord) -> Result<Contents, ReportEr
     Ok(contents)
 }
 
-/// The page, and by the name of each chart that it shows the same a tracer, as SVG.
-pub(super) fn for_page(
-    run: &Run,
-    record: &NeedRecord,
-) -> Result<(String, BTreeMap<String, Vec<(String, String)>>), ReportError> {
+/// The page, with charts a tracer.
+#[derive(Debug)]
+pub(super) struct NeedPage {
+    /// The page.
+    pub text: String,
+    /// By the name of each chart that it shows the same a tracer, as SVG.
+    pub charts: BTreeMap<String, Vec<(String, String)>>,
+}
+
+/// The page of needs with charts a tracer, so that tracers can be left out.
+pub(super) fn for_page(run: &Run, record: &NeedRecord) -> Result<NeedPage, ReportError> {
     let curves = curves(run, record);
     let shown = shown(run, &curves);
     let mut charts = BTreeMap::new();
@@ -69,7 +75,7 @@ pub(super) fn for_page(
         }
         charts.insert(each.chart.clone(), own);
     }
-    Ok((page::page(run, record, &curves, &shown), charts))
+    Ok(NeedPage { text: page::page(run, record, &curves, &shown), charts })
 }
 
 /// Curves by scene and ray set, in the order of first appearance.

@@ -1,0 +1,83 @@
+// Tries a page of `report --html`: joined to a copy of it by look_at_report.sh, which reads what it says.
+"use strict";
+const told = [];
+const check = (what, holds) => told.push(`${holds ? "ok" : "FAILED"} ${what}`);
+const all = (selector, from = document) => [...from.querySelectorAll(selector)];
+const seen = (element) => element.getClientRects().length > 0;
+const boxOf = (kind, name) => all(`input[name=${kind}]`).find((box) => box.value === name);
+const axes = () => all("figure svg > text").map((text) => `${text.getAttribute("x")} ${text.textContent}`).join("\n");
+
+function filters() {
+  const before = axes();
+  for (const kind of ["scene", "rays", "tracer"]) {
+    const boxes = all(`input[name=${kind}]`);
+    const parts = boxes.flatMap((box) => all(`[data-${kind}]`).filter((part) => part.dataset[kind] === box.value).slice(0, 1));
+    check(`there are parts of ${kind}s`, boxes.length > 0 && parts.length > 0);
+    const name = parts[0].dataset[kind];
+    const own = all(`[data-${kind}]`).filter((part) => part.dataset[kind] === name);
+    const others = all(`[data-${kind}]`).filter((part) => part.dataset[kind] !== name);
+    boxOf(kind, name).click();
+    check(`without ${kind} ${name} its ${own.length} parts are gone`, own.every((part) => !seen(part)));
+    check(`without it ${others.length} others are not left out`, others.every((part) => !part.classList.contains("out")));
+    check("the address says so", new URLSearchParams(location.hash.slice(1)).getAll(`without-${kind}`).join() === name);
+    if (kind === "tracer") check("axes stay", axes() === before);
+    boxOf(kind, name).click();
+    check(`${kind} ${name} is back`, own.every((part) => !part.classList.contains("out")));
+  }
+  check("the address is empty again", !location.hash.includes("without"));
+}
+
+function fronts() {
+  const panel = document.querySelector("g.panel");
+  if (!panel) { told.push("nothing of fronts"); return; }
+  const front = () => all(".mark.front:not(.out)", panel);
+  const first = front()[0];
+  const line = panel.querySelector(".line").getAttribute("d");
+  const name = first.dataset.tracer;
+  boxOf("tracer", name).click();
+  check(`without ${name} the front is of others`, front().every((mark) => mark.dataset.tracer !== name));
+  check("its line follows", panel.querySelector(".line").getAttribute("d") !== line);
+  const rest = all(".mark:not(.out)", panel);
+  const beats = (one, other) => Number(one.dataset.cost) <= Number(other.dataset.cost) && Number(one.dataset.error) < Number(other.dataset.error);
+  check("nobody beats it", front().every((mark) => !rest.some((other) => beats(other, mark))));
+  boxOf("tracer", name).click();
+  check("it is back as it was", panel.querySelector(".line").getAttribute("d") === line && first.classList.contains("front"));
+  first.dispatchEvent(new MouseEvent("mouseover", { bubbles: true }));
+  const row = document.getElementById(first.dataset.point);
+  const tip = document.getElementById("tip");
+  check("a point that is pointed at tells its parameters", !tip.hidden && tip.textContent.includes(row.cells[1].textContent));
+  first.dispatchEvent(new MouseEvent("mouseout", { bubbles: true }));
+  check("and no longer", tip.hidden);
+  const start = panel.querySelector(".mark[tabindex='0']");
+  start.focus();
+  start.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowRight", bubbles: true }));
+  const next = document.activeElement;
+  check("arrow keys go from point to point", next !== start && next.classList.contains("mark") && !tip.hidden);
+  next.blur();
+}
+
+function sorting() {
+  const table = all("table").find((each) => each.tBodies[0].rows.length > 2 && seen(each));
+  const head = all("thead th", table)[0];
+  const values = () => [...table.tBodies[0].rows].map((row) => row.cells[0].textContent);
+  const count = values().length;
+  head.querySelector("button").click();
+  const up = values();
+  check("a table sorts", head.getAttribute("aria-sort") === "ascending" && up.length === count && up[0].localeCompare(up[count - 1], "en", { numeric: true }) <= 0);
+  head.querySelector("button").click();
+  check("and the other way", head.getAttribute("aria-sort") === "descending" && values()[0] === up[count - 1]);
+}
+
+function words() {
+  check("every chart is named", all("figure svg").every((svg) => svg.getAttribute("aria-label")?.length > 10));
+  check("every chart names its machine", all("figcaption").every((caption) => caption.textContent.includes("threads;")));
+  check("nothing is fetched", performance.getEntriesByType("resource").length === 0);
+  check("nothing is wider than the page", document.documentElement.scrollWidth <= innerWidth);
+}
+
+for (const part of [filters, fronts, sorting, words]) part();
+told.push("ok all");
+const pre = document.createElement("pre");
+pre.id = "probe";
+pre.textContent = `\n${told.join("\n")}\n`;
+document.body.append(pre);
