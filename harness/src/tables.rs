@@ -1,7 +1,9 @@
-//! Every table that `tracebench table` makes: of peers, and of the papers' tables and figures.
+//! Every table that `tracebench table` makes: of peers, of means, of ablations, and of the papers' tables and figures.
 
 use std::path::{Path, PathBuf};
 
+use crate::ablation;
+use crate::contenders::Ablation;
 use crate::means;
 use crate::papers::{self, Experiment, PAPERS, Paper};
 use crate::peers::{self, Subject, TABLES};
@@ -17,6 +19,8 @@ pub enum Table {
     Paper(&'static Paper, &'static Experiment),
     /// Every tracer that searches on the device, by each way to read and to launch.
     Means,
+    /// The switches of a tracer's improved form.
+    Ablation(&'static Ablation),
 }
 
 impl Table {
@@ -26,7 +30,8 @@ impl Table {
             let paper = *paper;
             paper.experiments.iter().map(move |experiment| Self::Paper(paper, experiment))
         };
-        TABLES.iter().map(Self::Peers).chain([Self::Means]).chain(PAPERS.iter().flat_map(of))
+        let ablations = ablation::all().map(|(_, ablation)| Self::Ablation(ablation));
+        TABLES.iter().map(Self::Peers).chain([Self::Means]).chain(ablations).chain(PAPERS.iter().flat_map(of))
     }
 
     /// Finds a table by name.
@@ -34,6 +39,7 @@ impl Table {
         (name == Self::Means.name())
             .then_some(Self::Means)
             .or_else(|| peers::find(name).map(Self::Peers))
+            .or_else(|| ablation::find(name).map(Self::Ablation))
             .or_else(|| papers::find(name).map(|(paper, experiment)| Self::Paper(paper, experiment)))
     }
 
@@ -43,6 +49,7 @@ impl Table {
             Self::Peers(table) => table.name,
             Self::Paper(_, experiment) => experiment.name,
             Self::Means => "means",
+            Self::Ablation(ablation) => ablation.name,
         }
     }
 
@@ -52,6 +59,7 @@ impl Table {
             Self::Peers(table) => table.summary,
             Self::Paper(_, experiment) => experiment.summary,
             Self::Means => "equal means: every tracer that searches on the device, by each way to read and to launch",
+            Self::Ablation(ablation) => ablation.summary,
         }
     }
 
@@ -61,6 +69,7 @@ impl Table {
             Self::Peers(table) => table.rays,
             Self::Paper(_, experiment) => experiment.rays,
             Self::Means => "primary,diffuse",
+            Self::Ablation(ablation) => ablation.rays,
         }
     }
 
@@ -75,6 +84,7 @@ impl Table {
             Self::Peers(table) => table.holds(tracer),
             Self::Paper(_, experiment) => experiment.holds(tracer),
             Self::Means => means::contenders().iter().any(|request| request.name() == tracer),
+            Self::Ablation(ablation) => ablation.holds(tracer),
         }
     }
 
@@ -84,6 +94,7 @@ impl Table {
             Self::Peers(table) => report::peers::files(table, run),
             Self::Paper(paper, experiment) => papers::files(paper, experiment, run),
             Self::Means => report::means::files(run),
+            Self::Ablation(ablation) => report::ablation::files(ablation, run),
         }
     }
 }

@@ -161,7 +161,21 @@ fn entry_points_exist() {
             ("shared/fixed_work.wgsl", _) => compute(&["work"], 64),
             ("shared/means_probe.wgsl", _) => compute(&["gather", "search"], 64),
             ("dirt/setup.wgsl", _) => compute(&["see", "list"], 64),
-            ("dirt/trace.wgsl" | "voxel-abuffer/trace.wgsl", _) => {
+            ("dirt/part_lists.wgsl", _) => {
+                let passes = [
+                    ("measure", 64),
+                    ("scale", 1),
+                    ("count", 64),
+                    ("count_several", 64),
+                    ("count_large", 64),
+                    ("store", 64),
+                    ("store_several", 64),
+                    ("store_large", 64),
+                ];
+                passes.map(|(name, size)| (name, ShaderStage::Compute, size)).to_vec()
+            }
+            ("dirt/part_trees.wgsl", _) => compute(&["bound", "size", "leaves", "join", "list", "join_masks"], 64),
+            ("dirt/trace.wgsl" | "dirt/packed_trace.wgsl" | "voxel-abuffer/trace.wgsl", _) => {
                 compute(&["trace", "trace_in_turns", "trace_unanswered"], 64)
             }
             ("dirt/store.wgsl", _) => compute(&["store"], 64),

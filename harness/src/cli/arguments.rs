@@ -258,12 +258,15 @@ impl TableArguments {
                 .filter(|entry| peers.subject != Subject::Moving || entry.animation_s.is_some())
                 .map(|entry| listed(entry.name))
                 .collect(),
-            (None, Table::Means) => tracebench_scenes::catalogue().iter().map(|entry| listed(entry.name)).collect(),
+            (None, Table::Means | Table::Ablation(_)) => {
+                tracebench_scenes::catalogue().iter().map(|entry| listed(entry.name)).collect()
+            }
             (None, Table::Paper(_, experiment)) => experiment.scenes.iter().map(|each| listed(each.scene)).collect(),
         };
         let tracers = match table {
             Table::Peers(peers) => names::peers(peers, settings)?,
             Table::Means => names::at_means(settings)?,
+            Table::Ablation(ablation) => names::ablated(ablation, settings)?,
             Table::Paper(_, experiment) => {
                 let mut steps = names::steps(experiment, settings)?;
                 names::only(&mut steps, &self.only)?;

@@ -196,11 +196,16 @@ fn rows(table: Table) -> Vec<String> {
     let row = |request: &TracerRequest| {
         let own = request.parameters.iter().filter(|(name, _)| request.changed.iter().any(|changed| changed == name));
         let own: String = own.map(|(name, value)| format!("@{name}={value}")).collect();
-        format!("{}{own}", request.name())
+        let preset = match request.preset {
+            Preset::Published => String::new(),
+            Preset::Improved => format!(":{}", request.preset.name()),
+        };
+        format!("{}{preset}{own}", request.name())
     };
     let requests = match table {
         Table::Peers(peers) => peers.contenders(),
         Table::Means => means::contenders(),
+        Table::Ablation(ablation) => ablation.contenders(),
         Table::Paper(_, experiment) => experiment.requests().concat(),
     };
     let mut rows: Vec<String> = Vec::new();
@@ -220,7 +225,7 @@ fn tables() -> Vec<Value> {
         });
         match table {
             Table::Peers(peers) => item["reference"] = json!(peers.reference()),
-            Table::Means => {}
+            Table::Means | Table::Ablation(_) => {}
             Table::Paper(paper, experiment) => {
                 item["paper"] = json!(paper.name);
                 item["scenes"] = experiment.scenes.iter().map(|each| json!(each.scene)).collect();

@@ -6,6 +6,7 @@ use tracebench_api::{ParameterDescription, ParameterError, Parameters, Preset};
 
 use super::CliError;
 use crate::cases::{self, CASES, Case};
+use crate::contenders::Ablation;
 use crate::means;
 use crate::papers::{self, Experiment, PAPERS, Paper};
 use crate::peers;
@@ -171,6 +172,13 @@ pub(super) fn peers(table: &peers::Table, settings: &[String]) -> Result<Vec<Tra
 /// The tracers that have means, by every combination, with `--set` values on top; none is required, since nobody has named it.
 pub(super) fn at_means(settings: &[String]) -> Result<Vec<TracerRequest>, CliError> {
     let mut requests = means::contenders();
+    apply_all(settings, &mut requests)?;
+    Ok(requests)
+}
+
+/// The rows of an ablation with `--set` values on top; none is required, since nobody has named it.
+pub(super) fn ablated(ablation: &Ablation, settings: &[String]) -> Result<Vec<TracerRequest>, CliError> {
+    let mut requests = ablation.contenders();
     apply_all(settings, &mut requests)?;
     Ok(requests)
 }

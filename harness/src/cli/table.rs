@@ -34,7 +34,7 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
     }
     let of_papers =
         !arguments.only.is_empty() || arguments.estimate.is_some() || arguments.tuned.is_some() || arguments.part;
-    if let (Table::Peers(_) | Table::Means, true) = (table, of_papers) {
+    if let (Table::Peers(_) | Table::Means | Table::Ablation(_), true) = (table, of_papers) {
         return Err(CliError::Argument(format!(
             "--only, --tuned, --part, --estimate: table {} is no paper's",
             table.name()
@@ -54,7 +54,7 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
             let execute = |context: &Context<'_>| updates::execute(table, &work.plan, frames, context);
             work.bench.measure(&plan, progress, execute)?;
         }
-        Table::Peers(_) | Table::Means => {
+        Table::Peers(_) | Table::Means | Table::Ablation(_) => {
             work.measure("table", progress)?;
         }
         Table::Paper(paper, experiment) => measure(paper, experiment, arguments, &mut work, progress)?,

@@ -1,9 +1,14 @@
-//! The room of `dirt`: analytic hits on every triangle that touches a tile of six views, found bucket by bucket.
+//! The room of `dirt`: analytic hits on every triangle that touches a tile of six views, found bucket by bucket; improved, by a tree in
+//! every tile.
 
-use super::{Column, Expectation, Family, Registration, Remedy, Rule, Shrink, Touch};
+use tracebench_api::Preset;
+
+use super::{Ablation, Column, Expectation, Family, Improved, Registration, Remedy, Rule, Shrink, Switched, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
+    improved: Some(Improved { otherwise: Some(Expectation::Exact), expectations: IMPROVED_EXPECTATIONS }),
+    ablation: Some(&ABLATION),
     ladder: LADDER,
     sweep: &["tile_size", "buckets", "resolution", "coverage", "clip"],
     aside: &["near", "direct_visibility", "shadow_map", "shadow_bias", "fetch"],
@@ -15,7 +20,7 @@ pub(crate) const ROOM: Registration = Registration {
     touches: &[Touch {
         counter: "references_touched",
         stored: "references",
-        parts: &["nodes (texture)", "id buffer: nodes"],
+        parts: &["nodes (texture)", "id buffer: nodes", "references (texture)", "references"],
     }],
     ..Registration::analytic(tracebench_dirt::description, Family::Image, |gpu| {
         Ok(Box::new(tracebench_dirt::Dirt::new(gpu?)?))
@@ -68,6 +73,53 @@ const EXPECTATIONS: Column = &[
     ("coplanar-copies", Expectation::Refusable { from: 256.0, otherwise: &Expectation::Exact }),
     ("equal-triangles", Expectation::Refusable { from: 1024.0, otherwise: &CUT_OFF }),
 ];
+
+/// Exact, but where a device holds no lists of so many copies.
+const IMPROVED_EXPECTATIONS: Column = &[
+    ("coplanar-copies", Expectation::Refusable { from: 256.0, otherwise: &Expectation::Exact }),
+    ("equal-triangles", Expectation::Refusable { from: 1024.0, otherwise: &Expectation::Exact }),
+];
+
+type Values = &'static [(&'static str, &'static str)];
+
+/// From row to row one thing more: hits by their distance, no near plane, rays split near the eye.
+const BY_DISTANCE: Values = &[("accept", "distance"), ("searched", "all")];
+const NO_NEAR: Values = &[("accept", "distance"), ("searched", "all"), ("centre", "eye"), ("near", "none")];
+const SPLIT: Values =
+    &[("accept", "distance"), ("searched", "all"), ("centre", "eye"), ("near", "none"), ("centre_rays", "split")];
+
+/// One switch after the other; then the improved form, and single switches of it taken back or turned.
+const ABLATION: Ablation = Ablation {
+    name: "dirt-ablation",
+    summary: "the switches between DIRT as published and its improved form: builds, traces, bytes, accuracy, counters",
+    rays: "primary,specular,diffuse",
+    rows: &[
+        published(&[]),
+        published(BY_DISTANCE),
+        published(NO_NEAR),
+        published(SPLIT),
+        improved(&[("lists", "packed"), ("slices", "1")]),
+        improved(&[("lists", "packed")]),
+        improved(&[("lists", "slices")]),
+        improved(&[("order", "stored")]),
+        improved(&[]),
+        improved(&[("tiles", "16")]),
+        improved(&[("tiles", "64")]),
+        improved(&[("tiles", "128")]),
+        improved(&[("slices", "1")]),
+        improved(&[("spacing", "near_far")]),
+        improved(&[("march", "tiles")]),
+        improved(&[("centre_rays", "whole")]),
+    ],
+};
+
+const fn published(values: Values) -> Switched {
+    Switched { preset: Preset::Published, values }
+}
+
+const fn improved(values: Values) -> Switched {
+    Switched { preset: Preset::Improved, values }
+}
 
 const LADDER: &[Remedy] = &[
     Remedy {

@@ -1,6 +1,7 @@
 //! What the harness alone knows of the tracers, a room each: which tables it stands in, how it is made, what is expected of it on
 //! the stability cases, which remedies tell why its rays are wrong, and what of it is worth sweeping or tuning.
 
+pub mod ablation;
 pub(crate) mod bvh_cpu;
 pub(crate) mod bvh_gpu;
 pub(crate) mod dirt;
@@ -16,8 +17,9 @@ pub(crate) mod voxel_octree;
 
 use std::sync::Arc;
 
-use tracebench_api::{Description, Gpu, Residency, Tracer, TracerError};
+use tracebench_api::{Description, Gpu, Preset, Residency, Tracer, TracerError};
 
+pub use ablation::{Ablation, Switched};
 pub use expectation::{Column, Expectation, Rule};
 
 /// The device, or why there is none: what a tracer that needs one is skipped for.
@@ -75,6 +77,15 @@ const OF_HIERARCHIES: &[Touch] = &[
     Touch { counter: "references_touched", stored: "references", parts: &["triangles in leaf order"] },
 ];
 
+/// What is expected of a tracer's improved preset.
+#[derive(Clone, Copy, Debug)]
+pub struct Improved {
+    /// What is expected on cases that `expectations` does not name.
+    pub otherwise: Option<Expectation>,
+    /// What is expected, by stability case.
+    pub expectations: Column,
+}
+
 /// A tracer's room.
 #[derive(Clone, Copy)]
 pub struct Registration {
@@ -89,6 +100,10 @@ pub struct Registration {
     pub otherwise: Option<Expectation>,
     /// What is expected of its published preset, by stability case.
     pub expectations: Column,
+    /// What is expected of its improved preset, where it has one and something is.
+    pub improved: Option<Improved>,
+    /// The switches of its improved form, as a table has them.
+    pub ablation: Option<&'static Ablation>,
     /// Its weaknesses in the order in which `explain` takes them away; each rung keeps those before. None: it cannot be
     /// explained.
     pub ladder: &'static [Remedy],
@@ -113,6 +128,8 @@ impl Registration {
             create,
             otherwise: None,
             expectations: &[],
+            improved: None,
+            ablation: None,
             ladder: &[],
             sweep: &[],
             tune: None,
@@ -129,7 +146,17 @@ impl Registration {
 
     /// What is expected of its published preset on a case.
     pub fn expected_on(&self, case: &str) -> Option<Expectation> {
-        self.expectations.iter().find(|(name, _)| *name == case).map(|(_, expected)| *expected).or(self.otherwise)
+        expected(self.expectations, case).or(self.otherwise)
+    }
+
+    /// What is expected of one of its presets on a case.
+    pub fn expected_of(&self, preset: Preset, case: &str) -> Option<Expectation> {
+        match preset {
+            Preset::Published => self.expected_on(case),
+            Preset::Improved => {
+                self.improved.and_then(|improved| expected(improved.expectations, case).or(improved.otherwise))
+            }
+        }
     }
 
     /// Creates the tracer with its pipelines.
@@ -154,4 +181,8 @@ impl Registration {
     pub fn needs_device(&self) -> bool {
         (self.describe)().residency == Residency::Device
     }
+}
+
+fn expected(column: Column, case: &str) -> Option<Expectation> {
+    column.iter().find(|(name, _)| *name == case).map(|(_, expected)| *expected)
 }

@@ -76,6 +76,38 @@ fn a_table_of_hierarchies() {
     assert_eq!(names(&bench.path("elsewhere")), ["table_bvh.csv", "table_bvh.md"].map(str::to_owned).into());
 }
 
+/// Proves that a table of switches has a row for each of them beside a hierarchy, the improved form among them without a wrong ray; that
+/// every row has its counters and none a speed over the first without its own accuracy; and that `report` and `--from` make the same.
+#[test]
+fn a_table_of_switches() {
+    let bench = Bench::new();
+    let listed: Value = serde_json::from_str(&bench.call(&["list", "tables", "--json"]).stdout).unwrap();
+    let own = listed.as_array().unwrap().iter().find(|each| each["name"] == "dirt-ablation").unwrap();
+    let wanted = own["tracers"].as_array().unwrap().len();
+    let arguments = ["--scene", "room", "--rays", "diffuse", "--out", "out"];
+    let outcome = table(&bench, "dirt-ablation", &arguments);
+    assert_eq!(outcome.status, 0, "{outcome:?}");
+    let run = bench.result("out");
+    assert_eq!((run["table"].as_str(), run["runs"].as_array().unwrap().len()), (Some("dirt-ablation"), wanted));
+    let found = rows(&bench.path("out/table_dirt_ablation.csv"));
+    assert_eq!(found.len(), wanted);
+    for row in &found {
+        let number = |name: &str| row[name].parse::<f64>().unwrap();
+        assert!(number("references") > 0.0 && number("counter_triangle_tests_per_ray") > 0.0, "{row:?}");
+        assert!(number("agreement_tight_share") > 0.9, "{row:?}");
+    }
+    let improved = found.iter().find(|row| row["row"] == "dirt:improved").unwrap();
+    assert_eq!(improved["agreement_tight_share"].parse::<f64>().unwrap(), 1.0);
+    assert!(outcome.stdout.contains("× bvh-gpu") && outcome.stdout.contains("| dirt:improved tiles=64 |"));
+    let files = ["out/table_dirt_ablation.md", "out/table_dirt_ablation.csv"].map(|name| bench.path(name));
+    let before = files.clone().map(|file| std::fs::read(file).unwrap());
+    for again in [vec!["report", "out"], vec!["table", "dirt-ablation", "--from", "out"]] {
+        files.iter().for_each(|file| std::fs::remove_file(file).unwrap());
+        assert_eq!(bench.call(&[&["--quiet"][..], &again].concat()).status, 0);
+        assert!(files.clone().map(|file| std::fs::read(file).unwrap()) == before, "{again:?}");
+    }
+}
+
 /// Proves that every tracer follows in every way that it has, beside a fresh build; that a rebuild costs by the heuristic
 /// what a fresh build costs and a refit of a cloth more, with the same answers' accuracy; and that the table is made again.
 #[test]

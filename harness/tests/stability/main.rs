@@ -8,7 +8,7 @@ use std::sync::Arc;
 use tracebench_api::Gpu;
 use tracebench_api::{Parameters, Preset};
 use tracebench_harness::cases::{CASES, Case, MOST_TIES};
-use tracebench_harness::contenders::{Expectation, Rule};
+use tracebench_harness::contenders::{Column, Expectation, Rule};
 use tracebench_harness::measure::{Context, Journal};
 use tracebench_harness::plan::TracerRequest;
 use tracebench_harness::progress::Progress;
@@ -22,13 +22,24 @@ fn gpu() -> Arc<Gpu> {
     tracebench_tests::gpu()
 }
 
-/// Every registered tracer with its published preset; those that the adapter cannot run, as if by `all`.
+/// Every registered tracer with its published preset, then with its improved one where something is stated of that; those that the adapter
+/// cannot run, as if by `all`.
 fn requests() -> Vec<TracerRequest> {
-    let request = |each: &Registration| TracerRequest {
-        required: available((each.describe)().name, each.create(&Ok(gpu())), &gpu()).is_some(),
-        ..TracerRequest::of(each, Preset::Published)
+    let requests = |each: &'static Registration| {
+        let required = available((each.describe)().name, each.create(&Ok(gpu())), &gpu()).is_some();
+        let improved = each.improved.map(|_| Preset::Improved);
+        let request = move |preset| TracerRequest { required, ..TracerRequest::of(each, preset) };
+        [Preset::Published].into_iter().chain(improved).map(request)
     };
-    TRACERS.iter().map(request).collect()
+    TRACERS.iter().flat_map(requests).collect()
+}
+
+/// What the column of a request is called.
+fn column_of(request: &TracerRequest) -> String {
+    match request.preset {
+        Preset::Published => request.name().to_owned(),
+        Preset::Improved => format!("{}:{}", request.name(), request.preset.name()),
+    }
 }
 
 fn run_cases(cases: &[&Case]) -> Run {
@@ -64,8 +75,8 @@ fn check(cases: &[&Case], run: &Run) {
     assert_eq!(cases.len(), found.cases.len());
     for (case, record) in cases.iter().zip(&found.cases) {
         assert_eq!(flaws(case, &record.case), Vec::<String>::new());
-        let columns: Vec<&str> = record.cells.iter().map(|cell| cell.tracer.as_str()).collect();
-        assert!(columns.iter().copied().eq(TRACERS.iter().map(Registration::name)), "{columns:?}");
+        let columns: Vec<String> = record.cells.iter().map(|cell| cell.tracer.clone()).collect();
+        assert_eq!(columns, requests().iter().map(column_of).collect::<Vec<_>>());
         for cell in &record.cells {
             println!("{} {}: {}", case.name, cell.tracer, cell.text);
             let runs = cell.tracer != "ray-query" || adapter_has_ray_queries(&gpu());
@@ -168,8 +179,10 @@ fn the_registry_is_sane() {
         assert!(!case.summary.contains('\n') && !case.summary.ends_with('.'), "{}", case.name);
     }
     for registration in TRACERS {
-        let (tracer, column) = (registration.name(), registration.expectations);
-        for (index, (name, expected)) in column.iter().enumerate() {
+        let improved = registration.improved.map_or(&[][..], |improved| improved.expectations);
+        let tracer = registration.name();
+        let numbered = |column: Column| column.iter().enumerate().map(move |(index, each)| (column, index, each));
+        for (column, index, (name, expected)) in [registration.expectations, improved].into_iter().flat_map(numbered) {
             let case = tracebench_harness::cases::find(name).unwrap_or_else(|| panic!("{tracer}: no case {name}"));
             assert!(column[..index].iter().all(|(other, _)| other != name), "{tracer}: {name} twice");
             let expected = match expected {
@@ -200,6 +213,8 @@ fn every_case_is_stated() {
     for tracer in TRACERS {
         for case in CASES {
             assert!(tracer.expected_on(case.name).is_some(), "{}: {} is unstated", tracer.name(), case.name);
+            let improved = tracer.improved.is_none() || tracer.expected_of(Preset::Improved, case.name).is_some();
+            assert!(improved, "{}: {} is unstated of the improved form", tracer.name(), case.name);
         }
     }
 }

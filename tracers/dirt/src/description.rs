@@ -67,6 +67,21 @@ choice! {
 }
 
 choice! {
+    /// How what lies in a tile is stored.
+    pub(crate) enum Lists { Linked = "linked", Packed = "packed", Slices = "slices", Trees = "trees" }
+}
+
+choice! {
+    /// What depths the slices of packed lists span.
+    pub(crate) enum Spacing { DepthRange = "depth_range", NearFar = "near_far" }
+}
+
+choice! {
+    /// In which order a tile's tree is walked.
+    pub(crate) enum Order { Nearest = "nearest", Stored = "stored" }
+}
+
+choice! {
     /// How surfaces are fetched.
     pub(crate) enum Fetching { Raster = "raster", Gather = "gather" }
 }
@@ -87,6 +102,36 @@ parameters! {
             "B, depth buckets of a tile: more have shorter lists, and more heads and copies",
         )
         .sweep([1, 4, 8, 16, 24, 32, 40]),
+        lists: Lists = Parameter::choice(
+            Build,
+            Lists::Linked,
+            "how what lies in a tile is stored: linked lists in buckets, by rasterization, as published; or exactly, in compute, \
+             six faces round the eye without near planes and masks of depth slices in the place of bounds and buckets, and parts of \
+             triangles in a row: packed, a tile's; slices, those of each slice; trees, a tile's with a tree of boxes over them. Not \
+             linked, hits are accepted by distance and all else that is said of linked lists does not matter",
+        )
+        .improved(Lists::Trees),
+        tiles: u32 = Parameter::integer(
+            Build,
+            1..=256,
+            32,
+            "tiles along a face's edge, of lists that are not linked (of linked ones it is tile_size): fewer have longer lists, more \
+             references, steps and bytes",
+        )
+        .unit("tiles")
+        .sweep([16, 32, 64, 128]),
+        slices: u32 = Parameter::integer(
+            Build,
+            1..=64,
+            64,
+            "depth slices of a tile's mask, of lists that are not linked: one tells only whether a tile is empty",
+        )
+        .sweep([1, 16, 64]),
+        spacing: Spacing = Parameter::choice(
+            Build,
+            Spacing::DepthRange,
+            "what the slices span, in steps of the logarithm: the depths that there are, or from near to far of the viewpoint",
+        ),
         views: Views =
             Parameter::choice(Build, Views::Six, "six cube faces, or the camera's view alone (Figure 9)"),
         centre: Centre = Parameter::choice(
@@ -94,12 +139,14 @@ parameters! {
             Centre::PulledBack,
             "where the faces' centres lie: pulled back by the near distance (VVP16, section 3.2), or in the eye, which \
              loses what lies before near",
-        ),
+        )
+        .improved(Centre::Eye),
         near: Near = Parameter::choice(
             Build,
             Near::Viewpoint,
             "the near plane: the viewpoint's, or as good as none (a proof's aid: 1e-15 of far)",
-        ),
+        )
+        .improved(Near::None),
         coverage: Coverage = Parameter::choice(
             Build,
             Coverage::Conservative,
@@ -138,12 +185,14 @@ parameters! {
             Accept::Tile,
             "when a hit counts: where its tile is the one searched (Algorithm 1, line 14), which loses hits on borders, \
              or by its distance alone (a proof's aid)",
-        ),
+        )
+        .improved(Accept::Distance),
         searched: Searched = Parameter::choice(
             Trace,
             Searched::UntilHit,
             "buckets of a tile: up to the first with a hit (Algorithm 1, line 18), or all (a proof's aid)",
-        ),
+        )
+        .improved(Searched::All),
         march: March = Parameter::choice(
             Trace,
             March::HiZ,
@@ -155,6 +204,13 @@ parameters! {
             CentreRays::Whole,
             "rays that pass near a view's centre, where rounding hides their tile: walked like any other, or split \
              there, with all that lies near the centre tested (a proof's aid)",
+        )
+        .improved(CentreRays::Split),
+        order: Order = Parameter::choice(
+            Trace,
+            Order::Nearest,
+            "with lists=trees, nodes and parts of a tile from the ray's beginning to its end, or as they are stored, which is from the far end \
+             to the near one",
         ),
         fetch: Fetching = Parameter::choice(
             Trace,

@@ -6,6 +6,7 @@ use tracebench_kit::{DrawnBy, MOST_LEVELS, Pyramid, RasterWork, ViewUniform};
 
 use crate::description::{Centre, DirtParameters, Near, Views};
 use crate::fetch::{FetchPass, HitNode, MaskSettings, StoreSettings};
+use crate::packed::layout::{PackedGrid, PackedSearch};
 use crate::setup::SetupPass;
 use crate::shadow_map::ShadowLookup;
 
@@ -16,7 +17,7 @@ pub(crate) const MOST_VIEWS: usize = 6;
 const PART_ALIGNMENT: u64 = 256;
 
 /// Near without a near plane, in far distances.
-const NO_NEAR: f64 = 1e-15;
+pub(crate) const NO_NEAR: f64 = 1e-15;
 
 /// `TileGrid` of shaders/dirt/grid.wgsl.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
@@ -105,6 +106,11 @@ pub(crate) fn layouts() -> Vec<SharedLayout> {
         StoreSettings { ray_count, view_count, pixels }
         MaskSettings { pixels, padding }
         FetchPass { view, view_index, first_entry, pixels }
+        PackedGrid {
+            eye, tiles, triangle_count, part_capacity, node_capacity, levels, cells, slices, order_bits, fixed_slices, fixed_far,
+            fixed_near, padding, level_offsets,
+        }
+        PackedSearch { ray_count, any_hit, max_steps, top_level, rays_per_lane, split, nearest_first, padding }
     }
 }
 

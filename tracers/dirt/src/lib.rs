@@ -12,6 +12,8 @@
 //!   no border.
 //! - Views are searched in the order in which the ray meets them, each at most once; the released code finds the next view
 //!   by leaving each with a small fixed offset.
+//!
+//! Preset `published` is the paper's. `improved` is the form of `packed` with a tree in every tile, which is exact.
 
 mod build;
 mod description;
@@ -19,6 +21,7 @@ mod fetch;
 #[cfg(test)]
 mod fetch_tests;
 mod layout;
+mod packed;
 mod pipelines;
 mod setup;
 mod shadow_map;

@@ -8,11 +8,12 @@ use tracebench_kit::{ComputeRaster, Gather, OnDemand, PrefixSum, TrianglePipelin
 use tracebench_shaders::dirt::{Fill, MIPMAP, SETUP, Trace};
 
 use crate::fetch::Fetch;
+use crate::packed::kernels::PackedKernels;
 use crate::setup::SetupPipelines;
 use crate::shadow_map::ShadowMapPipelines;
 use crate::visibility::Visibility;
 
-/// Entry points of shaders/dirt/trace.wgsl.
+/// Entry points of shaders/dirt/trace.wgsl and packed_trace.wgsl.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Search {
     /// A ray a lane.
@@ -27,6 +28,16 @@ pub(crate) enum Search {
 /// bucket: eight lanes together have 65,535 with Mesa's software driver.
 const SMALL_TILES: u32 = 32;
 
+impl Search {
+    pub(crate) fn entry_point(self) -> &'static str {
+        match self {
+            Self::OneRay => "trace",
+            Self::InTurns => "trace_in_turns",
+            Self::Unanswered => "trace_unanswered",
+        }
+    }
+}
+
 /// Every pipeline.
 pub(crate) struct Pipelines {
     pub gpu: Arc<Gpu>,
@@ -40,6 +51,7 @@ pub(crate) struct Pipelines {
     pub fetch: Fetch,
     visibility: OnDemand<(), Arc<Visibility>>,
     shadow_map: OnDemand<(), Arc<ShadowMapPipelines>>,
+    pub packed: PackedKernels,
 }
 
 impl Pipelines {
@@ -64,6 +76,7 @@ impl Pipelines {
             fetch: Fetch::default(),
             visibility: OnDemand::default(),
             shadow_map: OnDemand::default(),
+            packed: PackedKernels::default(),
         })
     }
 
@@ -89,12 +102,7 @@ impl Pipelines {
     }
 
     pub(crate) fn trace(&self, variant: Trace, search: Search) -> Result<ComputePipeline, TracerError> {
-        let entry_point = match search {
-            Search::OneRay => "trace",
-            Search::InTurns => "trace_in_turns",
-            Search::Unanswered => "trace_unanswered",
-        };
-        self.trace.of((variant, search), || compute_pipeline(&self.gpu, variant, entry_point))
+        self.trace.of((variant, search), || compute_pipeline(&self.gpu, variant, search.entry_point()))
     }
 
     pub(crate) fn gather(&self) -> Result<Arc<Gather>, TracerError> {

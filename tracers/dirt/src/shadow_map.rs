@@ -8,7 +8,8 @@ use bytemuck::{Pod, Zeroable};
 use tracebench_api::glam::DVec3;
 use tracebench_api::wgpu::{BindingResource, ComputePipeline};
 use tracebench_api::{
-    EndPoint, Geometry, Gpu, HitBuffer, Ledger, PhaseClock, Query, Ray, TraceJob, TracerError, View, Viewpoint,
+    EndPoint, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, PhaseClock, Query, Ray, TraceJob, TracerError, View,
+    Viewpoint,
 };
 use tracebench_kit::{
     EyeDepthTarget, LayerTarget, NearestLayers, NearestOf, NearestScene, ViewUniform, bind_group, compute_pipeline,
@@ -50,6 +51,12 @@ pub(crate) struct ShadowMap {
     end_slack: f64,
     /// Bytes held while it is drawn.
     drawing_bytes: u64,
+}
+
+/// What a look-up takes while it runs, by name.
+pub(crate) fn lookup_memory() -> Vec<MemoryEntry> {
+    let uniforms = [("light", size_of::<ViewUniform>()), ("lookup", size_of::<ShadowLookup>())];
+    uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec()
 }
 
 /// The view from the light that holds the scene; `None` of a scene without extent.

@@ -9,12 +9,13 @@ use tracebench_api::{
 use tracebench_kit::{LastCount, Readable, Reads, SurfaceGeometry, ViewUniform, grow, record_copies};
 
 use crate::build::{Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, nodes_name};
-use crate::description::{Clip, Coverage, DirtParameters, NO_REFIT};
+use crate::description::{Clip, Coverage, DirtParameters, Lists, NO_REFIT};
 use crate::fetch::MaskMemory;
 use crate::layout::{Layout, MOST_VIEWS, TileGrid, TraceSettings};
+use crate::packed::{PackedCount, PackedStructure};
 use crate::pipelines::Pipelines;
 use crate::setup::TriangleSetup;
-use crate::shadow_map::{ShadowLookup, ShadowMap};
+use crate::shadow_map::{ShadowMap, lookup_memory};
 use crate::visibility::Frame;
 
 /// The tracer.
@@ -22,6 +23,7 @@ pub struct Dirt {
     pipelines: Arc<Pipelines>,
     /// How many triangles of each view and how many nodes the last scene needed that was counted.
     counted: LastCount<(Layout, Filling), ([u32; MOST_VIEWS], u32)>,
+    counted_packed: PackedCount,
 }
 
 /// What of the scene a structure needs to trace.
@@ -31,7 +33,7 @@ pub(crate) struct Resident {
 }
 
 impl Resident {
-    fn of(geometry: &Geometry) -> Result<Self, TracerError> {
+    pub(crate) fn of(geometry: &Geometry) -> Result<Self, TracerError> {
         Ok(Self { surfaces: SurfaceGeometry::of(geometry)?, triangle_count: geometry.triangles.len() as u32 })
     }
 }
@@ -58,7 +60,11 @@ impl Dirt {
     /// # Errors
     /// [`TracerError::Unavailable`] if a stage of the device cannot bind what every build and trace binds.
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        Ok(Self { pipelines: Arc::new(Pipelines::new(gpu)?), counted: LastCount::default() })
+        Ok(Self {
+            pipelines: Arc::new(Pipelines::new(gpu)?),
+            counted: LastCount::default(),
+            counted_packed: PackedCount::default(),
+        })
     }
 
     /// Makes room for the triangles that views will be drawn with and the nodes that a build will take: counted by builds without
@@ -146,6 +152,19 @@ impl Dirt {
     }
 }
 
+impl Dirt {
+    pub(crate) fn build_packed(
+        &self,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<PackedStructure, TracerError> {
+        let parameters = &DirtParameters::try_from(parameters)?;
+        PackedStructure::build(&self.pipelines, geometry, viewpoint, parameters, &self.counted_packed, clock)
+    }
+}
+
 impl Tracer for Dirt {
     fn build(
         &self,
@@ -154,7 +173,10 @@ impl Tracer for Dirt {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Box<dyn Structure>, TracerError> {
-        Ok(Box::new(self.build_structure(geometry, viewpoint, parameters, clock)?))
+        if DirtParameters::try_from(parameters)?.lists == Lists::Linked {
+            return Ok(Box::new(self.build_structure(geometry, viewpoint, parameters, clock)?));
+        }
+        Ok(Box::new(self.build_packed(geometry, viewpoint, parameters, clock)?))
     }
 }
 
@@ -269,8 +291,7 @@ impl Structure for DirtStructure {
     fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
         let parameters = DirtParameters::try_from(job.parameters)?;
         if self.shadow_map.as_ref().is_some_and(|map| map.answers(&job)) {
-            let uniforms = [("light", size_of::<ViewUniform>()), ("lookup", size_of::<ShadowLookup>())];
-            return Ok(uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec());
+            return Ok(lookup_memory());
         }
         let uniforms = [
             ("grid", size_of::<TileGrid>()),

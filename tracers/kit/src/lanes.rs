@@ -1,6 +1,6 @@
 //! How a search is launched: rays that a lane answers one after the other (shaders/shared/lanes.wgsl).
 
-use tracebench_api::wgpu::{BindGroup, CommandEncoder, ComputePipeline};
+use tracebench_api::wgpu::{BindGroup, Buffer, CommandEncoder, ComputePipeline};
 use tracebench_api::{Parameter, ParameterScope};
 
 use crate::dispatch_linear_groups;
@@ -33,6 +33,21 @@ pub fn dispatch_rays(
     rays_per_lane: u32,
 ) {
     dispatch_linear_groups(encoder, pipeline, bindings, ray_count.div_ceil(rays_per_lane), LANES_OF_WORKGROUP);
+}
+
+/// Records a dispatch of as many workgroups as a buffer says when it runs: three words.
+pub fn dispatch_indirect(
+    encoder: &mut CommandEncoder,
+    pipeline: &ComputePipeline,
+    bindings: &[&BindGroup],
+    workgroups: &Buffer,
+) {
+    let mut pass = encoder.begin_compute_pass(&Default::default());
+    pass.set_pipeline(pipeline);
+    for (group, bindings) in (0..).zip(bindings) {
+        pass.set_bind_group(group, *bindings, &[]);
+    }
+    pass.dispatch_workgroups_indirect(workgroups, 0);
 }
 
 #[cfg(test)]

@@ -51,7 +51,7 @@ pub use empty_target::EmptyTarget;
 pub use eye_depth::{DepthCopy, EyeDepthTarget, NO_SURFACE};
 pub use fixed_work::{FixedWork, FixedWorkPlan, fixed_task};
 pub use gather::{Gather, SurfaceGeometry};
-pub use lanes::{LANES_OF_WORKGROUP, dispatch_rays, rays_per_lane_parameter, rays_within_rounds};
+pub use lanes::{LANES_OF_WORKGROUP, dispatch_indirect, dispatch_rays, rays_per_lane_parameter, rays_within_rounds};
 pub use last_count::LastCount;
 pub use means_probe::{MANY_RAYS, ProbeTimes, probe_means};
 pub use nearest_compute::{NearestImage, NearestOf, ResolvedImage};

@@ -12,8 +12,12 @@ const LANES: u32 = 256;
 /// Elements that a workgroup takes: its `LANES` times its `RUN`.
 const BLOCK: u32 = LANES * 16;
 
-/// What the sums of blocks are called, by level; a fourth would be of more elements than 32 bits count.
-const NAMES: [&str; 3] = ["sums of blocks", "sums of blocks of blocks", "sums of all blocks"];
+/// What the sums of blocks are called, by the plan's number and by level; a fourth level would be of more elements than 32 bits count.
+const NAMES: [[&str; 3]; 3] = [
+    ["sums of blocks", "sums of blocks of blocks", "sums of all blocks"],
+    ["second sums of blocks", "second sums of blocks of blocks", "second sums of all blocks"],
+    ["third sums of blocks", "third sums of blocks of blocks", "third sums of all blocks"],
+];
 
 /// The pipelines of prefix sums; see [`PrefixSum::plan`].
 #[derive(Debug)]
@@ -25,6 +29,8 @@ pub struct PrefixSum {
 /// Prefix sums over one buffer, ready to be recorded any number of times.
 #[derive(Debug)]
 pub struct PrefixSumPlan {
+    /// Which of a structure's plans it is: ledgers have no name twice.
+    number: usize,
     /// The elements first, then the sums of blocks, of blocks of blocks, ..., up to a single block.
     levels: Vec<Level>,
     /// Sums of blocks, by level.
@@ -40,8 +46,9 @@ struct Level {
 }
 
 /// What ledgers call the uniform of a level.
-fn count_name(level: usize) -> String {
-    format!("prefix sum: count of level {}", level + 1)
+fn count_name(number: usize, level: usize) -> String {
+    let plan = ["prefix sum", "second prefix sum", "third prefix sum"][number];
+    format!("{plan}: count of level {}", level + 1)
 }
 
 impl PrefixSum {
@@ -66,6 +73,23 @@ impl PrefixSum {
         count: u32,
         there: Option<&PrefixSumPlan>,
     ) -> Result<PrefixSumPlan, TracerError> {
+        self.numbered_plan(gpu, 0, values, count, there)
+    }
+
+    /// The same for a structure with further plans: `number` tells its buffers from theirs, up to 2; a plan without one has 0, that of
+    /// a sort too.
+    ///
+    /// # Errors
+    /// As [`PrefixSum::plan`].
+    pub fn numbered_plan(
+        &self,
+        gpu: &Gpu,
+        number: usize,
+        values: &Buffer,
+        count: u32,
+        there: Option<&PrefixSumPlan>,
+    ) -> Result<PrefixSumPlan, TracerError> {
+        let number = number.min(NAMES.len() - 1);
         let mut there = there.into_iter().flat_map(|there| &there.rooms);
         let (mut levels, mut rooms, mut counts): (Vec<Level>, Vec<Room>, Vec<Buffer>) = Default::default();
         let mut count = count;
@@ -73,14 +97,18 @@ impl PrefixSum {
             let blocks = count.div_ceil(BLOCK).max(1);
             let room = Room::new(
                 gpu,
-                NAMES[rooms.len().min(2)],
+                NAMES[number][rooms.len().min(2)],
                 u64::from(blocks) * 4,
                 "the number of elements",
                 there.next(),
             )?;
             let elements = rooms.last().map_or(values, |room| &room.buffer);
-            let uniform =
-                gpu.buffer_with(&count_name(levels.len()), &count.to_le_bytes(), BufferUsages::UNIFORM, "nothing")?;
+            let uniform = gpu.buffer_with(
+                &count_name(number, levels.len()),
+                &count.to_le_bytes(),
+                BufferUsages::UNIFORM,
+                "nothing",
+            )?;
             let bind = |pipeline: &ComputePipeline| {
                 let resources = [&uniform, elements, &room.buffer].map(Buffer::as_entire_binding);
                 bind_group(gpu, &pipeline.get_bind_group_layout(0), &resources)
@@ -89,7 +117,7 @@ impl PrefixSum {
             rooms.push(room);
             counts.push(uniform);
             if blocks == 1 {
-                return Ok(PrefixSumPlan { levels, rooms, counts });
+                return Ok(PrefixSumPlan { number, levels, rooms, counts });
             }
             count = blocks;
         }
@@ -100,8 +128,8 @@ impl PrefixSum {
         let (mut entries, mut count) = (Vec::new(), count);
         for level in 0.. {
             let blocks = count.div_ceil(BLOCK).max(1);
-            entries.push(MemoryEntry::whole(NAMES[level.min(2)], u64::from(blocks) * 4));
-            entries.push(MemoryEntry::whole(&count_name(level), size_of::<u32>() as u64));
+            entries.push(MemoryEntry::whole(NAMES[0][level.min(2)], u64::from(blocks) * 4));
+            entries.push(MemoryEntry::whole(&count_name(0, level), size_of::<u32>() as u64));
             if blocks == 1 {
                 break;
             }
@@ -132,7 +160,7 @@ impl PrefixSumPlan {
     pub fn enter(&self, ledger: &mut Ledger) {
         self.rooms.iter().for_each(|room| room.enter(ledger));
         for (level, count) in self.counts.iter().enumerate() {
-            ledger.keep(&count_name(level), count.size(), count.size());
+            ledger.keep(&count_name(self.number, level), count.size(), count.size());
         }
     }
 }

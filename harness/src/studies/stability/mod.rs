@@ -5,7 +5,7 @@ mod verdict;
 
 use std::sync::Arc;
 
-use tracebench_api::{Geometry, Gpu, Preset};
+use tracebench_api::{Geometry, Gpu};
 
 use crate::cases::{CASES, Case, Probe, Setup};
 use crate::contenders::Expectation;
@@ -30,12 +30,10 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// A requested tracer. Expectations hold for the published preset; parameters that were changed are set against them all the
-    /// same.
+    /// A requested tracer. Expectations hold for its preset; parameters that were changed are set against them all the same.
     pub fn of(request: &TracerRequest) -> Self {
-        let of_published = CASES.iter().filter(|_| request.preset == Preset::Published);
-        let expected_on = |case: &Case| Some((case.name, request.registration.expected_on(case.name)?));
-        let expected = of_published.filter_map(expected_on).collect();
+        let expected_on = |case: &Case| Some((case.name, request.registration.expected_of(request.preset, case.name)?));
+        let expected = CASES.iter().filter_map(expected_on).collect();
         Self { request: request.clone(), expected }
     }
 }

@@ -1,0 +1,229 @@
+// The search of the packed forms of DIRT. A ray crosses the faces one after the other, in each walks the tiles whose masks have a depth
+// slice of it, up and down their pyramid, and tests what a tile holds: all of it, the lists of the slices that it passes, or with TREES
+// what the boxes of the tile's tree let through, nearest first. A hit counts wherever it lies along the ray; it is final once it does
+// not lie beyond the end of the cells that were searched.
+//
+// No hit is lost to rounding (packed_ray says what it may do). Tiles are filled for half of TILE_MARGIN of what places may be off by.
+// Where it would be more, within a cube round the eye, the image of a ray is noise: there every triangle is tested that may come so near.
+// Boxes are widened by what places are off by and by what the ray's own planes lose. Faces overlap by TILE_MARGIN.
+
+#import tracebench::types::{Ray, Hit, miss, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP}
+#import tracebench::dispatch::linear_invocation
+#import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
+#import tracebench::dirt_packed_ray::{search, best, found, capped, open, work}
+#import tracebench::dirt_packed_legs::{passes_eye, centre, begin_ray, has_face, next_leg}
+#import tracebench::dirt_packed_near::search_near
+#ifdef TREES
+#import tracebench::dirt_tree_walk::{is_busy, begin_walk, begin_no_walk, go_on}
+#else
+#import tracebench::dirt_list_walk::walk
+#endif
+
+@group(0) @binding(7) var<storage, read> rays: array<Ray>;
+@group(0) @binding(8) var<storage, read_write> hits: array<Hit>;
+#ifdef COUNTERS
+// Of every ray: pyramid steps, nodes visited, primitive tests, views entered.
+@group(0) @binding(9) var<storage, read_write> counts: array<vec4<u32>>;
+#else
+// How many workgroups, along each axis, answer what the first search leaves.
+@group(0) @binding(11) var<storage, read_write> left: array<atomic<u32>, 3>;
+#endif
+
+// The answer of a search.
+fn answer() -> Hit {
+    if (capped) {
+        return miss(STATUS_STEP_CAP);
+    }
+    if (found) {
+        return Hit(best.t, best.primitive, best.u, best.v, STATUS_HIT);
+    }
+    return miss(STATUS_MISS);
+}
+
+// Along an axis.
+const MOST_WORKGROUPS: u32 = 65535u;
+
+fn note(index: u32, hit: Hit) {
+    hits[index] = hit;
+#ifdef COUNTERS
+    counts[index] = work;
+#endif
+}
+
+#ifdef TREES
+// Rounds after which lanes that have done with a leg get the next one.
+const ROUNDS: u32 = 8u;
+
+fn search_faces() {
+    open += 1u;
+    loop {
+        if (!is_busy() && has_face()) {
+            begin_walk(next_leg());
+        }
+        go_on();
+        let goes_on = is_busy() || has_face();
+        open -= select(1u, 0u, goes_on);
+        continuing {
+            break if !goes_on;
+        }
+    }
+}
+
+// Answers the rays of a lane, one after the other. Left without an answer are those for which what lies near the eye is to be searched:
+// few are, and drivers may run every branch for all; and those that are cut off, with all behind them.
+fn answer_rays(first: u32, end: u32) {
+    if (first >= end) {
+        return;
+    }
+    var index = first;
+    begin_ray(rays[index]);
+    var is_left = passes_eye;
+    var leaves_some = false;
+    begin_no_walk();
+    open += 1u;
+    loop {
+        if (!is_busy() && (is_left || !has_face())) {
+            if (!is_left) {
+                note(index, answer());
+            }
+            leaves_some = leaves_some || is_left;
+            index += WORKGROUP_SIZE;
+            if (index < end) {
+                begin_ray(rays[index]);
+                is_left = passes_eye;
+            }
+        }
+        if (index < end && !is_busy() && !is_left && has_face()) {
+            begin_walk(next_leg());
+        }
+        var round = 0u;
+        loop {
+            go_on();
+            round += 1u;
+            continuing {
+                break if round == ROUNDS || !is_busy();
+            }
+        }
+        open -= select(0u, 1u, index >= end);
+        continuing {
+            break if index >= end;
+        }
+    }
+    if (leaves_some || open > 0u) {
+        tell_left();
+    }
+}
+#else
+// Loops end where their last rounds do, not before another one: drivers may run that for nobody.
+fn search_faces() {
+    var more = has_face();
+    open += 1u;
+    loop {
+        if (more) {
+            walk(next_leg());
+        }
+        more = has_face();
+        open -= select(1u, 0u, more);
+        continuing {
+            break if !more;
+        }
+    }
+}
+
+// Answers the rays of a lane, one after the other. Left without an answer are those for which what lies near the eye is to be searched:
+// few are, and drivers may run every branch for all; and those that are cut off, with all behind them.
+fn answer_rays(first: u32, end: u32) {
+    var index = first;
+    if (index >= end) {
+        return;
+    }
+    var leaves_some = false;
+    loop {
+        begin_ray(rays[index]);
+        if (!passes_eye) {
+            search_faces();
+            if (open == 0u) {
+                note(index, answer());
+            }
+        } else {
+            leaves_some = true;
+        }
+        index += WORKGROUP_SIZE;
+        continuing {
+            break if index >= end || open > 0u;
+        }
+    }
+    if (leaves_some || open > 0u) {
+        tell_left();
+    }
+}
+
+#endif
+
+// Tells that rays were left.
+fn tell_left() {
+#ifndef COUNTERS
+    let workgroups = (search.ray_count + WORKGROUP_SIZE - 1u) / WORKGROUP_SIZE;
+    atomicMax(&left[0], min(workgroups, MOST_WORKGROUPS));
+    atomicMax(&left[1], (workgroups + MOST_WORKGROUPS - 1u) / MOST_WORKGROUPS);
+    atomicMax(&left[2], 1u);
+#endif
+}
+
+// Answers one ray, as given up where loops are cut off.
+fn answer_ray(index: u32) {
+    begin_ray(rays[index]);
+    if (passes_eye) {
+        search_near(centre);
+    }
+    search_faces();
+    if (open > 0u) {
+        note(index, miss(STATUS_STEP_CAP));
+    } else {
+        note(index, answer());
+    }
+}
+
+// A ray a lane.
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    answer_rays(index, min(index + 1u, search.ray_count));
+}
+
+// Several rays a lane, one after the other. Loops are counted over all of them: rays that are cut off, and those behind them, are left
+// unanswered.
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace_in_turns(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let turns = turns_of(workgroup, workgroups, local, 0u, search.ray_count, search.rays_per_lane);
+    answer_rays(turns.ray, turns.end);
+}
+
+// Whether a ray of the workgroup has no answer.
+var<workgroup> unanswered: atomic<u32>;
+
+// After that: a ray a lane in every workgroup that has one without an answer. All of its rays are answered again, so that the same ones
+// run together, and are cut off, as where a lane has one ray from the first.
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace_unanswered(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    if (index < search.ray_count && hits[index].status == 0u) {
+        atomicStore(&unanswered, 1u);
+    }
+    workgroupBarrier();
+    if (atomicLoad(&unanswered) == 1u && index < search.ray_count) {
+        answer_ray(index);
+    }
+}

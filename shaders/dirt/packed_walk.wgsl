@@ -1,0 +1,101 @@
+#define_import_path tracebench::dirt_packed_walk
+
+// The steps of a leg over the cells of a face of the packed forms of DIRT: over those whose masks have nothing of the ray's, down into
+// those that have. Cells are whole numbers and are stepped over in one sense, so that rounding leads neither astray nor in circles.
+
+#import tracebench::reads::pair_0
+#import tracebench::dirt_packed_grid::tile_number
+#import tracebench::dirt_packed_ray::{grid, search, leg, limit, capped, steps, work, depth_loss, mask_between}
+#import tracebench::dirt_packed_legs::NEVER
+
+// A tile with a depth slice of the ray's: the ray's s at both of its ends, its greatest w between them, and its slices.
+struct Entered {
+    tile: vec2<i32>,
+    begin: f32,
+    end: f32,
+    w_most: f32,
+    mask: vec2<u32>,
+}
+
+// Where the walk is: the face, the tile and the level of the cell that it enters next, at this s; whether there is one.
+var<private> face: u32;
+var<private> tile: vec2<i32>;
+var<private> level: u32;
+// Where the masks of the level begin.
+var<private> level_begin: u32;
+var<private> here: f32;
+var<private> is_walking: bool;
+var<private> entered: Entered;
+
+// Cells of a level along a face's edge.
+fn edge_of(at_level: u32) -> u32 {
+    return (grid.tiles + (1u << at_level) - 1u) >> at_level;
+}
+
+// Begins the steps of the leg in a face.
+fn begin_steps(walked: u32) {
+    face = walked;
+    tile = clamp(vec2<i32>(floor(leg.begin.xy)), vec2<i32>(0), vec2<i32>(i32(grid.tiles) - 1));
+    level = 0u;
+    level_begin = walked * grid.cells;
+    here = 0.0;
+    is_walking = true;
+}
+
+fn entered_number() -> u32 {
+    return tile_number(grid, face, vec2<u32>(entered.tile));
+}
+
+// Enters the cell that comes next; tells whether it is a tile that is to be searched, which is `entered` then.
+fn step_on() -> bool {
+    if (limit <= here || steps >= search.max_steps) {
+        capped = capped || limit > here;
+        is_walking = false;
+        return false;
+    }
+    steps += 1u;
+#ifdef COUNTERS
+    work.x += 1u;
+#endif
+    let last_tile = vec2<i32>(i32(grid.tiles) - 1);
+    let heading = vec2<i32>(sign(leg.change.xy));
+    let cell = tile >> vec2<u32>(level);
+    let line = (cell + max(heading, vec2<i32>(0))) << vec2<u32>(level);
+    // A ray does not leave the image but at the leg's end: along a seam it may lie on either side of the image's border.
+    let is_inner = (heading != vec2<i32>(0)) & (line > vec2<i32>(0)) & (line <= last_tile);
+    let leaves = select(vec2<f32>(NEVER), (vec2<f32>(line) - leg.begin.xy) * leg.inverse.xy, is_inner);
+    let begin = here;
+    let end = clamp(min(leaves.x, leaves.y), begin, 1.0);
+    let w_here = leg.begin.z + leg.change.z * begin;
+    let w_there = leg.begin.z + leg.change.z * end;
+    let w_most = max(max(w_here, w_there), 0.0);
+    let w_slack = depth_loss(w_most);
+    let mask = mask_between(max(min(w_here, w_there) - w_slack, 0.0), w_most + w_slack);
+    // As cell_number has it: tables in uniforms are slow where every lane asks for a place of its own.
+    let held = pair_0(level_begin + u32(cell.y) * edge_of(level) + u32(cell.x));
+    let overlaps = any((held & mask) != vec2<u32>(0u));
+    if (overlaps && level > 0u) {
+        level -= 1u;
+        let edge = edge_of(level);
+        level_begin -= edge * edge;
+        return false;
+    }
+    entered = Entered(tile, begin, end, w_most + w_slack, mask);
+    // Across the nearer of the two sides, and along the other axis to where the ray is then, never back and never out of the cell.
+    let at = vec2<i32>(floor(leg.begin.xy + leg.change.xy * end));
+    let low = max(cell << vec2<u32>(level), select(vec2<i32>(0), tile, (heading > vec2<i32>(0))));
+    let high = min(((cell + 1) << vec2<u32>(level)) - 1, select(last_tile, tile, (heading < vec2<i32>(0))));
+    let inside = clamp(at, low, min(high, last_tile));
+    let across = select((cell << vec2<u32>(level)) - 1, (cell + 1) << vec2<u32>(level), (heading > vec2<i32>(0)));
+    let next = select(vec2<i32>(inside.x, across.y), vec2<i32>(across.x, inside.y), leaves.x <= leaves.y);
+    // Up where nothing was, and only into another cell of the level above.
+    let above = vec2<u32>(level + 1u);
+    let goes_up = !overlaps && level < search.top_level && any((next >> above) != (tile >> above));
+    is_walking = end < 1.0 && all(next >= vec2<i32>(0)) && all(next <= last_tile);
+    let edge = edge_of(level);
+    level_begin += select(0u, edge * edge, goes_up);
+    level += select(0u, 1u, goes_up);
+    tile = next;
+    here = end;
+    return overlaps;
+}

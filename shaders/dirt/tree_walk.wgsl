@@ -1,0 +1,117 @@
+#define_import_path tracebench::dirt_tree_walk
+
+// The walk of a leg over the tiles of a face of the packed forms of DIRT, with the trees of the tiles that it meets.
+//
+// It goes on by rounds: a round tests a part, then twice visits a node or, where none is left, steps on to the next cell. Lanes that run
+// together do so whatever each of them needs: loops of their own, over cells, nodes and parts, would wait for the lane with most of them,
+// and drivers may run every branch for all lanes.
+
+#import tracebench::reads::quad_1
+#import tracebench::dirt_packed_grid::first_leaf_of
+#import tracebench::dirt_packed_ray::{search, leg, is_done, test_reference}
+#import tracebench::dirt_packed_walk::{is_walking, entered, begin_steps, step_on, entered_number}
+#import tracebench::dirt_tile_tree::{TilePlanes, planes_of, meet_node}
+
+const NO_NODE: u32 = 0xffffffffu;
+
+// The tree that is searched: its first node, first reference and first node of the last level.
+var<private> planes: TilePlanes;
+var<private> first_node: u32;
+var<private> first_reference: u32;
+var<private> first_leaf: u32;
+// Children to visit: a byte a level, the lowest that of the node `parent`.
+var<private> waiting: vec2<u32>;
+var<private> parent: u32;
+// Parts to test, of one node and of that after it: a bit each, from a reference on.
+var<private> parts: u32;
+var<private> parts_base: u32;
+var<private> next_parts: u32;
+var<private> next_base: u32;
+
+// Whether the leg is not done.
+fn is_busy() -> bool {
+    return is_walking || ((waiting.x | waiting.y) | (parts | next_parts)) != 0u;
+}
+
+fn begin_no_walk() {
+    is_walking = false;
+    waiting = vec2<u32>(0u);
+    parts = 0u;
+    next_parts = 0u;
+}
+
+// Begins the walk of the leg in a face.
+fn begin_walk(walked: u32) {
+    begin_no_walk();
+    begin_steps(walked);
+}
+
+// The first of some children or parts in the order in which the ray meets them: they are stored from the far end to the near one.
+fn first_of(bits: u32) -> u32 {
+    let recedes = search.nearest_first == 1u && leg.change.z < 0.0;
+    return select(countTrailingZeros(bits), firstLeadingBit(bits), recedes);
+}
+
+// The node of the lowest level with waiting children, above or at this one; these are the lowest byte then.
+fn climb(node: u32) -> u32 {
+    let low_level = countTrailingZeros(waiting.x) >> 3u;
+    let high_level = 4u + (countTrailingZeros(waiting.y) >> 3u);
+    let levels = select(low_level, high_level, waiting.x == 0u);
+    // Nodes above a level: 1 + 8 + 64 and so on.
+    let above = 0x49249249u & ((1u << (3u * levels)) - 1u);
+    let shift = 8u * (levels & 3u);
+    let crossed = select(waiting.y << (32u - shift), 0u, shift == 0u);
+    let within = vec2<u32>((waiting.x >> shift) | crossed, waiting.y >> shift);
+    waiting = select(within, vec2<u32>(waiting.y >> shift, 0u), levels >= 4u);
+    return (node - above) >> (3u * levels);
+}
+
+// Visits a node, or where none is left steps on to the next cell.
+fn advance() {
+    if (next_parts == 0u) {
+        var node = NO_NODE;
+        if (any(waiting != vec2<u32>(0u))) {
+            parent = climb(parent);
+            let child = first_of(waiting.x & 0xffu);
+            waiting.x &= ~(1u << child);
+            node = 8u * parent + 1u + child;
+        } else if (is_walking) {
+            if (step_on()) {
+                let header = quad_1(entered_number());
+                planes = planes_of(entered.tile, entered.begin, entered.end, entered.w_most, header.w);
+                first_reference = header.x;
+                first_leaf = first_leaf_of(header.y);
+                first_node = header.z;
+                node = 0u;
+            }
+        }
+        if (node != NO_NODE) {
+            let met = meet_node(planes, first_node + node);
+            if (node >= first_leaf) {
+                next_parts = met;
+                next_base = first_reference + 8u * (node - first_leaf);
+            } else {
+                waiting = vec2<u32>((waiting.x << 8u) | met, (waiting.y << 8u) | (waiting.x >> 24u));
+                parent = node;
+            }
+        }
+    }
+    let moves_up = parts == 0u;
+    parts = select(parts, next_parts, moves_up);
+    parts_base = select(parts_base, next_base, moves_up);
+    next_parts = select(next_parts, 0u, moves_up);
+}
+
+// A round.
+fn go_on() {
+    if (parts != 0u) {
+        let part = first_of(parts);
+        parts &= ~(1u << part);
+        test_reference(parts_base + part);
+        if (is_done()) {
+            begin_no_walk();
+        }
+    }
+    advance();
+    advance();
+}

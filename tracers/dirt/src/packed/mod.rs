@@ -1,0 +1,236 @@
+//! The packed forms of DIRT (`lists` other than `linked`), which are exact: made in compute, without views' near planes.
+//!
+//! Deviations from the paper, each of which parameters tell from the others:
+//! - Six faces lie round the eye itself, and hold all that is not nearer than 2^-13 of a triangle's own size; what is nearer is listed
+//!   apart and tested for rays that pass that near.
+//! - Triangles are clipped to tiles in compute. The bounds of what is stored contain all that rounding may do, as
+//!   shaders/dirt/parts.wgsl argues; that is checked by `validate` in f64.
+//! - In the place of depth bounds and buckets a tile has a mask of up to 64 depth slices, which follow the logarithm of the depths that
+//!   there are, and a pyramid of such masks.
+//! - Parts stand in a row: a tile's (`packed`), those of every slice (`slices`, the paper's buckets without empty ones), or as the leaves
+//!   of a tree of eight children a node in every tile (`trees`).
+
+mod build;
+pub(crate) mod kernels;
+pub(crate) mod layout;
+mod parts;
+mod rooms;
+mod trace;
+mod validate;
+
+#[cfg(test)]
+mod tests;
+#[cfg(test)]
+mod trace_tests;
+
+use std::sync::Arc;
+
+use tracebench_api::{
+    Counter, EndPoint, Geometry, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock,
+    Projection, Sampling, Structure, TraceJob, TracerError, Update, View, Viewpoint,
+};
+use tracebench_kit::{Gather, LastCount, Readable, Reads, record_copies};
+
+use self::build::{Extent, Work};
+use self::layout::PackedLayout;
+use self::rooms::Rooms;
+use crate::description::{DirtParameters, NO_REFIT};
+use crate::layout::NO_NEAR;
+use crate::pipelines::Pipelines;
+use crate::shadow_map::{ShadowMap, lookup_memory};
+use crate::structure::Resident;
+use crate::visibility::Frame;
+
+/// Parts and nodes that the last scene needed that was counted.
+pub(crate) type PackedCount = LastCount<PackedLayout, [u32; 2]>;
+
+/// Tiles with their parts.
+pub(crate) struct PackedStructure {
+    pub(crate) pipelines: Arc<Pipelines>,
+    pub(crate) layout: PackedLayout,
+    pub(crate) geometry: Resident,
+    rooms: Rooms,
+    /// What searches read, in buffers or textures.
+    arrays: Vec<Readable>,
+    /// What the camera's frame shows, if that was asked for.
+    frame: Option<Frame>,
+    /// What the light sees, if that was asked for.
+    shadow_map: Option<ShadowMap>,
+}
+
+impl Pipelines {
+    /// Builds into rooms.
+    fn build_packed(
+        &self,
+        layout: &PackedLayout,
+        rooms: &Rooms,
+        scene: &Resident,
+        extent: Extent,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        let gpu = &*self.gpu;
+        let (kernels, sorts) = (self.packed.build(gpu, layout.lists)?, self.packed.sort(gpu)?);
+        let work = Work { layout, rooms, scene: &scene.surfaces.device };
+        build::record(gpu, work, &kernels, &sorts, extent, clock)
+    }
+
+    /// Rooms for a scene: counted by builds outside of any time, first of parts alone, then of nodes.
+    fn packed_rooms(
+        &self,
+        geometry: &Geometry,
+        layout: &PackedLayout,
+        scene: &Resident,
+        counted: &PackedCount,
+    ) -> Result<Rooms, TracerError> {
+        let gpu = &*self.gpu;
+        let sorts = self.packed.sort(gpu)?;
+        let sorting = sorts.sorting();
+        let room = |capacities| Rooms::new(gpu, &sorting, layout, scene.triangle_count, capacities, None);
+        let built = |rooms: &Rooms, extent| {
+            let mut clock = PhaseClock::new(Some(gpu));
+            self.build_packed(layout, rooms, scene, extent, &mut clock)?;
+            clock.finish()?;
+            rooms.needed(gpu)
+        };
+        let needed = counted.of(geometry, layout.clone(), || {
+            let [parts, _] = built(&room([1, 1])?, Extent::Counted)?;
+            let [_, nodes] = built(&room([parts, 1])?, Extent::Whole)?;
+            Ok([parts, nodes])
+        })?;
+        room(needed)
+    }
+}
+
+impl PackedStructure {
+    pub(crate) fn build(
+        pipelines: &Arc<Pipelines>,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &DirtParameters,
+        counted: &PackedCount,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Self, TracerError> {
+        let layout = PackedLayout::new(viewpoint, parameters);
+        let scene = Resident::of(geometry)?;
+        let rooms = pipelines.packed_rooms(geometry, &layout, &scene, counted)?;
+        let arrays = rooms.arrays(&pipelines.gpu, &layout, parameters.reads, &[])?;
+        pipelines.build_packed(&layout, &rooms, &scene, Extent::Whole, clock)?;
+        record_copies(&arrays, clock)?;
+        let frame = pipelines.show(viewpoint, parameters, &scene, None, clock)?;
+        let shadow_map = pipelines.draw_shadow_map(geometry, viewpoint, parameters, &scene, None, clock)?;
+        let pipelines = Arc::clone(pipelines);
+        Ok(Self { pipelines, layout, geometry: scene, rooms, arrays, frame, shadow_map })
+    }
+
+    fn reads(&self) -> Reads {
+        self.arrays[0].reads()
+    }
+}
+
+impl Structure for PackedStructure {
+    fn update(
+        &mut self,
+        update: Update,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        match update {
+            Update::Rebuild => {
+                let parameters = &DirtParameters::try_from(parameters)?;
+                let layout = PackedLayout::new(viewpoint, parameters);
+                let scene = Resident::of(geometry)?;
+                let pipelines = Arc::clone(&self.pipelines);
+                let gpu = &*pipelines.gpu;
+                if !layout.is_shaped_like(&self.layout) || scene.triangle_count != self.rooms.triangle_count {
+                    let (sorts, capacities) = (pipelines.packed.sort(gpu)?, self.rooms.capacities);
+                    let there = (layout.lists == self.layout.lists).then_some(&self.rooms);
+                    self.rooms = Rooms::new(gpu, &sorts.sorting(), &layout, scene.triangle_count, capacities, there)?;
+                }
+                self.arrays = self.rooms.arrays(gpu, &layout, parameters.reads, &self.arrays)?;
+                pipelines.build_packed(&layout, &self.rooms, &scene, Extent::Whole, clock)?;
+                record_copies(&self.arrays, clock)?;
+                self.frame = pipelines.show(viewpoint, parameters, &scene, self.frame.as_ref(), clock)?;
+                let drawn = self.shadow_map.take();
+                self.shadow_map = pipelines.draw_shadow_map(geometry, viewpoint, parameters, &scene, drawn, clock)?;
+                (self.layout, self.geometry) = (layout, scene);
+                Ok(())
+            }
+            Update::Refit => Err(TracerError::Unsupported(NO_REFIT.to_owned())),
+            Update::Reuse => Ok(()),
+        }
+    }
+
+    fn make_room(&mut self) -> Result<bool, TracerError> {
+        let pipelines = Arc::clone(&self.pipelines);
+        let gpu = &*pipelines.gpu;
+        let mut needed = self.rooms.needed(gpu)?;
+        if self.rooms.capacities.iter().zip(&needed).all(|(room, needed)| room >= needed) {
+            return Ok(false);
+        }
+        let sorts = pipelines.packed.sort(gpu)?;
+        if needed[0] > self.rooms.capacities[0] {
+            // Parts that were not stored have no nodes yet.
+            let capacities = [needed[0], self.rooms.capacities[1]];
+            let rooms = self.rooms.grown(gpu, &sorts.sorting(), &self.layout, capacities)?;
+            let mut clock = PhaseClock::new(Some(gpu));
+            pipelines.build_packed(&self.layout, &rooms, &self.geometry, Extent::Whole, &mut clock)?;
+            clock.finish()?;
+            needed = rooms.needed(gpu)?;
+            self.rooms = rooms;
+        }
+        self.rooms = self.rooms.grown(gpu, &sorts.sorting(), &self.layout, needed)?;
+        self.arrays = self.rooms.arrays(gpu, &self.layout, self.reads(), &self.arrays)?;
+        Ok(true)
+    }
+
+    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        self.trace_hits(&job, hits, clock)
+    }
+
+    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        self.count(&job, hits)
+    }
+
+    fn memory(&self) -> MemoryReport {
+        let mut ledger = Ledger::new();
+        let used = self.rooms.needed(&self.pipelines.gpu).unwrap_or(self.rooms.capacities);
+        self.rooms.enter(&self.layout, used, &mut ledger);
+        self.arrays.iter().for_each(|array| array.enter(&mut ledger));
+        ledger.borrow_transient(build::uniform_bytes(&self.layout));
+        if let Some(frame) = &self.frame {
+            frame.enter(&mut ledger);
+        }
+        if let Some(map) = &self.shadow_map {
+            map.enter(&mut ledger);
+        }
+        ledger.report(0).with_surface_geometry(self.geometry.surfaces.bytes)
+    }
+
+    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+        DirtParameters::try_from(job.parameters)?;
+        if self.shadow_map.as_ref().is_some_and(|map| map.answers(&job)) {
+            return Ok(lookup_memory());
+        }
+        let mut parts = trace::memory();
+        if job.end == EndPoint::Surface {
+            parts.push(Gather::memory());
+        }
+        Ok(parts)
+    }
+
+    fn samplings(&self) -> Vec<Sampling> {
+        let views = self.layout.viewpoint.face_views(0.0);
+        let of = |view: View| {
+            // All that is not in the eye is seen.
+            let view = View { near: view.far * NO_NEAR, ..view };
+            Sampling { projection: Projection::Perspective(view), layers: Layers::All }
+        };
+        views.map(of).to_vec()
+    }
+
+    fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        self.check(geometry)
+    }
+}

@@ -1,0 +1,144 @@
+//! Tracing a packed structure on the device.
+
+use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline};
+use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
+use tracebench_kit::{
+    RayCounts, Reads, TouchedBits, bind_arrays, bind_group_at, dispatch_indirect, dispatch_rays, uniform_buffer,
+};
+use tracebench_shaders::dirt::PackedTrace;
+
+use super::PackedStructure;
+use super::layout::{PackedGrid, PackedSearch};
+use crate::description::{CentreRays, DirtParameters, Lists, March, Order};
+use crate::pipelines::Search;
+
+/// The buffers of a trace that counts.
+struct Counting {
+    counts: RayCounts<4>,
+    /// A bit a reference.
+    touched: TouchedBits,
+}
+
+/// What is counted of every ray, in the order of shaders/dirt/packed_trace.wgsl.
+const COUNTERS: [&str; 4] = ["pyramid_steps", "nodes_visited", "triangle_tests", "views_entered"];
+
+/// What a trace takes while it runs, by name and bytes.
+const LEFT: (&str, usize) = ("workgroups that answer what is left", 12);
+
+fn left_buffer(gpu: &Gpu) -> Result<Buffer, TracerError> {
+    gpu.buffer_with(LEFT.0, &[0; LEFT.1], BufferUsages::STORAGE | BufferUsages::INDIRECT, "nothing")
+}
+
+/// What a trace takes while it runs.
+pub(super) fn memory() -> Vec<MemoryEntry> {
+    let parts = [("packed grid", size_of::<PackedGrid>()), ("search", size_of::<PackedSearch>()), LEFT];
+    parts.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec()
+}
+
+impl PackedStructure {
+    fn search(&self, job: &TraceJob<'_>, parameters: &DirtParameters) -> PackedSearch {
+        PackedSearch {
+            ray_count: job.rays.host.len() as u32,
+            any_hit: u32::from(job.rays.query == Query::Any),
+            max_steps: parameters.max_steps,
+            top_level: match parameters.march {
+                March::HiZ => self.layout.levels() as u32 - 1,
+                March::Tiles => 0,
+            },
+            rays_per_lane: parameters.rays_per_lane,
+            split: u32::from(parameters.centre_rays == CentreRays::Split),
+            nearest_first: u32::from(parameters.order == Order::Nearest),
+            padding: 0,
+        }
+    }
+
+    fn variant(&self, counters: bool) -> PackedTrace {
+        let textures = self.arrays[0].reads() == Reads::Texture;
+        match self.layout.lists {
+            Lists::Trees => PackedTrace::Trees { textures, counters },
+            Lists::Slices => PackedTrace::Slices { textures, counters },
+            Lists::Packed | Lists::Linked => PackedTrace::Plain { textures, counters },
+        }
+    }
+
+    /// Records a trace, by the counting variant where there is something to count into.
+    fn record(
+        &self,
+        job: &TraceJob<'_>,
+        hits: &HitBuffer,
+        counting: Option<&Counting>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        let gpu = &*self.pipelines.gpu;
+        let parameters = DirtParameters::try_from(job.parameters)?;
+        if let Some(map) = self.shadow_map.as_ref().filter(|map| map.answers(job)) {
+            return self.pipelines.look_up(map, job, parameters.shadow_bias, hits, clock);
+        }
+        let search = self.search(job, &parameters);
+        let variant = self.variant(counting.is_some());
+        let grid = uniform_buffer(gpu, "packed grid", &self.rooms.grid(&self.layout))?;
+        let settings = uniform_buffer(gpu, "search", &search)?;
+        let hits_on_device = hits.on_device(job.rays.host.len())?;
+        let bound = [(0, &grid), (1, &settings), (7, job.rays.on_device()?), (8, hits_on_device)];
+        let counted = counting.map(|counting| [(9, counting.counts.buffer()), (10, counting.touched.buffer())]);
+        let resources: Vec<_> = bound
+            .into_iter()
+            .chain(counted.into_iter().flatten())
+            .map(|(binding, buffer)| (binding, buffer.as_entire_binding()))
+            .collect();
+        let arrays = |pipeline: &ComputePipeline| bind_arrays(gpu, pipeline, &self.arrays);
+        let bind = |pipeline: &ComputePipeline, resources: &[(u32, BindingResource<'_>)]| {
+            [bind_group_at(gpu, &pipeline.get_bind_group_layout(0), resources), arrays(pipeline)]
+        };
+        // Workgroups that answer what the first search leaves, of which it tells by itself where it does not count.
+        let left = left_buffer(gpu)?;
+        let told = counting.is_none().then(|| (11, left.as_entire_binding()));
+        let search_first = if search.rays_per_lane == 1 { Search::OneRay } else { Search::InTurns };
+        let first = self.pipelines.packed.trace(gpu, variant, search_first)?;
+        let first_groups = bind(&first, &resources.iter().cloned().chain(told).collect::<Vec<_>>());
+        let second = self.pipelines.packed.trace(gpu, variant, Search::Unanswered)?;
+        let second_groups = bind(&second, &resources);
+        clock.device_phase("trace", |encoder| {
+            // No status is 0.
+            encoder.clear_buffer(hits_on_device, 0, None);
+            dispatch_rays(encoder, &first, &first_groups.each_ref(), search.ray_count, search.rays_per_lane);
+            match counting {
+                None => dispatch_indirect(encoder, &second, &second_groups.each_ref(), &left),
+                Some(_) => dispatch_rays(encoder, &second, &second_groups.each_ref(), search.ray_count, 1),
+            }
+        })?;
+        match job.end {
+            EndPoint::Hit => Ok(()),
+            EndPoint::Surface => {
+                self.pipelines.gather()?.record(gpu, &self.geometry.surfaces, job.rays, hits, None, clock)
+            }
+        }
+    }
+
+    pub(super) fn trace_hits(
+        &self,
+        job: &TraceJob<'_>,
+        hits: &HitBuffer,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        self.record(job, hits, None, clock)
+    }
+
+    pub(super) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        let gpu = &*self.pipelines.gpu;
+        let counting = Counting {
+            counts: RayCounts::new(gpu, "counts", job.rays.host.len())?,
+            touched: TouchedBits::new(gpu, "references touched", u64::from(self.rooms.capacities[0]), "--size")?,
+        };
+        let mut clock = PhaseClock::new(Some(gpu));
+        self.record(job, hits, Some(&counting), &mut clock)?;
+        clock.finish()?;
+        // A set that the shadow map answers searches nothing: a texel a ray is looked at.
+        let mut counters = counting.counts.counters(gpu, COUNTERS)?;
+        if self.shadow_map.as_ref().is_some_and(|map| map.answers(job)) {
+            counters.push(Counter::of_set("shadow_map_texels", job.rays.host.len() as u64));
+        }
+        counters.push(Counter::of_set("references_touched", counting.touched.count(gpu)?));
+        Ok(counters)
+    }
+}
