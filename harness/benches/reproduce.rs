@@ -63,7 +63,9 @@ fn reproduce(preset: Option<&str>) -> Result<PathBuf, Box<dyn Error>> {
     if !command.status()?.success() {
         return Err("`tracebench reproduce` did not end well; its message stands above".into());
     }
-    Ok(out.join("reproduce.md"))
+    // Without time for a single step there is the list alone.
+    let pages = ["report.html", "reproduce.md"].map(|name| out.join(name));
+    pages.into_iter().find(|page| page.is_file()).ok_or_else(|| "`tracebench reproduce` left no page".into())
 }
 
 /// Below the target folder, whose `tmp` cargo names.

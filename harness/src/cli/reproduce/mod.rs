@@ -12,9 +12,9 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
-use super::CliError;
 use super::output::print;
 use super::work::OutputFolder;
+use super::{CliError, page as html};
 use crate::files;
 use crate::means;
 use crate::measure::Journal;
@@ -93,6 +93,9 @@ struct Reproduction {
 /// The file of [`Reproduction`].
 const FILE: &str = "reproduce.json";
 
+/// The one page of all that was measured.
+const ANSWER: &str = "report.html";
+
 /// Kept for the report, share of the time that is given, and at most.
 const REPORT_SHARE: f64 = 0.05;
 const MOST_REPORT: Duration = Duration::from_secs(15);
@@ -153,8 +156,15 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
         let steps = found.steps.iter().cloned().chain(rest).collect();
         write(&out.path, &Reproduction { preset: found.preset.clone(), steps })?;
     }
-    let last = page::write(&found, &out.path, begun.elapsed())?;
-    print(&format!("{}\n", last.display()))?;
+    let list = page::write(&found, &out.path, begun.elapsed())?;
+    print(&format!("{}\n", list.display()))?;
+    let measured = |one: &&Taken| report::read_run(&out.path.join(&one.name)).is_ok();
+    let records: Vec<PathBuf> = found.steps.iter().filter(measured).map(|one| out.path.join(&one.name)).collect();
+    if !records.is_empty() {
+        let answer = out.path.join(ANSWER);
+        html::write(&answer, &records, progress)?;
+        print(&format!("{}\n", answer.display()))?;
+    }
     outcome(&found)
 }
 

@@ -26,7 +26,7 @@ pub(super) fn to_face(face: u32, vector: DVec3) -> DVec3 {
         1 => DVec3::new(vector.z, vector.x, vector.y),
         _ => vector,
     };
-    if face % 2 == 0 { turned } else { DVec3::new(turned.x, turned.y, -turned.z) }
+    if face.is_multiple_of(2) { turned } else { DVec3::new(turned.x, turned.y, -turned.z) }
 }
 
 /// A polygon's part where the product of its points with a normal is at least the offset (Sutherland, Hodgman, "Reentrant Polygon
