@@ -183,7 +183,7 @@ impl ComputeRaster {
         }
     }
 
-    /// Prepares the passes over an image; see [`ComputeRaster::record`].
+    /// Prepares the passes over an image; see [`RasterWork::record`].
     ///
     /// # Errors
     /// [`TracerError::TooLarge`] if the device cannot bind the scene or what is found of it, [`TracerError::Failed`] for an image with an
