@@ -168,7 +168,7 @@ mod tests {
             (&["--tracer", "screen-dda@thickness=0.1"], "set already"),
             (&["--tracer", "screen-dda", "--set", "screen-dda.thickness=0.1"], "set already"),
             (&["--tracer", "dirt"], "which parameter of dirt is to be tuned? Name one with --over: "),
-            (&["--tracer", "ray-query"], "--over: it has none"),
+            (&["--tracer", "ray-query"], "Name one with --over: prefer, equal_t"),
             (&["--tracer", "all"], "one tracer"),
         ] {
             let message = axis(arguments).map_or_else(|error| error.to_string(), |_| String::new());

@@ -100,7 +100,7 @@ const ABLATION: Ablation = Ablation {
         published(SPLIT),
         improved(&[("lists", "packed"), ("slices", "1")]),
         improved(&[("lists", "packed")]),
-        improved(&[("lists", "slices")]),
+        improved(&[("lists", "sliced")]),
         improved(&[("order", "stored")]),
         improved(&[]),
         improved(&[("tiles", "16")]),

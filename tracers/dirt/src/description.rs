@@ -68,7 +68,7 @@ choice! {
 
 choice! {
     /// How what lies in a tile is stored.
-    pub(crate) enum Lists { Linked = "linked", Packed = "packed", Slices = "slices", Trees = "trees" }
+    pub(crate) enum Lists { Linked = "linked", Packed = "packed", Slices = "sliced", Trees = "trees" }
 }
 
 choice! {

@@ -217,7 +217,7 @@ mod tests {
     #[test]
     fn keys_fit() {
         use crate::tests::{parameters, viewpoint};
-        for lists in ["packed", "slices", "trees"] {
+        for lists in ["packed", "sliced", "trees"] {
             for tiles in [1_u32, 2, 3, 32, 64, 100, 128, 256] {
                 let parameters = parameters(&[("lists", lists), ("tiles", &tiles.to_string())]);
                 let parameters = DirtParameters::try_from(&parameters).unwrap();

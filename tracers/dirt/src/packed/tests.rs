@@ -17,8 +17,8 @@ pub(super) const FORMS: [&[(&str, &str)]; 7] = [
     &[("lists", "trees")],
     &[("lists", "trees"), ("tiles", "16"), ("slices", "7")],
     &[("lists", "trees"), ("tiles", "100"), ("spacing", "near_far")],
-    &[("lists", "slices"), ("tiles", "64")],
-    &[("lists", "slices"), ("tiles", "5"), ("slices", "64")],
+    &[("lists", "sliced"), ("tiles", "64")],
+    &[("lists", "sliced"), ("tiles", "5"), ("slices", "64")],
     &[("lists", "packed"), ("slices", "1")],
     &[("lists", "packed"), ("tiles", "1")],
 ];
@@ -136,7 +136,7 @@ fn a_spoilt_structure_is_noticed() {
     let geometry = soup(&triangles(), Some(&gpu));
     let aside = triangles().iter().map(|corners| corners.map(|[x, y, z]| [x + 0.5, y, z])).collect::<Vec<_>>();
     // Of few tiles, so that every part is looked at.
-    for lists in ["trees", "slices"] {
+    for lists in ["trees", "sliced"] {
         let settings = [("lists", lists), ("tiles", "8")];
         let structure = built(&gpu, &geometry, &settings);
         structure.check(&geometry).unwrap();

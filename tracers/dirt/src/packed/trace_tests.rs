@@ -236,7 +236,7 @@ fn what_each_part_saves_is_counted() {
         (hits, counters.iter().find(|counter| counter.name == wanted).unwrap().total)
     };
     let (packed, of_packed) = counted(&[("lists", "packed"), ("tiles", "8")], "triangle_tests");
-    let (slices, of_slices) = counted(&[("lists", "slices"), ("tiles", "8")], "triangle_tests");
+    let (slices, of_slices) = counted(&[("lists", "sliced"), ("tiles", "8")], "triangle_tests");
     let (trees, of_trees) = counted(&[("lists", "trees"), ("tiles", "8")], "triangle_tests");
     let (stored, of_stored) = counted(&[("lists", "trees"), ("tiles", "8"), ("order", "stored")], "triangle_tests");
     assert!(packed == slices && slices == trees && trees == stored);
