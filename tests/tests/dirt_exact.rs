@@ -87,7 +87,7 @@ fn no_ray_is_wrong() {
     for (name, scale) in [("room", 0.05), ("hangar", 0.02), ("foliage", 0.02)] {
         let (geometry, view, rays) = scene(&gpu, name, scale, 3000);
         let truth = Truth::new(&geometry, name);
-        for form in [&[][..], &[("tiles", "16")], &[("lists", "sliced")]] {
+        for form in [&[][..], &[("face_tiles", "16")], &[("lists", "sliced")]] {
             let mut hits = answers(&gpu, &geometry, &view, &rays, form);
             let (found, ties) = wrong(&truth, &rays, &hits);
             let first = found.first().map(|index| (rays[*index], hits[*index]));

@@ -107,11 +107,11 @@ parameters! {
             Lists::Linked,
             "how what lies in a tile is stored: linked lists in buckets, by rasterization, as published; or exactly, in compute, \
              six faces round the eye without near planes and masks of depth slices in the place of bounds and buckets, and parts of \
-             triangles in a row: packed, a tile's; slices, those of each slice; trees, a tile's with a tree of boxes over them. Not \
+             triangles in a row: packed, a tile's; sliced, those of each slice; trees, a tile's with a tree of boxes over them. Not \
              linked, hits are accepted by distance and all else that is said of linked lists does not matter",
         )
         .improved(Lists::Trees),
-        tiles: u32 = Parameter::integer(
+        face_tiles: u32 = Parameter::integer(
             Build,
             1..=256,
             32,

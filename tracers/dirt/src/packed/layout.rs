@@ -89,7 +89,7 @@ impl PackedLayout {
         Self {
             viewpoint: *viewpoint,
             lists: parameters.lists,
-            tiles: parameters.tiles,
+            tiles: parameters.face_tiles,
             slices: parameters.slices,
             spacing: parameters.spacing,
         }
@@ -219,7 +219,7 @@ mod tests {
         use crate::tests::{parameters, viewpoint};
         for lists in ["packed", "sliced", "trees"] {
             for tiles in [1_u32, 2, 3, 32, 64, 100, 128, 256] {
-                let parameters = parameters(&[("lists", lists), ("tiles", &tiles.to_string())]);
+                let parameters = parameters(&[("lists", lists), ("face_tiles", &tiles.to_string())]);
                 let parameters = DirtParameters::try_from(&parameters).unwrap();
                 let layout = PackedLayout::new(&viewpoint(), &parameters);
                 assert!(layout.key_bits() <= u32::BITS, "{lists} {tiles}");

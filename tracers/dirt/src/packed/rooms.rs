@@ -8,7 +8,7 @@ use super::layout::{FACES, FIRST_NEAR, PackedGrid, PackedLayout};
 use crate::description::Lists;
 
 /// What is turned down where they are too large.
-pub(super) const TURN_DOWN: &str = "dirt.tiles or the scene's triangle count";
+pub(super) const TURN_DOWN: &str = "dirt.face_tiles or the scene's triangle count";
 
 /// Bytes of a node, of a list.
 const NODE_BYTES: u64 = 48;
@@ -137,7 +137,7 @@ impl Rooms {
         let [parts, nodes, misplaced] = bytemuck::pod_collect_to_vec::<u8, [u32; 3]>(&read)[0];
         if misplaced > 0 {
             return Err(TracerError::Failed(format!(
-                "{misplaced} parts had no place of their own, or one tile has so many: turn dirt.tiles up"
+                "{misplaced} parts had no place of their own, or one tile has so many: turn dirt.face_tiles up"
             )));
         }
         Ok([parts, nodes])

@@ -15,12 +15,12 @@ use crate::tests::{hostile, parameters, viewpoint};
 /// A way to store what is in the view of tests; further settings after it.
 pub(super) const FORMS: [&[(&str, &str)]; 7] = [
     &[("lists", "trees")],
-    &[("lists", "trees"), ("tiles", "16"), ("slices", "7")],
-    &[("lists", "trees"), ("tiles", "100"), ("spacing", "near_far")],
-    &[("lists", "sliced"), ("tiles", "64")],
-    &[("lists", "sliced"), ("tiles", "5"), ("slices", "64")],
+    &[("lists", "trees"), ("face_tiles", "16"), ("slices", "7")],
+    &[("lists", "trees"), ("face_tiles", "100"), ("spacing", "near_far")],
+    &[("lists", "sliced"), ("face_tiles", "64")],
+    &[("lists", "sliced"), ("face_tiles", "5"), ("slices", "64")],
     &[("lists", "packed"), ("slices", "1")],
-    &[("lists", "packed"), ("tiles", "1")],
+    &[("lists", "packed"), ("face_tiles", "1")],
 ];
 
 /// One of each device, so that drivers compile its pipelines once.
@@ -137,7 +137,7 @@ fn a_spoilt_structure_is_noticed() {
     let aside = triangles().iter().map(|corners| corners.map(|[x, y, z]| [x + 0.5, y, z])).collect::<Vec<_>>();
     // Of few tiles, so that every part is looked at.
     for lists in ["trees", "sliced"] {
-        let settings = [("lists", lists), ("tiles", "8")];
+        let settings = [("lists", lists), ("face_tiles", "8")];
         let structure = built(&gpu, &geometry, &settings);
         structure.check(&geometry).unwrap();
         assert!(structure.check(&soup(&aside, Some(&gpu))).is_err(), "another scene is not noticed");
@@ -225,7 +225,7 @@ fn what_does_not_fit_is_refused() {
     let small = gpu_that_binds(bytes / 4 * 4 - 16);
     let refused = built_at(&small, &soup(&triangles(), Some(&small)), &viewpoint(), FORMS[0]).err();
     let message = refused.map(|error| error.to_string()).unwrap_or_default();
-    assert!(message.contains("parts") && message.contains("dirt.tiles"), "{message}");
+    assert!(message.contains("parts") && message.contains("dirt.face_tiles"), "{message}");
 }
 
 /// Proves that the ledger's used bytes are those of what is counted.

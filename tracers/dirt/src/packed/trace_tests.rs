@@ -110,7 +110,7 @@ fn every_form_finds_what_trying_all_finds() {
     let gpu = gpu();
     let geometry = soup(&triangles(), Some(&gpu));
     let rays = hostile_rays(4800, 1.0, viewpoint().eye.as_dvec3());
-    let whole = exact(&[("lists", "packed"), ("tiles", "1"), ("slices", "1")]);
+    let whole = exact(&[("lists", "packed"), ("face_tiles", "1"), ("slices", "1")]);
     let (expected, _) = answer(&gpu, &built(&gpu, &geometry, &whole), &rays, Query::Closest, &whole);
     assert!(expected.iter().filter(|hit| hit.is_hit()).count() > 1500);
     let corners = triangles();
@@ -145,7 +145,7 @@ fn no_hostile_ray_loses_a_hit() {
     let gpu = gpu();
     let geometry = soup(&triangles(), Some(&gpu));
     let rays = hostile_rays(1 << 16, 1.0, viewpoint().eye.as_dvec3());
-    let whole = exact(&[("lists", "packed"), ("tiles", "1"), ("slices", "1")]);
+    let whole = exact(&[("lists", "packed"), ("face_tiles", "1"), ("slices", "1")]);
     let (expected, _) = answer(&gpu, &built(&gpu, &geometry, &whole), &rays, Query::Closest, &whole);
     let corners = triangles();
     for form in FORMS {
@@ -166,7 +166,7 @@ fn scale_and_place_lose_no_hit() {
         let (triangles, view) = moved(scale, by);
         let geometry = soup(&triangles, Some(&gpu));
         let rays = hostile_rays(1600, f64::from(scale), view.eye.as_dvec3());
-        let whole = exact(&[("lists", "packed"), ("tiles", "1"), ("slices", "1")]);
+        let whole = exact(&[("lists", "packed"), ("face_tiles", "1"), ("slices", "1")]);
         let answered = |settings: &[(&str, &str)]| {
             let structure = built_at(&gpu, &geometry, &view, settings).unwrap();
             answer(&gpu, &structure, &rays, Query::Closest, settings).0
@@ -206,7 +206,7 @@ fn rays_past_the_eye_need_their_own_search() {
             ray(eye + from, through - from)
         })
         .collect();
-    let whole = exact(&[("lists", "packed"), ("tiles", "1"), ("slices", "1")]);
+    let whole = exact(&[("lists", "packed"), ("face_tiles", "1"), ("slices", "1")]);
     let lost = |settings: &[(&str, &str)]| {
         let (expected, _) = answer(&gpu, &built(&gpu, &geometry, &whole), &rays, Query::Closest, &whole);
         let (found, _) = answer(&gpu, &built(&gpu, &geometry, settings), &rays, Query::Closest, settings);
@@ -235,10 +235,11 @@ fn what_each_part_saves_is_counted() {
         let (hits, counters) = answer(&gpu, &built(&gpu, &geometry, &settings), &rays, Query::Closest, &settings);
         (hits, counters.iter().find(|counter| counter.name == wanted).unwrap().total)
     };
-    let (packed, of_packed) = counted(&[("lists", "packed"), ("tiles", "8")], "triangle_tests");
-    let (slices, of_slices) = counted(&[("lists", "sliced"), ("tiles", "8")], "triangle_tests");
-    let (trees, of_trees) = counted(&[("lists", "trees"), ("tiles", "8")], "triangle_tests");
-    let (stored, of_stored) = counted(&[("lists", "trees"), ("tiles", "8"), ("order", "stored")], "triangle_tests");
+    let (packed, of_packed) = counted(&[("lists", "packed"), ("face_tiles", "8")], "triangle_tests");
+    let (slices, of_slices) = counted(&[("lists", "sliced"), ("face_tiles", "8")], "triangle_tests");
+    let (trees, of_trees) = counted(&[("lists", "trees"), ("face_tiles", "8")], "triangle_tests");
+    let (stored, of_stored) =
+        counted(&[("lists", "trees"), ("face_tiles", "8"), ("order", "stored")], "triangle_tests");
     assert!(packed == slices && slices == trees && trees == stored);
     assert!(
         of_trees <= of_stored && of_stored < of_slices && of_slices < of_packed,
