@@ -47,6 +47,9 @@ var<private> track: Track;
 // Places between which the tree is walked.
 var<private> begin: f32;
 var<private> end: f32;
+// Where the ray comes into the image, of which views are a little wider. A walk begins there, and ends where the ray leaves the image: else it
+// would hang on the size of cells which of those along a side are met before the ray is in them, or behind.
+var<private> inside_from: f32;
 // Where the ray left the node before, if it was before the plane there by no more than it must be behind one to lie in its
 // occlusion volume; NOT_BEFORE for all else.
 var<private> before_until: f32;
@@ -91,7 +94,7 @@ fn pass_volume(image: u32, place: f32) {
     found.stopped = true;
     let before = part_near(track, INPAINT_PIXELS, vec2<f32>(place), begin, end).x;
     // What begins behind a surface has come from nowhere that the image shows.
-    if (place <= begin || before >= place) {
+    if (place <= inside_from || before >= place) {
         return;
     }
     let last = vec2<f32>(forest.size) - 1.0;
@@ -201,15 +204,14 @@ fn walk_tree(image: u32, first: f32, limit: f32) {
     found.inpainted = false;
     found.stopped = false;
     before_until = NOT_BEFORE;
-    // Views are a little wider than their images. A walk begins where the ray comes into the image and ends where it leaves that: else
-    // it would hang on the size of cells which of those along a side are met before the ray is in them, or behind.
-    let whole = Bounds(vec2<f32>(0.0), vec2<f32>(forest.size));
+    begin = first;
     end = limit;
-    begin = min(enters_at(track, whole, first), end);
-    let out = leaves_at(track, whole, begin);
+    let whole = Bounds(vec2<f32>(0.0), vec2<f32>(forest.size));
+    inside_from = min(enters_at(track, whole, first), end);
+    let out = leaves_at(track, whole, inside_from);
     let outside_from = min(min(out.x, out.y), end);
     let last = vec2<i32>(forest.size) - 1;
-    var place = begin;
+    var place = inside_from;
     var level = forest.top;
     var cell = cell_at(track, place, level, last >> vec2<u32>(level));
 #ifdef STACK
