@@ -3,10 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
-use tracebench_api::{
-    EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency,
-    TraceJob, Viewpoint,
-};
+use tracebench_api::{EndPoint, Geometry, Gpu, Hit, Parameters, PhaseClock, Preset, Query, Ray, Viewpoint};
 use tracebench_harness::registry::find;
 use tracebench_harness::truth::{Ray64, Truth, tight_tolerance};
 use tracebench_scenes::procedural;
@@ -25,14 +22,7 @@ fn answers(gpu: &Arc<Gpu>, geometry: &Geometry, view: &Viewpoint, rays: &[Ray], 
     let structure = tracer.build(geometry, view, &parameters, &mut clock).unwrap();
     clock.finish().unwrap();
     structure.validate(geometry).unwrap();
-    let rays = RayBuffer::new(Arc::new(rays.to_vec()), Query::Closest, Some(gpu));
-    let mut hits = HitBuffer::new(rays.host.len(), Residency::Device, Some(gpu)).unwrap();
-    hits.poison(Some(gpu)).unwrap();
-    let mut clock = PhaseClock::new(Some(gpu));
-    let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters: &parameters };
-    structure.trace(job, &mut hits, &mut clock).unwrap();
-    clock.finish().unwrap();
-    hits.read(Some(gpu)).unwrap()
+    tracebench_tests::answers(gpu, &*structure, rays, Query::Closest, &parameters, EndPoint::Hit).0
 }
 
 /// Rays that are wrong under `tight` and no tie, and how many are ties.

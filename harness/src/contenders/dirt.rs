@@ -82,11 +82,20 @@ const IMPROVED_EXPECTATIONS: Column = &[
 
 type Values = &'static [(&'static str, &'static str)];
 
-/// From row to row one thing more: hits by their distance, no near plane, rays split near the eye.
+/// From row to row one thing more: hits by their distance, no near plane, rays split near the eye, drawn in compute.
 const BY_DISTANCE: Values = &[("accept", "distance"), ("searched", "all")];
 const NO_NEAR: Values = &[("accept", "distance"), ("searched", "all"), ("centre", "eye"), ("near", "none")];
 const SPLIT: Values =
     &[("accept", "distance"), ("searched", "all"), ("centre", "eye"), ("near", "none"), ("centre_rays", "split")];
+
+const IN_COMPUTE: Values = &[
+    ("accept", "distance"),
+    ("searched", "all"),
+    ("centre", "eye"),
+    ("near", "none"),
+    ("centre_rays", "split"),
+    ("build", "compute"),
+];
 
 /// One switch after the other; then the improved form, and single switches of it taken back or turned.
 const ABLATION: Ablation = Ablation {
@@ -98,6 +107,7 @@ const ABLATION: Ablation = Ablation {
         published(BY_DISTANCE),
         published(NO_NEAR),
         published(SPLIT),
+        published(IN_COMPUTE),
         improved(&[("lists", "packed"), ("slices", "1")]),
         improved(&[("lists", "packed")]),
         improved(&[("lists", "sliced")]),

@@ -3,10 +3,8 @@
 use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
-use tracebench_api::{
-    Counter, EndPoint, Gpu, Hit, HitBuffer, Query, Ray, RayBuffer, Residency, Status, Structure, TraceJob,
-};
-use tracebench_tests::{Numbers, gpu, ray, soup};
+use tracebench_api::{Counter, EndPoint, Gpu, Hit, Query, Ray, Status};
+use tracebench_tests::{Numbers, answers, counted, gpu, ray, soup, total};
 
 use super::PackedStructure;
 use super::tests::{FORMS, built, built_at, moved, triangles};
@@ -20,24 +18,10 @@ fn answer(
     query: Query,
     settings: &[(&str, &str)],
 ) -> (Vec<Hit>, Vec<Counter>) {
-    let rays = RayBuffer::new(Arc::new(rays.to_vec()), query, Some(gpu));
     let parameters = parameters(settings);
-    let job = TraceJob { rays: &rays, end: EndPoint::Hit, parameters: &parameters };
-    let traced = |trace: &dyn Fn(&mut HitBuffer)| {
-        let mut hits = HitBuffer::new(rays.host.len(), Residency::Device, Some(gpu)).unwrap();
-        hits.poison(Some(gpu)).unwrap();
-        trace(&mut hits);
-        hits.read(Some(gpu)).unwrap()
-    };
-    let plain = traced(&|hits| {
-        let mut clock = tracebench_api::PhaseClock::new(Some(gpu));
-        structure.trace(job, hits, &mut clock).unwrap();
-        clock.finish().unwrap();
-    });
-    let mut hits = HitBuffer::new(rays.host.len(), Residency::Device, Some(gpu)).unwrap();
-    hits.poison(Some(gpu)).unwrap();
-    let counters = structure.trace_counted(job, &mut hits).unwrap();
-    assert_eq!(plain, hits.read(Some(gpu)).unwrap(), "{settings:?}: counting changes hits");
+    let (plain, _) = answers(gpu, structure, rays, query, &parameters, EndPoint::Hit);
+    let (hits, _, counters) = counted(gpu, structure, rays, query, &parameters, EndPoint::Hit);
+    assert_eq!(plain, hits, "{settings:?}: counting changes hits");
     (plain, counters)
 }
 
@@ -230,26 +214,25 @@ fn what_each_part_saves_is_counted() {
         .collect();
     let geometry = soup(&strewn, Some(&gpu));
     let rays: Vec<Ray> = (0..1000).map(|_| ray(eye + numbers.point() * 5.0, numbers.direction())).collect();
-    let counted = |form: &[(&str, &str)], wanted: &str| {
+    let count = |form: &[(&str, &str)], wanted: &str| {
         let settings = exact(form);
         let (hits, counters) = answer(&gpu, &built(&gpu, &geometry, &settings), &rays, Query::Closest, &settings);
-        (hits, counters.iter().find(|counter| counter.name == wanted).unwrap().total)
+        (hits, total(&counters, wanted))
     };
-    let (packed, of_packed) = counted(&[("lists", "packed"), ("face_tiles", "8")], "triangle_tests");
-    let (slices, of_slices) = counted(&[("lists", "sliced"), ("face_tiles", "8")], "triangle_tests");
-    let (trees, of_trees) = counted(&[("lists", "trees"), ("face_tiles", "8")], "triangle_tests");
-    let (stored, of_stored) =
-        counted(&[("lists", "trees"), ("face_tiles", "8"), ("order", "stored")], "triangle_tests");
+    let (packed, of_packed) = count(&[("lists", "packed"), ("face_tiles", "8")], "triangle_tests");
+    let (slices, of_slices) = count(&[("lists", "sliced"), ("face_tiles", "8")], "triangle_tests");
+    let (trees, of_trees) = count(&[("lists", "trees"), ("face_tiles", "8")], "triangle_tests");
+    let (stored, of_stored) = count(&[("lists", "trees"), ("face_tiles", "8"), ("order", "stored")], "triangle_tests");
     assert!(packed == slices && slices == trees && trees == stored);
     assert!(
         of_trees <= of_stored && of_stored < of_slices && of_slices < of_packed,
         "{of_trees} {of_stored} {of_slices} {of_packed}"
     );
-    let (_, by_pyramid) = counted(&[("lists", "trees")], "pyramid_steps");
-    let (_, by_tiles) = counted(&[("lists", "trees"), ("march", "tiles")], "pyramid_steps");
+    let (_, by_pyramid) = count(&[("lists", "trees")], "pyramid_steps");
+    let (_, by_tiles) = count(&[("lists", "trees"), ("march", "tiles")], "pyramid_steps");
     assert!(by_pyramid < by_tiles, "{by_pyramid} {by_tiles}");
-    let (_, one_slice) = counted(&[("lists", "trees"), ("slices", "1")], "nodes_visited");
-    let (_, all_slices) = counted(&[("lists", "trees")], "nodes_visited");
+    let (_, one_slice) = count(&[("lists", "trees"), ("slices", "1")], "nodes_visited");
+    let (_, all_slices) = count(&[("lists", "trees")], "nodes_visited");
     assert!(all_slices < one_slice, "{all_slices} {one_slice}");
 }
 
@@ -290,6 +273,6 @@ fn a_primary_ray_takes_one_step() {
         (0..32).map(|index| ray(eye.as_dvec3(), DVec3::new(f64::from(index) * 0.01 + 0.003, 0.013, -1.0))).collect();
     let (hits, counters) = answer(&gpu, &built(&gpu, &geometry, &settings), &rays, Query::Closest, &settings);
     assert!(hits.iter().all(|hit| hit.is_hit() && hit.primitive == 0), "{hits:?}");
-    let of = |wanted: &str| counters.iter().find(|counter| counter.name == wanted).unwrap().total;
+    let of = |wanted: &str| total(&counters, wanted);
     assert_eq!((of("pyramid_steps"), of("nodes_visited"), of("triangle_tests"), of("views_entered")), (32, 32, 96, 32));
 }
