@@ -98,7 +98,7 @@ fn a_table_of_switches() {
     }
     let improved = found.iter().find(|row| row["row"] == "dirt:improved").unwrap();
     assert_eq!(improved["agreement_tight_share"].parse::<f64>().unwrap(), 1.0);
-    assert!(outcome.stdout.contains("× bvh-gpu") && outcome.stdout.contains("| dirt:improved tiles=64 |"));
+    assert!(outcome.stdout.contains("× bvh-gpu") && outcome.stdout.contains("| dirt:improved face_tiles=64 |"));
     let files = ["out/table_dirt_ablation.md", "out/table_dirt_ablation.csv"].map(|name| bench.path(name));
     let before = files.clone().map(|file| std::fs::read(file).unwrap());
     for again in [vec!["report", "out"], vec!["table", "dirt-ablation", "--from", "out"]] {
