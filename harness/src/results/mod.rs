@@ -4,7 +4,7 @@
 //! sweep has, what a case is about, how the rays of an explanation hang together. What follows from rows and sections, such as
 //! the values that a tuning would choose or the verdicts on cases, is derived and not kept.
 //!
-//! docs/results.md describes each field; the schema number changes whenever a field changes its meaning or goes.
+//! docs/record.md describes each field; the schema number changes whenever a field changes its meaning or goes.
 
 mod cases;
 mod explanation;
