@@ -68,6 +68,24 @@ function sorting() {
   check("and the other way", head.getAttribute("aria-sort") === "descending" && values()[0] === up[count - 1]);
 }
 
+function pictures() {
+  const figure = document.querySelector(".pictures:not(.out)");
+  if (!figure) { told.push("nothing of pictures"); return; }
+  const shown = () => all("img", figure).filter((image) => !image.hidden);
+  const select = figure.querySelector("select");
+  for (const radio of all("input", figure)) {
+    radio.click();
+    const [image, ...others] = shown();
+    const of = radio.value === "truth" ? undefined : select.value;
+    check(`of the pictures ${radio.value} alone is shown`, others.length === 0 && image.dataset.what === radio.value && image.dataset.of === of);
+    check("it is as wide as it says", image.naturalWidth === image.width || image.naturalWidth === Number(image.getAttribute("width")));
+  }
+  const name = select.selectedOptions[0].dataset.tracer;
+  boxOf("tracer", name).click();
+  check(`without ${name} another point is shown, or none`, shown().every((image) => image.dataset.tracer !== name));
+  boxOf("tracer", name).click();
+}
+
 function words() {
   check("every chart is named", all("figure svg").every((svg) => svg.getAttribute("aria-label")?.length > 10));
   check("every chart names its machine", all("figcaption").every((caption) => caption.textContent.includes("threads;")));
@@ -75,7 +93,7 @@ function words() {
   check("nothing is wider than the page", document.documentElement.scrollWidth <= innerWidth);
 }
 
-for (const part of [filters, fronts, sorting, words]) part();
+for (const part of [filters, fronts, sorting, pictures, words]) part();
 told.push("ok all");
 const pre = document.createElement("pre");
 pre.id = "probe";

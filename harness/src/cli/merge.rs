@@ -33,5 +33,6 @@ pub(super) fn merge_shards(arguments: &MergeArguments) -> Result<(), CliError> {
     }
     let folder = OutputFolder::open(&arguments.out)?;
     let written = report::write_run(&whole, &folder.path, tables::of_run)?;
+    report::take_pictures(&whole, &arguments.shards, &folder.path)?;
     print(&written.iter().map(|path| format!("{}\n", path.display())).collect::<String>())
 }

@@ -115,6 +115,11 @@ impl Journal {
         Self::default()
     }
 
+    /// The folder of results that it keeps what has ended for.
+    pub fn results(&self) -> Option<&Path> {
+        self.folder.as_deref().and_then(Path::parent)
+    }
+
     /// Begins in a folder of results: the plan is there before anything is measured.
     ///
     /// # Errors

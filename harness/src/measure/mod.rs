@@ -79,6 +79,9 @@ pub enum RunError {
     /// A control failed.
     #[error("the run is void: {0}")]
     Control(String),
+    /// A picture of answers could not be made.
+    #[error("a picture of answers cannot be made: {0}")]
+    Picture(String),
     /// No tracer was left to run.
     #[error("no tracer could run: {0}")]
     Nothing(String),

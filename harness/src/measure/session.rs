@@ -14,7 +14,7 @@ use crate::measure::Contender;
 use crate::measure::controls::{Control, KnownAnswers};
 use crate::measure::place::Told;
 use crate::progress::Progress;
-use crate::rays::{self, RayError, RayParameters, RayScene, RaySet, Starts};
+use crate::rays::{self, Made, Pixel, RayError, RayParameters, RayScene, RaySet, Starts};
 use crate::results::{Judgement, OCCLUSION, Skipped, SurfaceJudgement};
 use crate::truth::{Answer, Cache, Truth, TruthError};
 
@@ -49,12 +49,14 @@ pub struct PreparedRays {
     pub answers: Arc<Vec<Answer>>,
     /// Hash of the rays.
     pub sha256: String,
+    /// Of every ray the pixel that it started from; empty for rays that were made elsewhere.
+    pub pixels: Arc<Vec<Pixel>>,
 }
 
 impl PreparedRays {
     fn new(set: RaySet, rays: Arc<Vec<Ray>>, answers: Arc<Vec<Answer>>, gpu: Option<&Gpu>) -> Self {
         let sha256 = crate::hash::sha256_of(&rays);
-        Self { set, buffer: RayBuffer::new(rays, set.query, gpu), answers, sha256 }
+        Self { set, buffer: RayBuffer::new(rays, set.query, gpu), answers, sha256, pixels: Arc::default() }
     }
 
     /// Numbers of rays that truth says hit and miss, without ties.
@@ -147,13 +149,14 @@ impl Session {
                     continue;
                 }
             };
-            progress.say(&format!("  rays {}: {}", set.name, made.len()));
-            let answers = if Arc::ptr_eq(&made, &primary.rays) {
+            let Made { rays, pixels } = made;
+            progress.say(&format!("  rays {}: {}", set.name, rays.len()));
+            let answers = if Arc::ptr_eq(&rays, &primary.rays) {
                 Arc::clone(&primary.answers)
             } else {
-                Arc::new(truth.answer(&made, set.query, cache, progress)?)
+                Arc::new(truth.answer(&rays, set.query, cache, progress)?)
             };
-            prepared.push(PreparedRays::new(*set, made, answers, gpu.as_deref()));
+            prepared.push(PreparedRays { pixels, ..PreparedRays::new(*set, rays, answers, gpu.as_deref()) });
         }
         Ok(Self { gpu, truth, viewpoint, end: EndPoint::Hit, rays: prepared, skipped })
     }

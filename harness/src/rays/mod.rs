@@ -153,7 +153,7 @@ pub const RAY_SETS: &[RaySet] = &[
 ];
 
 /// The pixel that a ray started from, in scanline order.
-type Pixel = u32;
+pub type Pixel = u32;
 
 /// What rays are made from.
 #[derive(Clone, Copy)]
@@ -196,6 +196,15 @@ impl Starts {
     }
 }
 
+/// Rays of a set, with the pixels that they started from.
+#[derive(Clone, Debug)]
+pub struct Made {
+    /// The rays.
+    pub rays: Arc<Vec<Ray>>,
+    /// Of every ray the pixel in scanline order; several rays may have one.
+    pub pixels: Arc<Vec<Pixel>>,
+}
+
 /// Why there are no rays.
 #[derive(Debug, thiserror::Error)]
 pub enum RayError {
@@ -227,10 +236,11 @@ pub fn make(
     scene: &RayScene<'_>,
     primary: &Starts,
     tell: impl Fn(&Arc<Vec<Ray>>) -> Result<Vec<Answer>, TruthError>,
-) -> Result<Arc<Vec<Ray>>, RayError> {
+) -> Result<Made, RayError> {
     let order = scene.parameters.order;
     if set.kind == Kind::Primary && order == Order::Scanline {
-        return Ok(Arc::clone(&primary.rays));
+        let pixels = Arc::new((0..primary.rays.len() as Pixel).collect());
+        return Ok(Made { rays: Arc::clone(&primary.rays), pixels });
     }
     let several = match set.kind {
         Kind::PixelRandom => Some((scene.parameters.pixel_random_count, "rays.pixel_random_count")),
@@ -277,7 +287,8 @@ pub fn make(
     if made.is_empty() {
         return Err(RayError::Empty(why_empty(set.kind, primary)));
     }
-    Ok(Arc::new(order::arrange(order, scene.image, scene.seed, made)))
+    let (pixels, rays) = order::arrange(order, scene.image, scene.seed, made);
+    Ok(Made { rays: Arc::new(rays), pixels: Arc::new(pixels) })
 }
 
 /// Tags of the streams of glossy rays, bounce by bounce.

@@ -8,7 +8,7 @@ pub const TILE: u32 = 8;
 
 /// Brings rays with the pixels that they started from, given in scanline order, into another order. Several rays of one
 /// pixel stay together but when shuffled.
-pub(super) fn arrange<R>(order: Order, [width, _]: [u32; 2], seed: u64, mut rays: Vec<(u32, R)>) -> Vec<R> {
+pub(super) fn arrange<R>(order: Order, [width, _]: [u32; 2], seed: u64, mut rays: Vec<(u32, R)>) -> (Vec<u32>, Vec<R>) {
     match order {
         Order::Tile => rays.sort_by_key(|(pixel, _)| {
             let (x, y) = (pixel % width, pixel / width);
@@ -24,7 +24,7 @@ pub(super) fn arrange<R>(order: Order, [width, _]: [u32; 2], seed: u64, mut rays
         }
         Order::Scanline => {}
     }
-    rays.into_iter().map(|(_, ray)| ray).collect()
+    rays.into_iter().unzip()
 }
 
 /// Not a tag of any set.
@@ -45,7 +45,7 @@ mod tests {
     fn orders_are_permutations() {
         let (width, height) = (37, 19);
         let rays = pixels(width, height, true);
-        let of = |order: Order, seed: u64| arrange(order, [width, height], seed, rays.clone());
+        let of = |order: Order, seed: u64| arrange(order, [width, height], seed, rays.clone()).1;
         let scanline: Vec<u32> = (0..2 * width * height).collect();
         assert_eq!(of(Order::Scanline, 1), scanline);
         for order in [Order::Tile, Order::Shuffled] {
@@ -65,7 +65,8 @@ mod tests {
     /// Sixty-four rays in a row cover one tile, whole.
     #[test]
     fn tiles_are_whole() {
-        let arranged = arrange(Order::Tile, [32, 16], 1, pixels(32, 16, false));
+        let (started_from, arranged) = arrange(Order::Tile, [32, 16], 1, pixels(32, 16, false));
+        assert_eq!(started_from, arranged);
         for (tile, rays) in arranged.chunks(64).enumerate() {
             let (left, top) = (tile as u32 % 4 * TILE, tile as u32 / 4 * TILE);
             assert!(rays.iter().all(|ray| (left..left + TILE).contains(&(ray % 32))), "{tile}");

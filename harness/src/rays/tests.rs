@@ -83,7 +83,7 @@ impl Place {
             parameters: &RayParameters::try_from(&self.parameters).unwrap(),
         };
         let set = RAY_SETS.iter().find(|set| set.name == name).unwrap();
-        make(set, &scene, &self.primary(), |rays| Ok(self.tell(rays))).map(|rays| rays.to_vec())
+        make(set, &scene, &self.primary(), |rays| Ok(self.tell(rays))).map(|made| made.rays.to_vec())
     }
 
     fn make(&self, name: &str) -> Vec<Ray> {

@@ -33,6 +33,7 @@ mod tune;
 mod updates;
 mod verdict;
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::{ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
@@ -51,7 +52,7 @@ pub use terminal::run_table;
 pub use tune::{TUNE_PAGE, tuning_overview};
 
 use crate::files;
-use crate::results::{Run, SCHEMA};
+use crate::results::{FrontScene, PICTURES_FOLDER, Run, SCHEMA};
 use crate::studies::stability::Stability;
 use crate::studies::tune::Tuning;
 
@@ -79,9 +80,40 @@ pub fn write_run(run: &Run, directory: &Path, tables: Tables) -> Result<Vec<Path
     files::write(&path, &files::json(RUN_FILE, run)?)?;
     // An older record, compressed, would pass for this one's.
     let _ = fs::remove_file(directory.join(format!("{RUN_FILE}.gz")));
+    remove_stale_pictures(run, directory);
     let mut paths = vec![path];
     paths.extend(write_derived(run, directory, tables)?);
     Ok(paths)
+}
+
+/// Takes the pictures that a record names from beside other records, as far as they are there.
+///
+/// # Errors
+/// If the folder or a file cannot be written.
+pub fn take_pictures(run: &Run, from: &[PathBuf], directory: &Path) -> Result<(), ReportError> {
+    let folders = from.iter().map(|path| if path.is_dir() { path.as_path() } else { path.parent().unwrap_or(path) });
+    let folders: Vec<PathBuf> = folders.map(|folder| folder.join(PICTURES_FOLDER)).collect();
+    let into = directory.join(PICTURES_FOLDER);
+    for name in run.pareto.iter().flat_map(|record| &record.scenes).flat_map(FrontScene::picture_files) {
+        if let Some(bytes) = folders.iter().find_map(|folder| fs::read(folder.join(name)).ok()) {
+            files::create_directory(&into)?;
+            files::write(&into.join(name), &bytes)?;
+        }
+    }
+    Ok(())
+}
+
+/// Removes pictures that an older record of the folder has left.
+fn remove_stale_pictures(run: &Run, directory: &Path) {
+    let kept: BTreeSet<&str> =
+        run.pareto.iter().flat_map(|record| &record.scenes).flat_map(FrontScene::picture_files).collect();
+    for entry in fs::read_dir(directory.join(PICTURES_FOLDER)).into_iter().flatten().flatten() {
+        if entry.file_name().to_str().is_some_and(|name| !kept.contains(name)) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+    // Gone if it is empty.
+    let _ = fs::remove_dir(directory.join(PICTURES_FOLDER));
 }
 
 /// Writes what is derived from a record and gives the paths: the pages, tables and charts of what was asked.

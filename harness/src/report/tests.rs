@@ -186,7 +186,7 @@ fn tables_hold_the_run() {
     let (_folder, files) = write(&run);
     let (header, rows) = table(&files, "traces.csv");
     assert_eq!(rows.len(), (2 + Control::ALL.len()) * 3);
-    let unique: std::collections::BTreeSet<_> = header.iter().collect();
+    let unique: BTreeSet<_> = header.iter().collect();
     assert_eq!(unique.len(), header.len());
     let row = rows.iter().find(|row| row["tracer"] == "screen-dda" && row["rays"] == "diffuse").unwrap();
     let trace = &run.runs[1].traces[1];

@@ -45,7 +45,9 @@ pub use means::{AtMeans, MARGIN, Means, MeansRecord, ProbeRecord, RAYS_PER_LANE,
 pub use merge::{MergeError, merge};
 pub use need::{ChangedRays, NeedCurve, NeedPoint, NeedRecord};
 pub use paired::{Answer, COVERAGE, Doubt, MOST_CHANGE, Paired, Pairing, Timed, of_rounds};
-pub use pareto::{CheckedRecord, FrontPoint, FrontScene, ParetoRecord, STILL_REFIT};
+pub use pareto::{
+    CheckedRecord, FrontPoint, FrontScene, PICTURES_FOLDER, ParetoRecord, PointPictures, STILL_REFIT, SetPictures,
+};
 pub use provenance::{ConvertedFrom, Provenance, RULES_VERSION, ShardRecord};
 pub use race::{EndedBy, Further, KernelRecord, LEAST_ROUNDS, RaceRecord, Sampling, TwiceRecord};
 pub use ratio::{Movement, Ratio, common_clock, host_ms, time_ratio};

@@ -1,9 +1,10 @@
 //! What a record says of Pareto fronts: which points every tracer was given, and where chosen ones were measured again. Fronts,
 //! operating points and break-even counts are derived from the rows.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
+use tracebench_api::Query;
 
 use super::{SceneRecord, TracerRun, ViewpointRecord};
 
@@ -58,6 +59,59 @@ pub struct FrontScene {
     pub not_checked: Option<String>,
     /// Further ray images, from which chosen points were traced for what a ray takes beside what a trace does.
     pub ray_images: Vec<[u32; 2]>,
+    /// What points on fronts answer, by ray set; none in older records.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pictures: Vec<SetPictures>,
+}
+
+/// The folder beside a record that holds its pictures.
+pub const PICTURES_FOLDER: &str = "pictures";
+
+/// Pictures of a ray set: names of files in [`PICTURES_FOLDER`], each named by its hash.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SetPictures {
+    /// The ray set.
+    pub rays: String,
+    /// What is asked of its rays.
+    pub query: Query,
+    /// Width and height, those of the ray image.
+    pub size: [u32; 2],
+    /// Distances along rays, scene units, from which white is nearest and dark farthest; not of any-hit sets.
+    pub distances: Option<[f64; 2]>,
+    /// Where the scale of errors of `t` ends, scene units; not of any-hit sets.
+    pub greatest_error: Option<f64>,
+    /// What is right.
+    pub truth: String,
+    /// By point.
+    pub points: Vec<PointPictures>,
+}
+
+/// Pictures of a point's answers.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PointPictures {
+    /// Its place among the record's points.
+    pub point: usize,
+    /// What it answered.
+    pub answer: String,
+    /// Every ray's class.
+    pub class: String,
+    /// By how much `t` is off; not of any-hit sets.
+    pub error: Option<String>,
+}
+
+impl FrontScene {
+    /// The files of its pictures, each once.
+    pub fn picture_files(&self) -> BTreeSet<&str> {
+        let mut files = BTreeSet::new();
+        for set in &self.pictures {
+            files.insert(set.truth.as_str());
+            for PointPictures { answer, class, error, .. } in &set.points {
+                files.extend([answer.as_str(), class]);
+                files.extend(error.as_deref());
+            }
+        }
+        files
+    }
 }
 
 /// Where points were measured that were chosen elsewhere.

@@ -8,6 +8,7 @@ mod answer;
 mod causes;
 mod fronts;
 mod markdown;
+mod pictures;
 mod pieces;
 mod read;
 mod records;
@@ -90,6 +91,7 @@ pub fn page(records: &[(String, Run)], makers: Makers, command: &str, most_bytes
     sections.add("fronts", "Fronts", fronts::fronts(&places, &machines, &names)?);
     sections.add("operating-points", "Operating points", fronts::operating_points(&places, &names));
     sections.add("break-even", "Break-even", fronts::break_even(&places, &machines, &names)?);
+    sections.add("pictures", "Pictures of answers", pictures::pictures(&places, &machines));
     sections.add("need", "The need curve", pages(Kind::Need)?);
     let runs: Vec<Run> =
         all.iter().filter(|read| read.run.table.is_some()).map(|read| read.run.clone().into_owned()).collect();
@@ -150,7 +152,8 @@ impl Sections {
     fn finish(self, head: String, foot: &str, room: usize) -> Page {
         let (middle, dropped) = fit(&self.pieces, room);
         let mut left_out =
-            "<section id=\"left-out\"><h2>Left out</h2>\n<p>Pictures of scenes: records hold none. ".to_owned();
+            "<section id=\"left-out\"><h2>Left out</h2>\n<p>Pictures of answers that do not lie beside their record. "
+                .to_owned();
         left_out += "Charts of fronts by the other rules, PNGs and tables for programs: <code>tracebench report FOLDER</code> writes them \
                      beside each record.</p>\n";
         if dropped.is_empty() {

@@ -22,6 +22,7 @@ function show() {
     part.classList.toggle("out", KINDS.some((kind) => out[kind].has(part.dataset[kind])));
   }
   document.querySelectorAll("g.panel").forEach(redraw);
+  document.querySelectorAll(".pictures").forEach(picture);
 }
 
 function remember() {
@@ -114,6 +115,24 @@ document.addEventListener("keydown", (event) => {
   mark.setAttribute("tabindex", "-1");
   next.setAttribute("tabindex", "0");
   next.focus();
+});
+
+// Of the pictures of a figure one is shown: the truth, or what is chosen of a point.
+function picture(figure) {
+  const select = figure.querySelector("select");
+  if (select.selectedOptions[0]?.classList.contains("out")) {
+    const left = [...select.options].find((option) => !option.classList.contains("out"));
+    if (left) select.value = left.value;
+  }
+  const what = figure.querySelector("input:checked").value;
+  figure.querySelector(".key").hidden = what !== "class";
+  for (const image of figure.querySelectorAll("img")) {
+    image.hidden = image.dataset.what !== what || (image.dataset.of ?? select.value) !== select.value;
+  }
+}
+document.addEventListener("change", (event) => {
+  const figure = event.target.closest?.(".pictures");
+  if (figure) picture(figure);
 });
 
 // Tables sort by what their cells begin with: as numbers where most are.

@@ -11,6 +11,8 @@ pub(super) enum Rank {
     Page,
     /// Charts that go with them.
     Chart,
+    /// Pictures of answers.
+    Picture,
     /// Everything that was measured, in full.
     Full,
 }

@@ -65,6 +65,7 @@ fn points(run: &Run) -> Option<ParetoRecord> {
             checked: None,
             not_checked: Some("it is a plain run".to_owned()),
             ray_images: Vec::new(),
+            pictures: Vec::new(),
         };
         let scenes = group::groups(run).into_iter().filter(|group| !group.contenders.is_empty()).map(scene).collect();
         ParetoRecord { most_points: points.len() as u32, rays_per_pixel: RAYS_PER_PIXEL.to_vec(), points, scenes }

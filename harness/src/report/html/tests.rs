@@ -4,7 +4,7 @@ use tracebench_api::{ClockKind, Query};
 
 use super::*;
 use crate::report::fixture::{self, FrontQuality, Quality};
-use crate::results::{CasesRecord, NeedRecord};
+use crate::results::{CasesRecord, NeedRecord, PICTURES_FOLDER, PointPictures, SetPictures};
 
 const SETS: [(&str, Query); 2] = [("diffuse", Query::Closest), ("ao", Query::Any)];
 const COMMAND: &str = "tracebench report --html out.html 'a b'";
@@ -216,4 +216,55 @@ fn kinds_have_their_sections() {
     let answer = part(&html, "<section id=\"answer\"", "<section id=");
     assert!(answer.contains("Void, since a control fails, and part of no answer:</strong> spoilt"), "{answer}");
     assert!(!html.contains("<section id=\"fronts\"") && !html.contains("<section id=\"matrix\""));
+}
+
+/// Proves that the pictures of a point are shown, each once and named, where they lie beside the record; that one which is not what its
+/// name says takes its point with it; and that without that of the truth, or with a name that leads elsewhere, nothing is shown.
+#[test]
+fn pictures_are_those_beside_the_record() {
+    let folder = tempfile::tempdir().unwrap();
+    let pictures = folder.path().join(PICTURES_FOLDER);
+    std::fs::create_dir(&pictures).unwrap();
+    let keep = |text: &str| {
+        let name = format!("{}.png", &crate::hash::sha256_of(text.as_bytes())[..32]);
+        std::fs::write(pictures.join(&name), text).unwrap();
+        name
+    };
+    let mut run = planted();
+    let of_point = |point: usize| PointPictures {
+        point,
+        answer: keep(&format!("answer {point}")),
+        class: keep(&format!("class {point}")),
+        error: Some(keep(&format!("error {point}"))),
+    };
+    run.pareto.as_mut().unwrap().scenes[0].pictures = vec![SetPictures {
+        rays: "diffuse".to_owned(),
+        query: Query::Closest,
+        size: [4, 2],
+        distances: Some([0.5, 8.0]),
+        greatest_error: Some(10.0),
+        truth: keep("truth"),
+        points: vec![of_point(0), of_point(2)],
+    }];
+    let path = folder.path().to_str().unwrap();
+    let shown = |run: &Run| {
+        let html = page_of(&[(path, run.clone())], MOST_BYTES).html;
+        if !html.contains("<section id=\"pictures\"") {
+            return None;
+        }
+        let section = part(&html, "<section id=\"pictures\"", "</section>").to_owned();
+        Some((section.matches("<img ").count(), section.matches("<option ").count(), section))
+    };
+    let (images, options, section) = shown(&run).unwrap();
+    assert_eq!((images, options, section.matches("<figure ").count()), (7, 2, 1));
+    for wanted in ["alt=\"error of rough", "data-what=\"truth\"", "white 0.500, darkest 8.00", "1.0e-5 (white) to 10"] {
+        assert!(section.contains(wanted), "no '{wanted}' in {section}");
+    }
+    std::fs::write(pictures.join(keep("class 2")), "another").unwrap();
+    assert_eq!(shown(&run).map(|(images, options, _)| (images, options)), Some((4, 1)));
+    let mut elsewhere = run.clone();
+    elsewhere.pareto.as_mut().unwrap().scenes[0].pictures[0].truth = "../truth.png".to_owned();
+    assert!(shown(&elsewhere).is_none());
+    std::fs::remove_dir_all(&pictures).unwrap();
+    assert!(shown(&run).is_none());
 }

@@ -11,6 +11,7 @@ mod front;
 mod noise;
 mod operating;
 mod overtaking;
+mod pictures;
 #[cfg(test)]
 mod tests;
 mod verdicts;
@@ -18,6 +19,7 @@ mod verdicts;
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 
+use serde_json::Value;
 use tracebench_api::Update;
 use tracebench_scenes::Scene;
 
@@ -28,10 +30,12 @@ pub use operating::{Aim, Check, LEVELS, best, check, chosen, farthest};
 pub use overtaking::{BEYOND, Fit, FrameCost, Motion, Overtaking, Stretch, overtaking, stretches};
 pub use verdicts::{Class, ClassCost, SceneFronts, classes, contested, scene_fronts};
 
-use crate::measure::{self, Context, Effort, Film, Measured, Place, Placed, Request, RunError};
+use crate::measure::session::{PreparedRays, Session};
+use crate::measure::{self, Context, Effort, Film, Measured, Place, Placed, Request, RunError, Told};
 use crate::plan::{Plan, RunPreset, ViewRequest};
 use crate::results::{
-    CheckedRecord, FrontScene, ParetoRecord, Run, STILL_REFIT, Skipped, TracerRun, ViewpointRecord, WayRecord,
+    CheckedRecord, FrontScene, ParetoRecord, Run, STILL_REFIT, SetPictures, Skipped, TracerRun, ViewpointRecord,
+    WayRecord,
 };
 use crate::studies::sweep::SweepError;
 
@@ -51,8 +55,8 @@ const SMALLER_IMAGES: [u32; 2] = [2, 4];
 /// numbers.
 pub(crate) const FURTHER_SEED: u64 = 2;
 
-/// Places that a scene may have: all points, the check, the smaller ray images, refits.
-const PLACES: usize = 3 + SMALLER_IMAGES.len();
+/// Places that a scene may have: all points, the check, the smaller ray images, refits, pictures.
+const PLACES: usize = 4 + SMALLER_IMAGES.len();
 
 /// How much of a front there is to be.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,8 +135,14 @@ impl Pareto {
         let Some(found) = self.place(index, plan, &all, context)? else { return Ok(()) };
         let (scene, viewpoint) = (found.scene.clone(), found.viewpoint.clone());
         self.add(run, &all, found, &scene.name);
-        let (checked, not_checked, ray_images) = (None, None, Vec::new());
-        self.record.scenes.push(FrontScene { scene, viewpoint, checked, not_checked, ray_images });
+        self.record.scenes.push(FrontScene {
+            scene,
+            viewpoint,
+            checked: None,
+            not_checked: None,
+            ray_images: Vec::new(),
+            pictures: Vec::new(),
+        });
         let chosen: Vec<usize> = self.chosen(run).into_iter().collect();
         if chosen.is_empty() {
             return Ok(());
@@ -160,7 +170,8 @@ impl Pareto {
             self.add(run, &chosen, found, &format!("{name} with {}×{} pixels", ray_image[0], ray_image[1]));
             self.tell(|scene| scene.ray_images.push(ray_image));
         }
-        self.refits(index + 2 + SMALLER_IMAGES.len(), plan, &chosen, run, context)
+        self.refits(index + 2 + SMALLER_IMAGES.len(), plan, &chosen, run, context)?;
+        self.pictures(index + 3 + SMALLER_IMAGES.len(), plan, run, context)
     }
 
     /// The scene that is measured.
@@ -254,6 +265,30 @@ impl Pareto {
             });
         }
         self.add(run, &points, found, &format!("{name}, refits"));
+        Ok(())
+    }
+
+    /// Pictures of what points on fronts answer, beside the record where there is a folder for it.
+    fn pictures(&mut self, index: usize, plan: &Plan, run: &Run, context: &Context<'_>) -> Result<(), RunError> {
+        let (Some(results), Some(scene)) = (context.journal.results(), self.record.scenes.last()) else {
+            return Ok(());
+        };
+        let costs = Cost::all(&self.record.rays_per_pixel);
+        let points = pictures::shown(&fields(&run.aligned(), &self.record, scene, &scene.viewpoint), &costs);
+        let Some(scene) = measure::load(plan, context.progress)?.pop().filter(|_| !points.is_empty()) else {
+            return Ok(());
+        };
+        context.progress.say(&format!("pictures of {} points on fronts", points.len()));
+        let names: Vec<String> = points.iter().map(|point| self.points[*point].request.name().to_owned()).collect();
+        let requests: Vec<Request> = points.iter().map(|point| Request::of(&self.points[*point].request)).collect();
+        let hook = |session: &Session, rays: &PreparedRays, told: &[Option<Told>]| {
+            pictures::paint(session, plan.preset.ray_image, rays, told, (&points, &names), results)
+        };
+        let effort = Effort { validated: false, counted: false, ..Effort::untimed() };
+        let found = measure::measure_scene(index, plan, scene, &requests, effort, Some(&hook), context)?;
+        let told = |value: Value| serde_json::from_value(value).map_err(|error| RunError::Picture(error.to_string()));
+        let painted = found.hooked.into_iter().map(told).collect::<Result<Vec<SetPictures>, _>>()?;
+        self.tell(|scene| scene.pictures = painted);
         Ok(())
     }
 

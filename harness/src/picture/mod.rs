@@ -1,5 +1,7 @@
 //! Pictures of what a tracer answers to primary rays.
 
+pub(crate) mod painted;
+
 use std::path::Path;
 
 use clap::ValueEnum;
@@ -203,14 +205,24 @@ fn errors(loaded: &LoadedScene, rays: &PreparedRays, hits: &[Hit]) -> (Vec<Rgb>,
 }
 
 fn write_png(path: &Path, width: u32, height: u32, pixels: &[Rgb]) -> Result<(), PictureError> {
+    let bytes = encoded([width, height], pixels.as_flattened(), |encoder| encoder.set_color(png::ColorType::Rgb))?;
+    Ok(files::write(path, &bytes)?)
+}
+
+/// Pixels of eight bits a channel, of the kind that `set` says, as a PNG.
+fn encoded(
+    [width, height]: [u32; 2],
+    pixels: &[u8],
+    set: impl FnOnce(&mut png::Encoder<'_, &mut Vec<u8>>),
+) -> Result<Vec<u8>, PictureError> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    let encoded = encoder.write_header().and_then(|mut writer| {
-        writer.write_image_data(pixels.as_flattened())?;
+    set(&mut encoder);
+    let written = encoder.write_header().and_then(|mut writer| {
+        writer.write_image_data(pixels)?;
         writer.finish()
     });
-    encoded.map_err(|error| PictureError::Encode(error.to_string()))?;
-    Ok(files::write(path, &bytes)?)
+    written.map_err(|error| PictureError::Encode(error.to_string()))?;
+    Ok(bytes)
 }

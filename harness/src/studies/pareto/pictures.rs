@@ -1,0 +1,93 @@
+//! Pictures of what points on a front answer. They are traced once more, without times, and painted while their answers are there:
+//! records keep none. The pictures are files beside the record, each named by its hash.
+
+use std::path::Path;
+
+use serde_json::Value;
+use tracebench_api::{Hit, Query};
+
+use super::field::{By, Cost, Field};
+use super::front::Standing;
+use crate::files;
+use crate::hash::sha256_of;
+use crate::judge::Rule;
+use crate::measure::session::{PreparedRays, Session};
+use crate::measure::{JournalError, RunError, Told, WINDOW};
+use crate::picture::painted::{Canvas, Painted};
+use crate::results::{PICTURES_FOLDER, PointPictures, SetPictures};
+
+/// Points that stand on a front by the rule that charts are drawn by, at any cost; no more than are there at a time.
+pub(super) fn shown(fields: &[Field<'_>], costs: &[Cost]) -> Vec<usize> {
+    let mut all: Vec<usize> = Vec::new();
+    for field in fields {
+        let Some(by) = By::all(field.query).last() else { continue };
+        for cost in costs {
+            for (entry, _, standing) in field.standings(&field.entries, *cost, *by) {
+                if standing == Standing::OnFront && !all.contains(&entry.index) {
+                    all.push(entry.index);
+                }
+            }
+        }
+    }
+    all.truncate(WINDOW);
+    all
+}
+
+/// Paints what some points answered to a ray set, into a folder of results.
+pub(super) fn paint(
+    session: &Session,
+    size: [u32; 2],
+    rays: &PreparedRays,
+    told: &[Option<Told>],
+    (points, names): (&[usize], &[String]),
+    results: &Path,
+) -> Result<Value, RunError> {
+    let canvas = Canvas { size, pixels: &rays.pixels };
+    let keep = |painted: Painted| keep(&painted, results);
+    let truth: Vec<Option<f64>> = rays.answers.iter().map(|answer| answer.hit.map(|hit| hit.t)).collect();
+    let is_any = rays.set.query == Query::Any;
+    let ends = |least: f64, each: &f64| least.min(*each);
+    let nearest = truth.iter().flatten().fold(f64::INFINITY, ends);
+    let farthest = truth.iter().flatten().copied().fold(nearest, f64::max);
+    let range = if nearest.is_finite() { [nearest, farthest] } else { [0.0; 2] };
+    let seen = |t: &[Option<f64>]| match is_any {
+        true => canvas.occlusion(&t.iter().map(Option::is_some).collect::<Vec<_>>()),
+        false => canvas.distances(range, t),
+    };
+    let greatest = session.truth().diagonal();
+    let mut pictures = SetPictures {
+        rays: rays.set.name.to_owned(),
+        query: rays.set.query,
+        size,
+        distances: (!is_any).then_some(range),
+        greatest_error: (!is_any).then_some(greatest),
+        truth: keep(seen(&truth))?,
+        points: Vec::new(),
+    };
+    for ((point, name), told) in points.iter().zip(names).zip(told) {
+        let Some(Told { hits, .. }) = told else { continue };
+        let t: Vec<Option<f64>> = hits.iter().map(answered).collect();
+        let classes = session.classes(name, rays, Rule::Footprint, hits)?;
+        pictures.points.push(PointPictures {
+            point: *point,
+            answer: keep(seen(&t))?,
+            class: keep(canvas.classes(&classes))?,
+            error: if is_any { None } else { Some(keep(canvas.errors(greatest, &truth, &t))?) },
+        });
+    }
+    Ok(serde_json::to_value(pictures).unwrap_or_default())
+}
+
+fn answered(hit: &Hit) -> Option<f64> {
+    hit.is_hit().then(|| f64::from(hit.t))
+}
+
+/// Writes a picture beside the record, and gives its name.
+fn keep(painted: &Painted, results: &Path) -> Result<String, RunError> {
+    let bytes = painted.png().map_err(|error| RunError::Picture(error.to_string()))?;
+    let name = format!("{}.png", &sha256_of(&bytes)[..32]);
+    let folder = results.join(PICTURES_FOLDER);
+    let written = files::create_directory(&folder).and_then(|()| files::write(&folder.join(&name), &bytes));
+    written.map_err(|error| RunError::Journal(JournalError::from(error)))?;
+    Ok(name)
+}
