@@ -118,7 +118,11 @@ fn lowest_bits(count: u32) -> vec2<u32> {
 
 // The bits of slices from the first to the last.
 fn slices_between(first: u32, last: u32) -> vec2<u32> {
-    return lowest_bits(last + 1u) & ~lowest_bits(first);
+    let from_first = 0xffffffffu << (first & 31u);
+    let to_last = 0xffffffffu >> (31u - (last & 31u));
+    let low = select(0u, from_first, (first < 32u)) & select(to_last, 0xffffffffu, (last >= 32u));
+    let high = select(from_first, 0xffffffffu, (first < 32u)) & select(0u, to_last, (last >= 32u));
+    return vec2<u32>(low, high);
 }
 
 // The nodes of a tile are a complete tree of eight children a node, in the order of a heap: the children of node i are 8 i + 1 to

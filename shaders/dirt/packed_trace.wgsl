@@ -52,7 +52,7 @@ fn note(index: u32, hit: Hit) {
 
 #ifdef TREES
 // Rounds after which lanes that have done with a leg get the next one.
-const ROUNDS: u32 = 8u;
+const ROUNDS: u32 = 4u;
 
 fn search_faces() {
     open += 1u;

@@ -24,6 +24,8 @@ var<private> level: u32;
 // Where the masks of the level begin.
 var<private> level_begin: u32;
 var<private> here: f32;
+// The sense of the leg along both axes: -1, 0 or 1.
+var<private> heading: vec2<i32>;
 var<private> is_walking: bool;
 var<private> entered: Entered;
 
@@ -39,6 +41,7 @@ fn begin_steps(walked: u32) {
     level = 0u;
     level_begin = walked * grid.cells;
     here = 0.0;
+    heading = vec2<i32>(sign(leg.change.xy));
     is_walking = true;
 }
 
@@ -58,7 +61,6 @@ fn step_on() -> bool {
     work.x += 1u;
 #endif
     let last_tile = vec2<i32>(i32(grid.tiles) - 1);
-    let heading = vec2<i32>(sign(leg.change.xy));
     let cell = tile >> vec2<u32>(level);
     let line = (cell + max(heading, vec2<i32>(0))) << vec2<u32>(level);
     // A ray does not leave the image but at the leg's end: along a seam it may lie on either side of the image's border.

@@ -2,23 +2,26 @@
 
 // The walk of a leg over the tiles of a face of the packed forms of DIRT, with the trees of the tiles that it meets.
 //
-// It goes on by rounds: a round tests a part, then twice visits a node or, where none is left, steps on to the next cell. Lanes that run
-// together do so whatever each of them needs: loops of their own, over cells, nodes and parts, would wait for the lane with most of them,
-// and drivers may run every branch for all lanes.
+// It goes on by rounds: a round takes two steps over cells, visits two nodes and tests two parts. Lanes that run together do so whatever
+// each of them needs: loops of their own, over cells, nodes and parts, would wait for the lane with most of them, and drivers may run
+// every branch for all lanes. Steps go on to the next tile while the tree of this one is searched, and nodes are visited while parts wait.
 
 #import tracebench::reads::quad_1
 #import tracebench::dirt_packed_grid::first_leaf_of
-#import tracebench::dirt_packed_ray::{search, leg, is_done, test_reference}
+#import tracebench::dirt_packed_ray::{search, leg, limit, steps, is_done, test_reference}
 #import tracebench::dirt_packed_walk::{is_walking, entered, begin_steps, step_on, entered_number}
 #import tracebench::dirt_tile_tree::{TilePlanes, planes_of, meet_node}
 
-const NO_NODE: u32 = 0xffffffffu;
+// The parent of the root, which is its last child.
+const ABOVE: u32 = 0x1fffffffu;
 
 // The tree that is searched: its first node, first reference and first node of the last level.
 var<private> planes: TilePlanes;
 var<private> first_node: u32;
 var<private> first_reference: u32;
 var<private> first_leaf: u32;
+// Whether `entered` is a tile whose tree is to be searched next.
+var<private> has_tile: bool;
 // Children to visit: a byte a level, the lowest that of the node `parent`.
 var<private> waiting: vec2<u32>;
 var<private> parent: u32;
@@ -28,13 +31,19 @@ var<private> parts_base: u32;
 var<private> next_parts: u32;
 var<private> next_base: u32;
 
+// Whether there is anything left of the tree.
+fn has_tree() -> bool {
+    return ((waiting.x | waiting.y) | (parts | next_parts)) != 0u;
+}
+
 // Whether the leg is not done.
 fn is_busy() -> bool {
-    return is_walking || ((waiting.x | waiting.y) | (parts | next_parts)) != 0u;
+    return is_walking || has_tile || has_tree();
 }
 
 fn begin_no_walk() {
     is_walking = false;
+    has_tile = false;
     waiting = vec2<u32>(0u);
     parts = 0u;
     next_parts = 0u;
@@ -66,44 +75,56 @@ fn climb(node: u32) -> u32 {
     return (node - above) >> (3u * levels);
 }
 
-// Visits a node, or where none is left steps on to the next cell.
-fn advance() {
-    if (next_parts == 0u) {
-        var node = NO_NODE;
-        if (any(waiting != vec2<u32>(0u))) {
-            parent = climb(parent);
-            let child = first_of(waiting.x & 0xffu);
-            waiting.x &= ~(1u << child);
-            node = 8u * parent + 1u + child;
-        } else if (is_walking) {
-            if (step_on()) {
-                let header = quad_1(entered_number());
-                planes = planes_of(entered.tile, entered.begin, entered.end, entered.w_most, header.w);
-                first_reference = header.x;
-                first_leaf = first_leaf_of(header.y);
-                first_node = header.z;
-                node = 0u;
-            }
-        }
-        if (node != NO_NODE) {
-            let met = meet_node(planes, first_node + node);
-            if (node >= first_leaf) {
-                next_parts = met;
-                next_base = first_reference + 8u * (node - first_leaf);
-            } else {
-                waiting = vec2<u32>((waiting.x << 8u) | met, (waiting.y << 8u) | (waiting.x >> 24u));
-                parent = node;
-            }
-        }
+// Steps on to the next cell, unless a tile waits to be searched; and if it is one too many, unless the ray may not need it.
+fn walk_on() {
+    if (is_walking && !has_tile && (steps < search.max_steps || !has_tree())) {
+        has_tile = step_on();
     }
-    let moves_up = parts == 0u;
-    parts = select(parts, next_parts, moves_up);
-    parts_base = select(parts_base, next_base, moves_up);
-    next_parts = select(next_parts, 0u, moves_up);
 }
 
-// A round.
-fn go_on() {
+// Begins the tree of the tile that waits where the one before it is done.
+fn begin_tree() {
+    if (has_tile && all(waiting == vec2<u32>(0u))) {
+        let header = quad_1(entered_number());
+        planes = planes_of(entered.tile, entered.begin, entered.end, entered.w_most, header.w);
+        first_reference = header.x;
+        first_leaf = first_leaf_of(header.y);
+        first_node = header.z;
+        parent = ABOVE;
+        // Unless the best hit was found before it since.
+        waiting.x = select(0u, 0x80u, entered.begin <= limit);
+        has_tile = false;
+    }
+}
+
+// Visits the next node, unless parts of two nodes wait.
+fn visit() {
+    if (next_parts == 0u && any(waiting != vec2<u32>(0u))) {
+        parent = climb(parent);
+        let child = first_of(waiting.x & 0xffu);
+        waiting.x &= ~(1u << child);
+        let node = 8u * parent + 1u + child;
+        let met = meet_node(planes, first_node + node);
+        if (node >= first_leaf) {
+            next_parts = met;
+            next_base = first_reference + 8u * (node - first_leaf);
+        } else {
+            waiting = vec2<u32>((waiting.x << 8u) | met, (waiting.y << 8u) | (waiting.x >> 24u));
+            parent = node;
+        }
+    }
+    take_next_parts();
+}
+
+// Takes the parts that wait behind those to test, where these are done.
+fn take_next_parts() {
+    let is_next = parts == 0u;
+    parts = select(parts, next_parts, is_next);
+    parts_base = select(parts_base, next_base, is_next);
+    next_parts = select(next_parts, 0u, is_next);
+}
+
+fn test() {
     if (parts != 0u) {
         let part = first_of(parts);
         parts &= ~(1u << part);
@@ -112,6 +133,16 @@ fn go_on() {
             begin_no_walk();
         }
     }
-    advance();
-    advance();
+}
+
+// A round. What a tile's first nodes hold is tested in the round that finds the tile.
+fn go_on() {
+    walk_on();
+    walk_on();
+    begin_tree();
+    visit();
+    visit();
+    test();
+    take_next_parts();
+    test();
 }
