@@ -17,7 +17,7 @@
 #import tracebench::dirt_corners::{Corners, corners_less_eye, seen_from, face_towards, distance_to_triangle}
 #import tracebench::dirt_parts::{
     LEAST_DEPTH, PolygonState, Whole, Part, is_outside, is_whole, make_whole, make_polygon, tiles_of, margin_of, plane_loss_of,
-    whole_in_tile, polygon_in_tile, is_part, grown_part
+    whole_in_tile, polygon_in_tile, whole_in_row, polygon_in_row, is_part, grown_part
 }
 
 @group(0) @binding(0) var<uniform> grid: PackedGrid;
@@ -199,6 +199,13 @@ fn tiles_within(tiles: vec4<u32>) -> u32 {
     return select((tiles.z - tiles.x) * (tiles.w - tiles.y), 0u, any(tiles.zw <= tiles.xy));
 }
 
+// Tiles of a rectangle's row that what lies in it touches.
+fn tiles_along(tiles: vec4<u32>, part: Part, margin: f32) -> u32 {
+    let first = clamp(floor(part.low.x - margin), f32(tiles.x), f32(tiles.z));
+    let end = clamp(floor(part.high.x + margin) + 1.0, f32(tiles.x), f32(tiles.z));
+    return select(0u, u32(end - first), is_part(part));
+}
+
 // Those that wait, a lane each.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn count_several(
@@ -218,19 +225,21 @@ fn count_several(
         let covered = tiles_within(tiles);
         var total = covered;
 #ifdef SLICES
-        let is_counted = true;
-#else
-        let is_counted = covered > FEW_TILES;
-#endif
-        if (is_counted) {
-            total = 0u;
-            for (var number = 0u; number < covered; number++) {
-                let part = whole_in_tile(whole, vec2<f32>(tile_in(tiles, number)), margin);
-                if (is_part(part)) {
-                    total += keys_of(whole.state, part, seen.size);
-                }
+        total = 0u;
+        for (var number = 0u; number < covered; number++) {
+            let part = whole_in_tile(whole, vec2<f32>(tile_in(tiles, number)), margin);
+            if (is_part(part)) {
+                total += keys_of(whole.state, part, seen.size);
             }
         }
+#else
+        if (covered > FEW_TILES) {
+            total = 0u;
+            for (var row = tiles.y; row < tiles.w; row++) {
+                total += tiles_along(tiles, whole_in_row(whole, f32(row), margin), margin);
+            }
+        }
+#endif
         atomicAdd(&counts[triangle], total);
     }
 }
@@ -267,6 +276,13 @@ fn large_in_tile(large: Large, tile: vec2<u32>, margin: f32) -> Part {
     return polygon_in_tile(large.whole.state, vec2<f32>(tile), margin);
 }
 
+fn large_in_row(large: Large, row: u32, margin: f32) -> Part {
+    if (large.is_divided) {
+        return whole_in_row(large.whole, f32(row), margin);
+    }
+    return polygon_in_row(large.whole.state, f32(row), margin);
+}
+
 // Those that wait for a workgroup.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn count_large(
@@ -283,14 +299,20 @@ fn count_large(
         }
         let margin = margin_counted(state);
         let tiles = tiles_of(state, grid.tiles, margin);
-        let covered = tiles_within(tiles);
         var total = 0u;
+#ifdef SLICES
+        let covered = tiles_within(tiles);
         for (var number = local; number < covered; number += WORKGROUP_SIZE) {
             let part = large_in_tile(large, tile_in(tiles, number), margin);
             if (is_part(part)) {
                 total += keys_of(state, part, large.size);
             }
         }
+#else
+        for (var row = tiles.y + local; row < tiles.w; row += WORKGROUP_SIZE) {
+            total += tiles_along(tiles, large_in_row(large, row, margin), margin);
+        }
+#endif
         if (total > 0u) {
             atomicAdd(&counts[large.triangle], total);
         }

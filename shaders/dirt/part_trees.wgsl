@@ -137,7 +137,12 @@ fn store_node(node: u32, box: Box) {
     }
 }
 
-// The last nodes of every tile, eight parts each. Depth codes are integers by integers: rounded down and up, nothing is lost.
+// Of this workgroup: places where the parts of a last node begin.
+var<workgroup> leaf_count: atomic<u32>;
+var<workgroup> leaf_places: array<u32, WORKGROUP_SIZE>;
+
+// The last nodes of every tile, eight parts each. One place in eight begins a node: these are gathered first, so that lanes that run
+// together all make one.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn leaves(
     @builtin(workgroup_id) workgroup: vec3<u32>,
@@ -145,18 +150,22 @@ fn leaves(
     @builtin(local_invocation_index) local: u32,
 ) {
     let place = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
-    if (place >= grid.part_capacity) {
-        return;
+    if (place < grid.part_capacity) {
+        let code = tile_code(place);
+        if (code > 0u && ((place - quads[4u * max(code, 1u) - 4u]) & 7u) == 0u) {
+            leaf_places[atomicAdd(&leaf_count, 1u)] = place;
+        }
     }
-    let code = tile_code(place);
-    if (code == 0u) {
-        return;
+    workgroupBarrier();
+    if (local < atomicLoad(&leaf_count)) {
+        make_leaf(leaf_places[local]);
     }
-    let tile = code - 1u;
+}
+
+// The last node whose parts begin at a place. Depth codes are integers by integers: rounded down and up, nothing is lost.
+fn make_leaf(place: u32) {
+    let tile = tile_code(place) - 1u;
     let within = place - quads[4u * tile];
-    if ((within & 7u) != 0u) {
-        return;
-    }
     let parts_here = quads[4u * tile + 1u];
     let scale = quads[4u * tile + 3u];
     let base = depth_base(scale);

@@ -281,7 +281,39 @@ fn whole_in_tile(whole: Whole, tile: vec2<f32>, margin: f32) -> Part {
     return end_clipping(clipping, whole.state, whole.a);
 }
 
+// Beyond all tiles.
+const FAR_ACROSS: f32 = 65536.0;
+
+// A row of tiles in the place of one.
+fn begin_row(state: PolygonState, row: f32, margin: f32) -> Clipping {
+    var clipping = begin_clipping(state, vec2<f32>(0.0, row), margin);
+    clipping.low.x = -FAR_ACROSS;
+    clipping.high.x = FAR_ACROSS;
+    clipping.corner_x = vec4<f32>(-FAR_ACROSS, FAR_ACROSS, -FAR_ACROSS, FAR_ACROSS);
+    return clipping;
+}
+
+// The part of a whole triangle in a row of tiles that is grown by `margin`: what is convex touches every tile of the row between its ends.
+fn whole_in_row(whole: Whole, row: f32, margin: f32) -> Part {
+    var clipping = begin_row(whole.state, row, margin);
+    clipping = with_edge(clipping, whole.a, whole.b);
+    clipping = with_edge(clipping, whole.b, whole.c);
+    return with_edge(clipping, whole.c, whole.a).part;
+}
+
 // The same of the polygon.
+fn polygon_in_row(state: PolygonState, row: f32, margin: f32) -> Part {
+    var clipping = begin_row(state, row, margin);
+    var begin = polygon[state.count - 1u];
+    for (var corner = 0u; corner < state.count; corner++) {
+        let end = polygon[corner];
+        clipping = with_edge(clipping, begin, end);
+        begin = end;
+    }
+    return clipping.part;
+}
+
+// The part of the polygon in a tile.
 fn polygon_in_tile(state: PolygonState, tile: vec2<f32>, margin: f32) -> Part {
     var clipping = begin_clipping(state, tile, margin);
     var begin = polygon[state.count - 1u];
