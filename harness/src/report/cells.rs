@@ -1,73 +1,63 @@
-//! Cells of tables that tell of traces: never a speed without its accuracy.
+//! Columns of pages that tell of traces: never a speed without its accuracy.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
-use super::format::{NONE, clock_of, percent_with_interval, significant, statistic, thousands, with_interval};
+use tracebench_api::Query;
+
+use super::format::{significant, statistic, thousands};
 use super::group::Role;
-use super::metrics;
-use crate::results::{Classes, ClosestJudgement, CounterRecord, Judgement, Occlusion, TraceRecord, TracerRun};
+use super::metrics::{Better, Metric, headed, judged};
+use super::sheet::{Cell, Column, Sheet};
+use crate::results::{CounterRecord, TraceRecord, TracerRun};
 
 /// A trace with its place in the table.
 pub(crate) type Row<'a> = (Role, &'a TracerRun, &'a TraceRecord);
 
-/// Label, clock, rays, speed and time; the last two only beside an accuracy, and never for controls, which trace
-/// nothing.
-pub(crate) fn speed_cells(role: Role, run: &TracerRun, trace: &TraceRecord, judged: bool) -> [String; 5] {
-    let clock = if role == Role::Control { NONE.to_owned() } else { clock_of(&trace.times) };
-    let speed = metrics::speed(trace).filter(|_| judged && role == Role::Contender);
-    let [speed, time] = match speed {
-        Some(speed) => {
-            let interval = metrics::speed_interval(trace).unwrap_or([speed, speed]);
-            [with_interval(speed, interval, 4), with_interval(trace.times.median_ms, trace.times.interval_ms, 4)]
-        }
-        None => [NONE.to_owned(), NONE.to_owned()],
-    };
-    [label(role, run), clock, thousands(trace.count), speed, time]
+/// The row of a table that has no others.
+pub(crate) fn own<'a>(row: &'a Row<'_>) -> Option<Row<'a>> {
+    Some(*row)
 }
 
-/// Whether anything could be judged, and the cells that tell the accuracy of a trace: three of a closest-hit set, one of
-/// an any-hit set.
-pub(crate) fn accuracies(trace: &TraceRecord) -> (bool, Vec<String>) {
-    accuracies_of(&trace.judgement, metrics::trials(trace))
-}
+impl<'a, R> Sheet<'a, R> {
+    /// With the tracer's label.
+    pub(crate) fn name(self, of: impl Fn(&R) -> Option<Row<'_>> + 'a) -> Self {
+        self.told("tracer", move |row| of(row).map(|(role, run, _)| label(role, run)))
+    }
 
-/// [`accuracies`] of so many rays that count.
-pub(super) fn accuracies_of(judgement: &Judgement, trials: u64) -> (bool, Vec<String>) {
-    match judgement {
-        Judgement::Closest(closest) => (closest.agreement.tight.is_some(), agreements(closest, trials).to_vec()),
-        Judgement::Any(any) => (any.occlusion.balanced_accuracy.is_some(), vec![accuracy(&any.occlusion, trials)]),
+    /// With the clock of traces; controls trace nothing.
+    pub(crate) fn own_clock(self, of: impl Fn(&R) -> Option<Row<'_>> + 'a) -> Self {
+        self.clock("clock", move |row| of(row).filter(contends).map(|(.., trace)| &trace.times))
+    }
+
+    /// With what traces take, only beside an accuracy, and never of controls.
+    pub(crate) fn taken(self, metric: Metric, of: impl Fn(&R) -> Option<Row<'_>> + 'a) -> Self {
+        self.trace(metric, move |row| of(row).filter(|row| contends(row) && judged(row.2)).map(|(.., trace)| trace))
+    }
+
+    /// With what tells how often answers to a query are right.
+    pub(crate) fn right(self, query: Query, of: impl Fn(&R) -> Option<Row<'_>> + Copy + 'a) -> Self {
+        self.accuracies(query, move |row| of(row).map(|(.., trace)| trace))
+    }
+
+    /// With every counter of some rows: means per ray, but of what is counted over a set how much of it.
+    pub(crate) fn counted(self, rows: &[Row<'a>], of: impl Fn(&R) -> Option<Row<'_>> + Copy + 'a) -> Self {
+        self.with(counted(rows).into_iter().map(|(name, of_set)| counter(name, of_set, of)).collect())
+    }
+
+    /// With those that are counted over a set, or else those that are not.
+    pub(crate) fn counted_that(
+        self,
+        are_of_set: bool,
+        rows: &[Row<'a>],
+        of: impl Fn(&R) -> Option<Row<'_>> + Copy + 'a,
+    ) -> Self {
+        let wanted = counted(rows).into_iter().filter(|(_, of_set)| *of_set == are_of_set);
+        self.with(wanted.map(|(name, of_set)| counter(name, of_set, of)).collect())
     }
 }
 
-/// The three agreements, always together: share, interval, wrong rays.
-fn agreements(judgement: &ClosestJudgement, trials: u64) -> [String; 3] {
-    let (agreement, interval) = (&judgement.agreement, &judgement.interval);
-    let hit_or_miss = |classes: &Classes| classes.false_hit + classes.false_miss;
-    let all = |classes: &Classes| hit_or_miss(classes) + classes.early + classes.late;
-    let cell = |share: Option<f64>, interval, wrong| match share {
-        Some(share) => {
-            let share = percent_with_interval(share, interval, trials);
-            format!("{share}; {} wrong of {}", thousands(wrong), thousands(trials))
-        }
-        None => "every ray is a tie".to_owned(),
-    };
-    [
-        cell(agreement.hit_miss, interval.hit_miss, hit_or_miss(&judgement.classes.tight)),
-        cell(agreement.tight, interval.tight, all(&judgement.classes.tight)),
-        cell(agreement.footprint, interval.footprint, all(&judgement.classes.footprint)),
-    ]
-}
-
-/// The accuracy of an any-hit set: share, interval, wrong rays.
-fn accuracy(occlusion: &Occlusion, trials: u64) -> String {
-    let wrong = occlusion.false_occluded + occlusion.false_free;
-    occlusion.balanced_accuracy.map_or_else(
-        || "every ray is a tie".to_owned(),
-        |share| {
-            let share = percent_with_interval(share, occlusion.balanced_accuracy_interval, trials);
-            format!("{share}; {} wrong of {}", thousands(wrong), thousands(trials))
-        },
-    )
+fn contends((role, ..): &Row<'_>) -> bool {
+    *role == Role::Contender
 }
 
 /// The intervals' coverage, which few samples cannot bring to 95 %.
@@ -104,22 +94,22 @@ pub(super) fn touched(run: &TracerRun, name: &str, counter: &CounterRecord) -> O
     })
 }
 
-/// Headings of counters: means per ray, but for what is counted over a set.
-pub(crate) fn counter_headings(rows: &[Row<'_>], names: &BTreeSet<&str>) -> Vec<String> {
-    let of_set = |name: &str| {
-        let counters = rows.iter().filter_map(|(.., trace)| trace.counters.get(name));
-        counters.into_iter().any(|counter| counter.greatest_per_ray.is_none())
-    };
-    names.iter().map(|name| if of_set(name) { format!("{name} ↓") } else { format!("{name} per ray ↓") }).collect()
+/// The counters of some rows, and whether they are counted over a set.
+fn counted<'a>(rows: &[Row<'a>]) -> BTreeMap<&'a String, bool> {
+    let mut counted = BTreeMap::new();
+    for (name, counter) in rows.iter().flat_map(|(.., trace)| &trace.counters) {
+        *counted.entry(name).or_default() |= counter.greatest_per_ray.is_none();
+    }
+    counted
 }
 
-/// Cells of counters: the mean per ray, or what a set touched.
-pub(crate) fn counters(run: &TracerRun, trace: &TraceRecord, names: &BTreeSet<&str>) -> Vec<String> {
-    let cell = |name: &str| {
+fn counter<'a, R>(name: &'a String, of_set: bool, of: impl Fn(&R) -> Option<Row<'_>> + 'a) -> Column<'a, R> {
+    let heading = if of_set { name.clone() } else { format!("{name} per ray") };
+    Column::told(headed(&heading, Better::Lower), move |row| {
+        let (_, run, trace) = of(row)?;
         let counter = trace.counters.get(name)?;
-        Some(touched(run, name, counter).unwrap_or_else(|| significant(counter.per_ray, 4)))
-    };
-    names.iter().map(|name| cell(name).unwrap_or_else(|| NONE.to_owned())).collect()
+        Some(touched(run, name, counter).map_or(Cell::Number(counter.per_ray, 4), Cell::Text))
+    })
 }
 
 /// The tracer's label, marked if it is a control's.

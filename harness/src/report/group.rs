@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use tracebench_api::Query;
 
 use super::format;
+use super::markdown::inline;
 use crate::results::{Run, SceneRecord, TraceRecord, TracerRun, ViewpointRecord};
 
 /// Runs that may be compared.
@@ -88,10 +89,20 @@ impl<'a> Group<'a> {
 }
 
 impl RaySet<'_> {
+    /// What a page calls it.
+    pub(super) fn heading(&self) -> String {
+        set_heading(&self.title, self.query, self.count)
+    }
+
     /// Whether a trace is of these rays.
     pub(super) fn holds(&self, trace: &TraceRecord) -> bool {
         self.name == trace.rays && self.sha256 == trace.rays_sha256 && self.query == trace.query
     }
+}
+
+/// What a page calls rays.
+pub(crate) fn set_heading(name: &str, query: Query, count: u64) -> String {
+    format!("{}: {}, {} rays", inline(name), format::query(query), format::thousands(count))
 }
 
 /// Sorts a run into groups, in order of first appearance.

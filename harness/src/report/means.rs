@@ -4,12 +4,13 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::ReportError;
-use super::format::{NONE, clock_code, clock_of, mib, query, significant, thousands, with_interval};
+use super::format::{NONE, significant, thousands};
 use super::group::{Group, RaySet, Role, groups};
 use super::markdown::{Table, inline};
-use super::tables::{accuracy_columns, number, to_csv};
+use super::metrics::{COUNT, SPEED};
+use super::sheet::Sheet;
 use super::{cells, metrics, summary};
-use crate::results::{Answer, Means, Paired, Run, Timed, TraceRecord, TracerRun, at_means};
+use crate::results::{Answer, Means, Paired, Ratio, Run, Timed, TraceRecord, TracerRun, at_means};
 
 /// By how much speeds may differ and still be the same, a share.
 const SAME: f64 = 0.05;
@@ -19,9 +20,9 @@ pub(crate) fn files(run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
     let mut run = run.clone();
     run.runs.retain(|row| row.tracer.means().is_some());
     let groups = groups(&run);
-    let csv = "table_means.csv";
-    let rows = to_csv(csv, rows(&run, &groups))?;
-    Ok(vec![("table_means.md".to_owned(), page(&run, &groups).into_bytes()), (csv.to_owned(), rows)])
+    let file = "table_means.csv";
+    let rows = csv(file, &run, &groups)?;
+    Ok(vec![("table_means.md".to_owned(), page(&run, &groups).into_bytes()), (file.to_owned(), rows)])
 }
 
 /// The row of the same tracer by the means that all take where nothing is set.
@@ -76,58 +77,44 @@ fn page(run: &Run, groups: &[Group<'_>]) -> String {
 }
 
 fn structures(group: &Group<'_>) -> String {
-    let headings = ["tracer", "build clock", "build (ms) ↓", "structure (MiB) ↓", "phases of the build (ms)"];
-    let mut table = Table::new(&headings.map(str::to_owned));
     let mut shown: BTreeSet<(&str, String)> = BTreeSet::new();
+    let mut rows: Vec<(&TracerRun, String)> = Vec::new();
     for row in &group.contenders {
         // The launch does not shape it.
         let Some(Means { reads, .. }) = row.tracer.means() else { continue };
-        if !shown.insert((&row.tracer.name, reads.clone())) {
-            continue;
+        if shown.insert((&row.tracer.name, reads.clone())) {
+            rows.push((row, reads));
         }
-        let times = &row.build.times;
-        let phase = |phase: &crate::results::PhaseRecord| format!("{} {}", phase.name, significant(phase.median_ms, 3));
-        table.row(&[
-            format!("{} reads={reads}", row.tracer.name),
-            clock_of(times),
-            with_interval(times.median_ms, times.interval_ms, 4),
-            mib(row.memory.structure_bytes),
-            times.phases.iter().map(phase).collect::<Vec<_>>().join(", "),
-        ]);
     }
-    table.text
+    let sheet = Sheet::<(&TracerRun, String)>::new()
+        .told("tracer", |(row, reads)| format!("{} reads={reads}", row.tracer.name))
+        .build(|(row, _)| Some(row))
+        .phases("phases of the build (ms)", ", ", |(row, _)| Some(&row.build.times));
+    sheet.markdown(&rows)
 }
 
 fn traces(run: &Run, group: &Group<'_>, set: &RaySet<'_>) -> String {
     let all = group.traces(set);
-    let rows: Vec<_> = all.iter().filter(|(role, ..)| *role == Role::Contender).cloned().collect();
-    let counters: BTreeSet<&str> =
-        rows.iter().flat_map(|(.., trace)| trace.counters.keys().map(String::as_str)).collect();
-    let accuracies: &[&str] = match set.query {
-        tracebench_api::Query::Closest => &["agreement hit_miss ↑", "agreement tight ↑", "agreement footprint ↑"],
-        tracebench_api::Query::Any => &["balanced accuracy ↑"],
-    };
-    let mut headings = ["tracer", "clock"].map(str::to_owned).to_vec();
-    headings.extend([metrics::SPEED.heading(), "× default ↑".to_owned(), "hits".to_owned()]);
-    headings.extend(accuracies.iter().map(|&name| name.to_owned()));
-    headings.extend(cells::counter_headings(&rows, &counters));
-    let mut table = Table::new(&headings);
-    for (role, row, trace) in &rows {
-        let (judged, accuracies) = cells::accuracies(trace);
-        let [label, clock, _, speed, ..] = cells::speed_cells(*role, row, trace, judged);
-        let default = by_default(run, group, row);
+    let rows: Vec<_> = all.iter().filter(|(role, ..)| *role == Role::Contender).copied().collect();
+    let sheet = Sheet::<cells::Row<'_>>::new()
+        .name(cells::own)
+        .own_clock(cells::own)
+        .taken(SPEED, cells::own)
         // A ratio is a speed: never without its accuracy.
-        let ratio = default.filter(|_| judged).and_then(|default| paired(run, set, default, row)?.ratio);
-        let ratio = ratio.map_or_else(|| NONE.to_owned(), |ratio| with_interval(ratio.value, ratio.interval, 3));
-        let first = rows.iter().find(|(_, other, _)| other.tracer.name == row.tracer.name);
-        let same = first.is_none_or(|(.., first)| first.hits_sha256 == trace.hits_sha256);
-        let mut cells = vec![label, clock, speed, ratio, if same { "the same" } else { "OTHERS" }.to_owned()];
-        cells.extend(accuracies);
-        cells.extend(cells::counters(row, trace, &counters));
-        table.row(&cells);
-    }
-    let title = format!("{}: {}, {} rays", inline(&set.title), query(set.query), thousands(set.count));
-    format!("\n### {title}\n{}\n{}", cells::coverage(&all), table.text)
+        .told("× default ↑", |(_, row, trace)| over_default(run, group, set, row).filter(|_| metrics::judged(trace)))
+        .told("hits", |(_, row, trace)| {
+            let first = rows.iter().find(|(_, other, _)| other.tracer.name == row.tracer.name);
+            let same = first.is_none_or(|(.., first)| first.hits_sha256 == trace.hits_sha256);
+            if same { "the same" } else { "OTHERS" }
+        })
+        .right(set.query, cells::own)
+        .counted(&rows, cells::own);
+    format!("\n### {}\n{}\n{}", set.heading(), cells::coverage(&all), sheet.markdown(&rows))
+}
+
+/// How many times as fast a row is as the same tracer by the means that all take where nothing is set.
+fn over_default(run: &Run, group: &Group<'_>, set: &RaySet<'_>, row: &TracerRun) -> Option<Ratio> {
+    paired(run, set, by_default(run, group, row)?, row)?.ratio
 }
 
 /// What is said of one beside another.
@@ -187,75 +174,42 @@ fn between(run: &Run, group: &Group<'_>, set: &RaySet<'_>) -> String {
     if rows == 0 { String::new() } else { format!("\n{}", table.text) }
 }
 
-/// One row a tracer, its means and a ray set.
-fn rows(run: &Run, groups: &[Group<'_>]) -> Vec<Vec<String>> {
-    let counters: BTreeSet<&String> =
-        run.runs.iter().flat_map(|row| &row.traces).flat_map(|trace| trace.counters.keys()).collect();
-    let fixed = [
-        "scene",
-        "scene_sha256",
-        "triangles",
-        "viewpoint",
-        "tracer",
-        "reads",
-        "rays_per_lane",
-        "build_clock",
-        "build_median_ms",
-        "structure_bytes",
-        "rays",
-        "rays_sha256",
-        "count_rays",
-        "clock",
-        "mrays_per_s",
-        "speed_over_default",
-        "speed_over_default_low",
-        "speed_over_default_high",
-        "agreement_hit_miss_share",
-        "agreement_tight_share",
-        "agreement_footprint_share",
-        "balanced_accuracy_share",
-        "ties_rays",
-        "hits_sha256",
-        "commit",
-        "machine",
-    ];
-    let mut header: Vec<String> = fixed.map(str::to_owned).to_vec();
-    header.extend(counters.iter().map(|name| format!("counter_{name}_per_ray")));
-    let mut all = vec![header];
+/// A tracer's row by its means and a ray set.
+struct Row<'a> {
+    group: &'a Group<'a>,
+    row: &'a TracerRun,
+    means: Means,
+    set: &'a RaySet<'a>,
+    trace: &'a TraceRecord,
+}
+
+fn csv<'a>(file: &str, run: &Run, groups: &'a [Group<'a>]) -> Result<Vec<u8>, ReportError> {
+    let mut rows: Vec<Row<'a>> = Vec::new();
     for group in groups {
         for row in &group.contenders {
-            let Some(Means { reads, rays_per_lane }) = row.tracer.means() else { continue };
-            for (set, trace) in group.ray_sets.iter().filter_map(|set| Some((set, trace_of(row, set)?))) {
-                let ratio = by_default(run, group, row).and_then(|default| paired(run, set, default, row)?.ratio);
-                let mut cells = vec![
-                    row.scene.name.clone(),
-                    row.scene.sha256.clone(),
-                    row.scene.triangles.to_string(),
-                    row.viewpoint.name.clone(),
-                    row.tracer.name.clone(),
-                    reads.clone(),
-                    rays_per_lane.to_string(),
-                    clock_code(row.build.times.clock).to_owned(),
-                    number(Some(row.build.times.median_ms)),
-                    row.memory.structure_bytes.to_string(),
-                    trace.rays.clone(),
-                    trace.rays_sha256.clone(),
-                    trace.count.to_string(),
-                    clock_code(trace.times.clock).to_owned(),
-                    number(metrics::speed(trace)),
-                    number(ratio.map(|ratio| ratio.value)),
-                    number(ratio.map(|ratio| ratio.interval[0])),
-                    number(ratio.map(|ratio| ratio.interval[1])),
-                ];
-                cells.extend(accuracy_columns(trace));
-                cells.extend([trace.hits_sha256.clone(), run.provenance.commit.clone()]);
-                cells.push(run.provenance.machine_of(row.machine).label());
-                cells.extend(
-                    counters.iter().map(|name| number(trace.counters.get(*name).map(|counter| counter.per_ray))),
-                );
-                all.push(cells);
-            }
+            let Some(means) = row.tracer.means() else { continue };
+            let of_set = |set| Some(Row { group, row, means: means.clone(), set, trace: trace_of(row, set)? });
+            rows.extend(group.ray_sets.iter().filter_map(of_set));
         }
     }
-    all
+    let sheet = Sheet::<Row<'_>>::new()
+        .scene(|row| &row.row.scene)
+        .column("viewpoint", |row| row.row.viewpoint.name.clone())
+        .column("tracer", |row| row.row.tracer.name.clone())
+        .column("reads", |row| row.means.reads.clone())
+        .column("rays_per_lane", |row| row.means.rays_per_lane)
+        .build(|row| Some(row.row))
+        .rays(|row| Some(row.trace))
+        .trace(COUNT, |row| Some(row.trace))
+        .clock("clock", |row| Some(&row.trace.times))
+        .trace(SPEED, |row| Some(row.trace))
+        .ends(["speed_over_default", "speed_over_default_low", "speed_over_default_high"], |row| {
+            over_default(run, row.group, row.set, row.row)
+        })
+        .accuracy(|row| Some(row.trace))
+        .hits(|row| Some(row.trace))
+        .commit(&run.provenance)
+        .machine_of(&run.provenance, |row| row.row)
+        .counters(&run.runs, |row| Some(&row.trace.counters));
+    sheet.csv(file, &rows)
 }

@@ -6,6 +6,7 @@
 pub(crate) mod ablation;
 pub(crate) mod cells;
 pub(crate) mod chart;
+pub(crate) mod columns;
 mod compare;
 mod distances;
 mod error;
@@ -21,6 +22,7 @@ pub(crate) mod metrics;
 mod need;
 mod pareto;
 pub(crate) mod peers;
+pub(crate) mod sheet;
 mod stability;
 pub(crate) mod summary;
 mod surfaces;

@@ -4,16 +4,20 @@ use std::fmt::Write as _;
 
 use tracebench_api::{Query, Rasterizer};
 
-use super::cells::{Row, accuracies, coverage, label, speed_cells, touched};
+use super::cells::{self, Row, coverage, label, touched};
 use super::distances;
-use super::format::{self, NONE, clock_of, mib, optional, percent, significant, statistic, thousands, with_interval};
+use super::format::{self, NONE, mib, significant, statistic, thousands};
 use super::group::{Group, RaySet, Role};
 use super::markdown::{Table, inline};
-use super::metrics::{self, Metric};
+use super::metrics::{
+    self, BUILD_PEAK, BUILD_TIME, FALSE_FREE, FALSE_OCCLUDED, GEOMETRY, IDENTITY, Metric, POSITION, SPEED, STRUCTURE,
+    TIES, TRACE_TIME, TRUE_FREE, TRUE_OCCLUDED,
+};
+use super::sheet::{Columns, Sheet};
 use super::surfaces;
 use super::verdict::{self, Verdict};
 use crate::results::{
-    AnyJudgement, Classes, EndedBy, Judgement, LEAST_ROUNDS, MARK, Provenance, RaceRecord, Run, Skipped,
+    Classes, EndedBy, Judgement, LEAST_ROUNDS, MARK, Provenance, RaceRecord, Run, Skipped, TracerRun,
 };
 
 /// How many causes a row names.
@@ -169,64 +173,32 @@ fn scene(group: &Group<'_>) -> String {
 }
 
 fn build_table(group: &Group<'_>) -> String {
+    if group.contenders.is_empty() {
+        return String::new();
+    }
+    let mut sheet = Sheet::<&TracerRun>::new()
+        .told("tracer", |run| run.label())
+        .told("residency", |run| run.tracer.residency.clone())
+        .told("frame, faces (px)", |run| format!("{}, {}", size(run.viewpoint.frame), run.viewpoint.face))
+        .clock("clock", |run| Some(&run.build.times))
+        .structure(BUILD_TIME, |run| Some(run))
+        .phases("phases (ms)", "; ", |run| Some(&run.build.times))
+        .structure(STRUCTURE, |run| Some(run))
+        .structure(GEOMETRY, |run| Some(run))
+        .structure(BUILD_PEAK, |run| Some(run));
     // Runs of before structures were asked have nothing to say here.
-    let says = group.contenders.iter().any(|run| !run.structure_statistics.is_empty());
-    let mut headings = vec![
-        "tracer".to_owned(),
-        "residency".to_owned(),
-        "frame, faces (px)".to_owned(),
-        "clock".to_owned(),
-        metrics::BUILD_TIME.heading(),
-        "phases (ms)".to_owned(),
-        metrics::STRUCTURE.heading(),
-        metrics::GEOMETRY.heading(),
-        metrics::BUILD_PEAK.heading(),
-    ];
-    if says {
-        headings.push("what the structure says of itself".to_owned());
-    }
-    let mut table = Table::new(&headings);
-    for run in &group.contenders {
-        let build = &run.build;
-        let time = match build.times.samples_ms.is_empty() {
-            true => NONE.to_owned(),
-            false => with_interval(build.times.median_ms, build.times.interval_ms, 4),
-        };
-        let phases: Vec<_> = build
-            .times
-            .phases
-            .iter()
-            .map(|phase| format!("{} {}", phase.name, significant(phase.median_ms, 3)))
-            .collect();
-        let mut cells = vec![
-            run.label(),
-            run.tracer.residency.clone(),
-            format!("{}, {}", size(run.viewpoint.frame), run.viewpoint.face),
-            clock_of(&build.times),
-            time,
-            phases.join("; "),
-            mib(run.memory.structure_bytes),
-            mib(run.memory.geometry_bytes),
-            mib(run.memory.build_peak_bytes),
-        ];
-        if says {
+    if group.contenders.iter().any(|run| !run.structure_statistics.is_empty()) {
+        sheet = sheet.told("what the structure says of itself", |run| {
             let said = run.structure_statistics.iter().map(|(name, value)| format!("{name} {}", statistic(*value)));
-            cells.push(said.collect::<Vec<_>>().join("; "));
-        }
-        table.row(&cells);
+            said.collect::<Vec<_>>().join("; ")
+        });
     }
-    if group.contenders.is_empty() { String::new() } else { format!("\n### Build\n\n{}", table.text) }
+    format!("\n### Build\n\n{}", sheet.markdown(&group.contenders))
 }
 
 fn ray_set(group: &Group<'_>, set: &RaySet<'_>) -> String {
     let rows = group.traces(set);
-    let mut text = format!(
-        "\n### {}: {}, {} rays{}\n",
-        inline(&set.title),
-        format::query(set.query),
-        thousands(set.count),
-        surfaces::heading(&rows)
-    );
+    let mut text = format!("\n### {}{}\n", set.heading(), surfaces::heading(&rows));
     if rows.iter().any(|(_, _, trace)| many_ties(&trace.judgement)) {
         text += "\n**More than one ray in a thousand is a tie.**\n";
     }
@@ -243,78 +215,44 @@ fn ray_set(group: &Group<'_>, set: &RaySet<'_>) -> String {
     text
 }
 
+/// What every table of traces begins with.
+fn traced<'a>(query: Query) -> Sheet<'a, Row<'a>> {
+    Sheet::new()
+        .name(cells::own)
+        .own_clock(cells::own)
+        .told("rays", |(.., trace)| trace.count)
+        .taken(SPEED, cells::own)
+        .taken(TRACE_TIME, cells::own)
+        .right(query, cells::own)
+}
+
+fn metrics<'a>(metrics: impl IntoIterator<Item = Metric>) -> Columns<'a, Row<'a>> {
+    metrics.into_iter().map(|metric| metric.of_trace(|(.., trace): &Row<'_>| Some(trace))).collect()
+}
+
 fn closest_tables(text: &mut String, rows: &[Row<'_>]) {
-    let agreement = |metric: &Metric| format!("agreement {}", metric.heading());
-    let mut main = Table::new(&[
-        "tracer".to_owned(),
-        "clock".to_owned(),
-        "rays".to_owned(),
-        metrics::SPEED.heading(),
-        metrics::TRACE_TIME.heading(),
-        agreement(&metrics::HIT_MISS),
-        agreement(&metrics::TIGHT),
-        agreement(&metrics::FOOTPRINT),
-        "position error p50 / p95 / p99 (scene units) ↓".to_owned(),
-        metrics::IDENTITY.heading(),
-        metrics::TIES.heading(),
-    ]);
-    let mut classes = Table::new(
-        &["tracer", "rule", "true hit", "true miss", "false hit", "false miss", "early", "late"].map(str::to_owned),
-    );
+    let main = traced(Query::Closest).with(metrics([POSITION, IDENTITY, TIES]));
+    let mut by_rule: Vec<(String, &str, &Classes)> = Vec::new();
     for (role, run, trace) in rows {
-        let Judgement::Closest(judgement) = &trace.judgement else { continue };
-        let (judged, accuracies) = accuracies(trace);
-        let mut cells = speed_cells(*role, run, trace, judged).to_vec();
-        cells.extend(accuracies);
-        let position = judgement.position_error;
-        cells.push(format!(
-            "{} / {} / {}",
-            optional(position.p50, 3),
-            optional(position.p95, 3),
-            optional(position.p99, 3)
-        ));
-        let identities = judgement.classes.tight.true_hit;
-        cells.push(
-            judgement.identity.map_or_else(|| NONE.to_owned(), |share| format!("{} %", percent(share, identities))),
-        );
-        cells.push(thousands(judgement.ties));
-        main.row(&cells);
-        for (rule, counts) in [("tight", &judgement.classes.tight), ("footprint", &judgement.classes.footprint)] {
-            let Classes { true_hit, true_miss, false_hit, false_miss, early, late } = counts;
-            let counts = [true_hit, true_miss, false_hit, false_miss, early, late].map(|count| thousands(*count));
-            let mut cells = vec![label(*role, run), rule.to_owned()];
-            cells.extend(counts);
-            classes.row(&cells);
-        }
+        let Some(classes) = metrics::closest(trace).map(|judgement| &judgement.classes) else { continue };
+        by_rule.push((label(*role, run), "tight", &classes.tight));
+        by_rule.push((label(*role, run), "footprint", &classes.footprint));
     }
-    let _ = write!(text, "\n{}\nClasses, rays:\n\n{}", main.text, classes.text);
+    let classes = Sheet::<(String, &str, &Classes)>::new()
+        .told("tracer", |(label, ..)| label.clone())
+        .told("rule", |(_, rule, _)| (*rule).to_owned())
+        .told("true hit", |(.., classes)| classes.true_hit)
+        .told("true miss", |(.., classes)| classes.true_miss)
+        .told("false hit", |(.., classes)| classes.false_hit)
+        .told("false miss", |(.., classes)| classes.false_miss)
+        .told("early", |(.., classes)| classes.early)
+        .told("late", |(.., classes)| classes.late);
+    let _ = write!(text, "\n{}\nClasses, rays:\n\n{}", main.markdown(rows), classes.markdown(&by_rule));
 }
 
 fn any_tables(text: &mut String, rows: &[Row<'_>]) {
-    let mut main = Table::new(&[
-        "tracer".to_owned(),
-        "clock".to_owned(),
-        "rays".to_owned(),
-        metrics::SPEED.heading(),
-        metrics::TRACE_TIME.heading(),
-        metrics::BALANCED.heading(),
-        "rightly occluded".to_owned(),
-        "rightly free".to_owned(),
-        "wrongly occluded ↓".to_owned(),
-        "wrongly free ↓".to_owned(),
-        metrics::TIES.heading(),
-    ]);
-    for (role, run, trace) in rows {
-        let Judgement::Any(AnyJudgement { occlusion, ties, .. }) = &trace.judgement else { continue };
-        let (judged, accuracies) = accuracies(trace);
-        let mut cells = speed_cells(*role, run, trace, judged).to_vec();
-        cells.extend(accuracies);
-        let counts = [occlusion.true_occluded, occlusion.true_free, occlusion.false_occluded, occlusion.false_free];
-        cells.extend(counts.map(thousands));
-        cells.push(thousands(*ties));
-        main.row(&cells);
-    }
-    let _ = write!(text, "\n{}", main.text);
+    let counts = [TRUE_OCCLUDED, TRUE_FREE, FALSE_OCCLUDED, FALSE_FREE, TIES];
+    let _ = write!(text, "\n{}", traced(Query::Any).with(metrics(counts)).markdown(rows));
 }
 
 fn causes(rows: &[Row<'_>]) -> String {

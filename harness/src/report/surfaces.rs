@@ -2,12 +2,13 @@
 
 use tracebench_api::{EndPoint, MemoryEntry};
 
-use super::cells::{Row, label};
-use super::format::{NONE, mib, optional, percent, percent_with_interval, significant, thousands};
+use super::cells::{self, Row, label};
+use super::format::mib;
 use super::group::Role;
 use super::markdown::Table;
-use super::metrics;
-use crate::results::{Percentiles, PhaseRecord, TraceRecord};
+use super::metrics::{LOST, MATERIAL, NORMAL, NORMAL_ERROR, POSITION_ERROR_OF_SURFACE, POSITION_OF_SURFACE, SURFACES};
+use super::sheet::Sheet;
+use crate::results::TraceRecord;
 
 /// Where traces end, where that is not at hits; for a heading.
 pub(super) fn heading(rows: &[Row<'_>]) -> &'static str {
@@ -28,41 +29,15 @@ fn at_surfaces(role: Role, trace: &TraceRecord) -> bool {
 
 /// What traces left beyond hits, and what all of them took.
 fn surfaces(rows: &[Row<'_>]) -> String {
-    let mut table = Table::new(&[
-        "tracer".to_owned(),
-        metrics::SURFACES.heading(),
-        "material ↑".to_owned(),
-        "normal ↑".to_owned(),
-        "position ↑".to_owned(),
-        "lost (rays) ↓".to_owned(),
-        "normal error p50 / p95 / p99 (degrees) ↓".to_owned(),
-        "position error p50 / p95 / p99 (scene units) ↓".to_owned(),
-    ]);
-    let mut any = false;
-    for (role, run, trace) in rows {
-        let Some(judged) = &trace.surfaces else { continue };
-        any = true;
-        let of_judged = |value: Option<f64>| {
-            value.map_or_else(|| NONE.to_owned(), |value| format!("{} %", percent(value, judged.judged)))
-        };
-        let errors = |errors: Percentiles| {
-            format!("{} / {} / {}", optional(errors.p50, 3), optional(errors.p95, 3), optional(errors.p99, 3))
-        };
-        table.row(&[
-            label(*role, run),
-            judged.agreement.map_or_else(
-                || NONE.to_owned(),
-                |agreement| percent_with_interval(agreement, judged.interval, judged.judged),
-            ),
-            of_judged(judged.material),
-            of_judged(judged.normal),
-            of_judged(judged.position),
-            thousands(judged.lost),
-            errors(judged.normal_error_degrees),
-            errors(judged.position_error),
-        ]);
+    let rows: Vec<Row<'_>> = rows.iter().filter(|(.., trace)| trace.surfaces.is_some()).copied().collect();
+    if rows.is_empty() {
+        return String::new();
     }
-    if any { format!("\nSurfaces of the hits that are right within a pixel:\n\n{}", table.text) } else { String::new() }
+    let all = [SURFACES, MATERIAL, NORMAL, POSITION_OF_SURFACE, LOST, NORMAL_ERROR, POSITION_ERROR_OF_SURFACE];
+    let sheet = Sheet::<Row<'_>>::new()
+        .name(cells::own)
+        .with(all.map(|metric| metric.of_trace(|(.., trace): &Row<'_>| Some(trace))).into());
+    format!("\nSurfaces of the hits that are right within a pixel:\n\n{}", sheet.markdown(&rows))
 }
 
 /// What a trace takes, by its parts.
@@ -82,14 +57,11 @@ fn trace_memory(rows: &[Row<'_>]) -> String {
 
 /// The passes of the traces that have several.
 fn phases(rows: &[Row<'_>]) -> String {
-    let mut table = Table::new(&["tracer", "phases (ms)"].map(str::to_owned));
-    let mut any = false;
-    for (role, run, trace) in
-        rows.iter().filter(|(role, _, trace)| at_surfaces(*role, trace) && !trace.times.phases.is_empty())
-    {
-        let phase = |phase: &PhaseRecord| format!("{} {}", phase.name, significant(phase.median_ms, 3));
-        table.row(&[label(*role, run), trace.times.phases.iter().map(phase).collect::<Vec<_>>().join("; ")]);
-        any = true;
+    let several = |(role, _, trace): &&Row<'_>| at_surfaces(*role, trace) && !trace.times.phases.is_empty();
+    let rows: Vec<Row<'_>> = rows.iter().filter(several).copied().collect();
+    if rows.is_empty() {
+        return String::new();
     }
-    if any { format!("\nPhases of the traces:\n\n{}", table.text) } else { String::new() }
+    let sheet = Sheet::<Row<'_>>::new().name(cells::own).phases("phases (ms)", "; ", |(.., trace)| Some(&trace.times));
+    format!("\nPhases of the traces:\n\n{}", sheet.markdown(&rows))
 }

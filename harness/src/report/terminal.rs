@@ -2,12 +2,13 @@
 
 use std::fmt::Write as _;
 
-use tracebench_api::{ClockKind, Query};
+use tracebench_api::ClockKind;
 
 use super::format::{NONE, percent, significant, thousands};
 use super::group::{Group, RaySet, Role, groups};
 use super::metrics;
-use crate::results::{Judgement, Run, TraceRecord};
+use super::sheet::Accuracy;
+use crate::results::{Run, TraceRecord};
 
 /// Columns that names may take; longer ones go on in the next line. With the other columns a line has 100 at most.
 const LONGEST_NAME: usize = 30;
@@ -40,34 +41,18 @@ fn title(set: &RaySet<'_>) -> String {
 }
 
 fn ray_set(text: &mut String, group: &Group<'_>, set: &RaySet<'_>, width: usize) {
-    let heads: &[&str] = match set.query {
-        Query::Closest => &["hit_miss", "tight", "footprint"],
-        Query::Any => &["balanced accuracy"],
-    };
-    line(text, width, &title(set), "Mrays/s", heads, "clock");
+    line(text, width, &title(set), metrics::SPEED.unit, metrics::rules(set.query), "clock");
     for (role, one, trace) in group.traces(set) {
         if role == Role::Contender {
-            let shares = shares(trace);
-            let speed = metrics::speed(trace).filter(|_| shares.iter().all(Option::is_some));
+            let speed = metrics::speed(trace).filter(|_| metrics::judged(trace));
             let speed = speed.map_or_else(|| NONE.to_owned(), |speed| significant(speed, 4));
-            let trials = metrics::trials(trace);
-            let share = |share: &Option<f64>| {
-                share.map_or_else(|| NONE.to_owned(), |share| format!("{} %", percent(share, trials)))
+            // None of a set whose rays are all ties.
+            let share = |Accuracy { share, trials, .. }: &Accuracy| {
+                share.map_or_else(|| NONE.to_owned(), |share| format!("{} %", percent(share, *trials)))
             };
-            let cells: Vec<String> = shares.iter().map(share).collect();
+            let cells: Vec<String> = metrics::right_of(trace).iter().map(share).collect();
             line(text, width, &one.label(), &speed, &cells, &clock(trace));
         }
-    }
-}
-
-/// The accuracies that stand beside a speed; none of a set whose rays are all ties.
-fn shares(trace: &TraceRecord) -> Vec<Option<f64>> {
-    match &trace.judgement {
-        Judgement::Closest(closest) => {
-            let agreement = &closest.agreement;
-            vec![agreement.hit_miss, agreement.tight, agreement.footprint]
-        }
-        Judgement::Any(any) => vec![any.occlusion.balanced_accuracy],
     }
 }
 
@@ -101,6 +86,7 @@ fn line(text: &mut String, width: usize, name: &str, speed: &str, shares: &[impl
 mod tests {
     use super::*;
     use crate::report::fixture::{self, Quality};
+    use crate::results::Judgement;
 
     const FAIR: Quality = Quality { missed: 0.25, blur: 1e-9, speed: 3.1, clock: ClockKind::SubmitToDone };
 

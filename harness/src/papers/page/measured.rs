@@ -1,17 +1,15 @@
 //! What was measured: a paper's own sections, then structures and traces of every scene and resolution.
 
-use std::collections::BTreeSet;
-
-use tracebench_api::Query;
-
 use super::Page;
 use crate::papers::rows::{self, trace};
 use crate::papers::{SceneRows, Scope};
-use crate::report::format::{self, NONE, clock_of, mib, significant, statistic, thousands, with_interval};
-use crate::report::group::Role;
-use crate::report::markdown::{Table, inline};
+use crate::report::format::{self, NONE, mib, significant, thousands};
+use crate::report::group::{Role, set_heading};
+use crate::report::markdown::inline;
+use crate::report::metrics::{BUILD_TIME, SPEED, STRUCTURE, TRACE_TIME};
+use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::{cells, metrics};
-use crate::results::{Judgement, Times, TraceRecord, TracerRun};
+use crate::results::{Judgement, TraceRecord, TracerRun};
 
 /// Headings.
 pub(in crate::papers) fn strings(headings: &[&str]) -> Vec<String> {
@@ -52,41 +50,27 @@ fn at_resolution(page: &Page<'_>, scene: &SceneRows<'_>) -> String {
 fn structures(page: &Page<'_>, scene: &SceneRows<'_>) -> String {
     let timed = scene.runs.iter().any(|run| !run.traces.is_empty());
     let known = |name: &str| scene.runs.iter().any(|run| run.structure_statistics.contains_key(name));
-    let counts: Vec<_> = page.paper.counts.iter().filter(|(name, _)| known(name)).collect();
-    let mut headings = strings(&["tracer"]);
-    headings.extend(counts.iter().map(|(_, heading)| (*heading).to_owned()));
-    headings.extend(Scope::ALL.map(|(_, heading)| heading.to_owned()));
-    headings.push("structure alone, allocated (MiB) ↓".to_owned());
+    let counts = page.paper.counts.iter().filter(|(name, _)| known(name));
+    let count = |(name, heading): &(&'static str, &'static str)| {
+        let name = *name;
+        Column::told(*heading, move |run: &&TracerRun| rows::statistic(run, name).map(Cell::Statistic))
+    };
+    let in_scope = |(scope, heading): (Scope, &str)| {
+        Column::told(heading, move |run: &&TracerRun| page.paper.bytes(run, scope).map(Cell::Bytes))
+    };
+    let mut sheet = Sheet::<&TracerRun>::new()
+        .told("tracer", |run| run.label())
+        .with(counts.map(count).collect())
+        .with(Scope::ALL.map(in_scope).into())
+        .structure(STRUCTURE.called("structure alone, allocated"), |run| Some(run));
     if timed {
-        headings.extend([strings(&["build clock"]), vec![metrics::BUILD_TIME.heading()]].concat());
-        headings.push("phases (ms)".to_owned());
+        sheet = sheet.clock("build_clock", |run| Some(&run.build.times)).structure(BUILD_TIME, |run| Some(run)).phases(
+            "phases (ms)",
+            "; ",
+            |run| Some(&run.build.times),
+        );
     }
-    let mut table = Table::new(&headings);
-    for run in &scene.runs {
-        let count = |name: &str| rows::statistic(run, name).map_or_else(|| NONE.to_owned(), statistic);
-        let mut cells = vec![run.label()];
-        cells.extend(counts.iter().map(|(name, _)| count(name)));
-        cells.extend(Scope::ALL.map(|(scope, _)| bytes(page, run, scope)));
-        cells.push(mib(run.memory.structure_bytes));
-        if timed {
-            let times = &run.build.times;
-            cells.push(clock_of(times));
-            cells.push(if times.samples_ms.is_empty() {
-                NONE.to_owned()
-            } else {
-                with_interval(times.median_ms, times.interval_ms, 4)
-            });
-            cells.push(phases(times));
-        }
-        table.row(&cells);
-    }
-    table.text
-}
-
-/// Every phase by its median.
-fn phases(times: &Times) -> String {
-    let phases = times.phases.iter().map(|each| format!("{} {}", each.name, significant(each.median_ms, 3)));
-    phases.collect::<Vec<_>>().join("; ")
+    sheet.markdown(&scene.runs)
 }
 
 /// Bytes in a scope.
@@ -95,33 +79,21 @@ pub(super) fn bytes(page: &Page<'_>, run: &TracerRun, scope: Scope) -> String {
 }
 
 fn traces(scene: &SceneRows<'_>, set: &str) -> String {
-    let all: Vec<(Role, &TracerRun, &TraceRecord)> =
+    let all: Vec<cells::Row<'_>> =
         scene.runs.iter().filter_map(|run| Some((Role::Contender, *run, trace(run, set)?))).collect();
     let Some((.., first)) = all.first() else { return String::new() };
-    let counters: BTreeSet<&str> =
-        all.iter().flat_map(|(.., trace)| trace.counters.keys().map(String::as_str)).collect();
-    let accuracies: &[&str] = match first.query {
-        Query::Closest => &["agreement hit_miss ↑", "agreement tight ↑", "agreement footprint ↑"],
-        Query::Any => &["balanced accuracy ↑"],
-    };
-    let mut headings = strings(&["tracer", "clock"]);
-    headings.extend([metrics::SPEED.heading(), metrics::TRACE_TIME.heading()]);
-    headings.extend(strings(accuracies));
-    let in_phases = all.iter().any(|(.., trace)| trace.times.phases.len() > 1);
-    headings.extend(in_phases.then(|| "phases (ms)".to_owned()));
-    headings.extend(cells::counter_headings(&all, &counters));
-    let mut table = Table::new(&headings);
-    for (role, run, trace) in &all {
-        let (judged, accuracies) = cells::accuracies(trace);
-        let [label, clock, _, speed, time] = cells::speed_cells(*role, run, trace, judged);
-        let mut row = vec![label, clock, speed, time];
-        row.extend(accuracies);
-        row.extend(in_phases.then(|| if judged { phases(&trace.times) } else { NONE.to_owned() }));
-        row.extend(cells::counters(run, trace, &counters));
-        table.row(&row);
+    let mut sheet = Sheet::<cells::Row<'_>>::new()
+        .name(cells::own)
+        .own_clock(cells::own)
+        .taken(SPEED, cells::own)
+        .taken(TRACE_TIME, cells::own)
+        .right(first.query, cells::own);
+    if all.iter().any(|(.., trace)| trace.times.phases.len() > 1) {
+        sheet = sheet.phases("phases (ms)", "; ", |(.., trace)| Some(&trace.times).filter(|_| metrics::judged(trace)));
     }
-    let title = format!("{}: {}, {} rays", inline(set), format::query(first.query), thousands(first.count));
-    format!("\n**{title}**\n{}\n{}", cells::coverage(&all), table.text)
+    let sheet = sheet.counted(&all, cells::own);
+    let title = set_heading(set, first.query, first.count);
+    format!("\n**{title}**\n{}\n{}", cells::coverage(&all), sheet.markdown(&all))
 }
 
 /// Speed and accuracy in one cell.

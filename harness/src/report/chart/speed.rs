@@ -10,7 +10,8 @@ use super::palette::{CONTROL, GREY, SHADE, Shape, Style, Styles};
 use super::{caption, clocks, legend_label, panel_title, titles};
 use crate::report::group::{Group, RaySet, Role};
 use crate::report::metrics;
-use crate::results::{Judgement, Run, TraceRecord};
+use crate::report::sheet::Accuracy;
+use crate::results::{Run, TraceRecord};
 
 /// Height of the row for zero at the foot of a panel; a logarithm never gets there.
 const ZERO_ROW: f64 = 26.0;
@@ -127,20 +128,14 @@ fn panel(group: &Group<'_>, set: &RaySet<'_>, styles: &Styles) -> Panel {
 }
 
 fn errors(trace: &TraceRecord) -> Option<(Error, Option<Error>)> {
-    let error = |right: f64, interval: Option<[f64; 2]>| {
-        let [low, high] = interval.unwrap_or([right, right]);
-        Error { share: (1.0 - right).max(0.0), interval: [(1.0 - high).max(0.0), (1.0 - low).max(0.0)] }
+    let error = |right: &Accuracy| {
+        let [low, high] = right.interval.unwrap_or([right.share?; 2]);
+        Some(Error { share: (1.0 - right.share?).max(0.0), interval: [(1.0 - high).max(0.0), (1.0 - low).max(0.0)] })
     };
-    match &trace.judgement {
-        Judgement::Closest(judgement) => {
-            let footprint = error(judgement.agreement.footprint?, judgement.interval.footprint);
-            let tight = judgement.agreement.tight.map(|right| error(right, judgement.interval.tight));
-            Some((footprint, tight))
-        }
-        Judgement::Any(judgement) => {
-            let occlusion = &judgement.occlusion;
-            Some((error(occlusion.balanced_accuracy?, occlusion.balanced_accuracy_interval), None))
-        }
+    match metrics::right_of(trace).as_slice() {
+        [_, tight, footprint] => Some((error(footprint)?, error(tight))),
+        [balanced] => Some((error(balanced)?, None)),
+        _ => None,
     }
 }
 

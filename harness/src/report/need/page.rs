@@ -2,12 +2,14 @@
 
 use std::fmt::Write as _;
 
-use super::{Shown, contender, value_of};
-use crate::report::format::{NONE, mib, optional, significant, thousands, with_interval};
-use crate::report::markdown::{Table, inline};
+use super::csv::{self, Row};
+use super::{Shown, contender};
+use crate::report::format::{significant, thousands};
+use crate::report::markdown::inline;
+use crate::report::sheet::{Cell, Sheet};
 use crate::report::summary;
-use crate::results::{NeedRecord, Run};
-use crate::studies::need::{Curve, Need, Step, transfers};
+use crate::results::{NeedCurve, NeedRecord, Run};
+use crate::studies::need::{Curve, Need, Step, Transfer, transfers};
 
 /// The whole page.
 pub(super) fn page(run: &Run, record: &NeedRecord, curves: &[Curve<'_>], shown: &[Shown<'_>]) -> String {
@@ -35,38 +37,23 @@ pub(super) fn page(run: &Run, record: &NeedRecord, curves: &[Curve<'_>], shown: 
 
 /// A row a tracer and viewpoint.
 fn needs(shown: &Shown<'_>) -> String {
-    let headings = [
-        "tracer",
-        "from",
-        "rule",
-        "stored (MiB)",
-        "touched (MiB)",
-        "needed (MiB) ↓",
-        "by",
-        "needed in time (MiB) ↓",
-        "by",
-        "how far each may shrink",
-    ];
-    let mut table = Table::new(&headings.map(str::to_owned));
-    for curve in &shown.curves {
-        let (needed, in_time) = (curve.needed(false), curve.needed(true));
-        let bytes = |step: &Step<'_>| step.bytes().map_or_else(|| NONE.to_owned(), mib);
-        let far = curve.axes.iter().map(|axis| format!("{}: {}", axis.name, until(&axis.need())));
-        let far: Vec<String> = far.collect();
-        table.row(&[
-            contender(curve),
-            curve.record.viewpoint.clone(),
-            curve.record.rule.name().to_owned(),
-            bytes(&curve.whole),
-            optional(curve.whole.touched_bytes().map(|bytes| bytes / f64::from(1 << 20)), 4),
-            bytes(needed),
-            by(needed),
-            bytes(in_time),
-            by(in_time),
-            if far.is_empty() { "nothing shrinks".to_owned() } else { far.join("; ") },
-        ]);
-    }
-    table.text
+    let bytes = |step: &Step<'_>| step.bytes().map(|bytes| Cell::Bytes(bytes as f64));
+    let sheet = Sheet::<&Curve<'_>>::new()
+        .told("tracer", |curve| contender(curve))
+        .told("from", |curve| curve.record.viewpoint.clone())
+        .told("rule", |curve| curve.record.rule.name())
+        .told("stored (MiB)", |curve| bytes(&curve.whole))
+        .told("touched (MiB)", |curve| curve.whole.touched_bytes().map(Cell::Bytes))
+        .told("needed (MiB) ↓", |curve| bytes(curve.needed(false)))
+        .told("by", |curve| by(curve.needed(false)))
+        .told("needed in time (MiB) ↓", |curve| bytes(curve.needed(true)))
+        .told("by", |curve| by(curve.needed(true)))
+        .told("how far each may shrink", |curve| {
+            let far = curve.axes.iter().map(|axis| format!("{}: {}", axis.name, until(&axis.need())));
+            let far: Vec<String> = far.collect();
+            if far.is_empty() { "nothing shrinks".to_owned() } else { far.join("; ") }
+        });
+    sheet.markdown(&shown.curves)
 }
 
 /// What a structure has less of.
@@ -86,67 +73,39 @@ fn until(need: &Need<'_>) -> String {
 
 /// Every step.
 fn steps(shown: &Shown<'_>) -> String {
-    let headings =
-        ["tracer", "from", "less of", "MiB ↓", "rays lost (%) ↓", "enough", "times as long ↓", "enough in time"];
-    let mut table = Table::new(&headings.map(str::to_owned));
-    let mut any = false;
-    for curve in &shown.curves {
-        let single = curve.axes.iter().flat_map(|axis| {
-            axis.steps.iter().map(move |step| (format!("{}={}", axis.name, value_of(axis, step)), step))
-        });
-        for (label, step) in single.chain(curve.joint.iter().map(|step| (step.point.label(), step))) {
-            any = true;
-            let yes = |enough: bool| if enough { "yes" } else { "no" }.to_owned();
-            let ratio = step.times_as_long.map(|ratio| with_interval(ratio.value, ratio.interval, 3));
-            let measured = |text: String| if step.changed.is_some() { text } else { NONE.to_owned() };
-            table.row(&[
-                contender(curve),
-                curve.record.viewpoint.clone(),
-                label,
-                step.bytes().map_or_else(|| NONE.to_owned(), mib),
-                lost(step.lost()),
-                measured(yes(step.is_enough())),
-                ratio.unwrap_or_else(|| NONE.to_owned()),
-                measured(yes(step.is_enough_in_time())),
-            ]);
-        }
+    let rows: Vec<Row<'_>> = shown.curves.iter().flat_map(|curve| csv::steps(curve)).collect();
+    if rows.is_empty() {
+        return String::new();
     }
-    if any { format!("\nEvery step:\n\n{}", table.text) } else { String::new() }
-}
-
-/// A share of rays lost, in percent.
-fn lost(found: Option<(f64, [f64; 2])>) -> String {
-    let percent = |(value, interval): (f64, [f64; 2])| with_interval(value * 100.0, interval.map(|end| end * 100.0), 3);
-    found.map_or_else(|| NONE.to_owned(), percent)
+    let sheet = Sheet::<Row<'_>>::new()
+        .told("tracer", |row| contender(row.curve))
+        .told("from", |row| row.curve.record.viewpoint.clone())
+        .told("less of", |row| row.less.clone())
+        .then(csv::of_steps);
+    format!("\nEvery step:\n\n{}", sheet.markdown(&rows))
 }
 
 /// Whether needs serve where they were not found.
 fn elsewhere(curves: &[Curve<'_>]) -> String {
-    let headings = ["tracer", "rays", "found in", "needs", "tried in", "rays lost there (%) ↓", "serves"];
-    let mut table = Table::new(&headings.map(str::to_owned));
-    let (mut tried, mut served) = (0, 0);
-    for each in transfers(curves) {
-        let place = |curve: &crate::results::NeedCurve| format!("{} from {}", curve.scene, curve.viewpoint);
-        let serves = match each.serves {
+    let place = |curve: &NeedCurve| format!("{} from {}", curve.scene, curve.viewpoint);
+    let sheet = Sheet::<Transfer<'_>>::new()
+        .told("tracer", |each| each.from.tracer.clone())
+        .told("rays", |each| each.rays.to_owned())
+        .told("found in", |each| place(each.from))
+        .told("needs", |each| format!("{}={}", each.axis, each.value))
+        .told("tried in", |each| place(each.to))
+        .told("rays lost there (%) ↓", |each| each.lost.map(|(value, interval)| Cell::Percent(value, interval)))
+        .told("serves", |each| match each.serves {
             Some(true) => "yes",
             Some(false) => "**no**",
             None => "not measured",
-        };
-        tried += u32::from(each.serves.is_some());
-        served += u32::from(each.serves == Some(true));
-        table.row(&[
-            each.from.tracer.clone(),
-            each.rays.to_owned(),
-            place(each.from),
-            format!("{}={}", each.axis, each.value),
-            place(each.to),
-            lost(each.lost),
-            serves.to_owned(),
-        ]);
-    }
+        });
+    let all = transfers(curves);
+    let tried = all.iter().filter(|each| each.serves.is_some()).count();
+    let served = all.iter().filter(|each| each.serves == Some(true)).count();
     let head = "\n## Needs that are tried elsewhere\n\n";
     if tried == 0 {
         return format!("{head}None: there is no other viewpoint or scene, or nothing shrinks.\n");
     }
-    format!("{head}{served} of {tried} serve where they were not found.\n\n{}", table.text)
+    format!("{head}{served} of {tried} serve where they were not found.\n\n{}", sheet.markdown(&all))
 }

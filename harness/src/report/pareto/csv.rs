@@ -4,11 +4,12 @@ use tracebench_api::Query;
 
 use super::Shown;
 use crate::report::ReportError;
-use crate::report::metrics;
-use crate::report::tables::{code, number, to_csv};
-use crate::results::{ParetoRecord, Run};
+use crate::report::metrics::{self, COUNT};
+use crate::report::sheet::{Column, Columns, Sheet};
+use crate::results::{CheckedRecord, ParetoRecord, Run};
 use crate::studies::pareto::{
-    Aim, Amount, By, Check, Cost, Entry, Field, LEVELS, Overtaking, Wrong, best, check, classes, overtaking,
+    Aim, Amount, By, Check, Class, ClassCost, Cost, Entry, Field, LEVELS, Overtaking, Wrong, best, check, classes,
+    overtaking,
 };
 
 /// Every point on every ray set.
@@ -18,16 +19,15 @@ pub(super) const OPERATING: &str = "operating_points.csv";
 /// Who overtakes whom.
 pub(super) const BREAK_EVEN: &str = "break_even.csv";
 
-/// The rules and costs by which a point stands to a front, in the order of columns.
-fn kinds(record: &ParetoRecord) -> Vec<(By, Cost)> {
-    let rules = [By::all(Query::Closest), By::all(Query::Any)].concat();
-    let costs = Cost::all(&record.rays_per_pixel);
-    rules.into_iter().flat_map(|by| costs.iter().map(move |cost| (by, *cost)).collect::<Vec<_>>()).collect()
+/// Every rule.
+fn rules() -> Vec<By> {
+    [By::all(Query::Closest), By::all(Query::Any)].concat()
 }
 
-fn ends(amount: Option<Amount>) -> [String; 3] {
-    let part = |of: fn(&Amount) -> f64| number(amount.as_ref().map(of));
-    [part(|all| all.value), part(|all| all.interval[0]), part(|all| all.interval[1])]
+/// The rules and costs by which a point stands to a front, in the order of columns.
+fn kinds(record: &ParetoRecord) -> Vec<(By, Cost)> {
+    let costs = Cost::all(&record.rays_per_pixel);
+    rules().into_iter().flat_map(|by| costs.iter().map(move |cost| (by, *cost)).collect::<Vec<_>>()).collect()
 }
 
 /// How entries stand to their own front, by their places.
@@ -36,256 +36,277 @@ fn named<'a>(field: &Field<'a>, entries: &[Entry<'a>], cost: Cost, by: By) -> Ve
     standings.map(|(entry, _, standing)| (entry.index, standing.name())).collect()
 }
 
+/// By kind how every entry stands to the front of all, and to its tracer's own.
+type Standings = Vec<[Vec<(usize, &'static str)>; 2]>;
+
+fn standings(field: &Field<'_>, kinds: &[(By, Cost)]) -> Standings {
+    let of_kind = |(by, cost): &(By, Cost)| {
+        if !By::all(field.query).contains(by) {
+            return [Vec::new(), Vec::new()];
+        }
+        let of_tracer = |tracer| named(field, &field.of_tracer(tracer), *cost, *by);
+        let own = field.tracers().into_iter().flat_map(of_tracer).collect();
+        [named(field, &field.entries, *cost, *by), own]
+    };
+    kinds.iter().map(of_kind).collect()
+}
+
+/// A point on a ray set.
+struct Point<'a> {
+    field: &'a Field<'a>,
+    entry: &'a Entry<'a>,
+    standings: &'a Standings,
+}
+
+impl Point<'_> {
+    fn wrong(&self, by: By) -> Option<Wrong> {
+        Wrong::of(self.entry.trace, by).filter(|_| By::all(self.field.query).contains(&by))
+    }
+}
+
 /// A row a scene, ray set and point.
 pub(super) fn points(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> Result<Vec<u8>, ReportError> {
-    let fixed = [
-        "scene",
-        "scene_sha256",
-        "viewpoint",
-        "rays",
-        "rays_sha256",
-        "query",
-        "count_rays",
-        "tracer",
-        "preset",
-        "order",
-        "values_json",
-        "parameters_json",
-        "frame_px",
-        "face_px",
-        "hits_sha256",
-    ];
-    let costs = Cost::all(&record.rays_per_pixel);
     let kinds = kinds(record);
-    let mut header: Vec<String> = fixed.map(str::to_owned).to_vec();
-    for cost in &costs {
-        let name = match cost {
-            Cost::Trace => "trace_ms".to_owned(),
-            Cost::Build => "build_ms".to_owned(),
-            Cost::Bytes => "bytes".to_owned(),
-            Cost::Frame(_) => format!("{}_ms", cost.code()),
-        };
-        header.extend(["", "_low", "_high"].map(|end| format!("{name}{end}")));
+    let fields = || shown.iter().flat_map(|scene| &scene.fronts.fields);
+    let of_fields: Vec<(&Field<'_>, Standings)> = fields().map(|field| (field, standings(field, &kinds))).collect();
+    let mut rows: Vec<Point<'_>> = Vec::new();
+    for (field, standings) in &of_fields {
+        rows.extend(field.entries.iter().map(|entry| Point { field, entry, standings }));
     }
-    let rules = [By::all(Query::Closest), By::all(Query::Any)].concat();
-    for by in &rules {
-        header.extend(["", "_low", "_high"].map(|end| format!("wrong_{}{end}_share", by.name())));
-        header.push(format!("wrong_{}_bound_share", by.name()));
+    let sheet = Sheet::<Point<'_>>::new()
+        .scene_of(|row| (&row.field.scene.scene.name, &row.field.scene.scene.sha256))
+        .column("viewpoint", |row| row.field.viewpoint.name.clone())
+        .column("rays", |row| row.field.rays.to_owned())
+        .column("rays_sha256", |row| row.entry.trace.rays_sha256.clone())
+        .query(|row| Some(row.field.query))
+        .metric(COUNT, |row: &Point<'_>| Some(row.field.count.into()))
+        .column("tracer", |row| row.entry.point.tracer.clone())
+        .column("preset", |row| row.entry.point.preset.clone())
+        .column("order", |row| row.entry.point.order)
+        .json("values_json", |row| &row.entry.point.values)
+        .json("parameters_json", |row| &row.entry.point.parameters)
+        .sizes(|row| (row.entry.point.frame, row.entry.point.face))
+        .hits(|row| Some(row.entry.trace))
+        .with(Cost::all(&record.rays_per_pixel).into_iter().map(cost).collect())
+        .with(rules().into_iter().flat_map(wrong).collect())
+        .with(kinds.iter().enumerate().flat_map(|(place, kind)| fronts(place, *kind)).collect())
+        .provenance(&run.provenance, &run.preset);
+    sheet.csv(POINTS, &rows)
+}
+
+/// What a point costs.
+fn cost<'a>(cost: Cost) -> Column<'a, Point<'a>> {
+    let name = match cost {
+        Cost::Trace => "trace_ms".to_owned(),
+        Cost::Build => "build_ms".to_owned(),
+        Cost::Bytes => "bytes".to_owned(),
+        Cost::Frame(_) => format!("{}_ms", cost.code()),
+    };
+    Column::new(&*name, move |row: &Point<'a>| row.field.cost(row.entry, cost))
+        .beside(&[&format!("{name}_low"), &format!("{name}_high")])
+}
+
+/// How often a point is wrong by a rule, and the bound.
+fn wrong<'a>(by: By) -> Columns<'a, Point<'a>> {
+    let name = format!("wrong_{}", by.name());
+    let share = move |row: &Point<'a>| row.wrong(by).map(|wrong| wrong.share);
+    let ends = [&*format!("{name}_low_share"), &format!("{name}_high_share")];
+    vec![
+        Column::new(format!("{name}_share"), share).beside(&ends),
+        Column::new(format!("{name}_bound_share"), move |row: &Point<'a>| row.wrong(by).map(|wrong| wrong.bound)),
+    ]
+}
+
+/// How a point stands to the front of all, and to its tracer's own.
+fn fronts<'a>(place: usize, (by, cost): (By, Cost)) -> Columns<'a, Point<'a>> {
+    let column = |(whose, front): (usize, &str)| {
+        Column::new(format!("{front}_{}_{}", by.name(), cost.code()), move |row: &Point<'a>| {
+            let found = row.standings[place][whose].iter().find(|(index, _)| *index == row.entry.index);
+            found.map(|(_, name)| *name)
+        })
+    };
+    ["front", "own_front"].into_iter().enumerate().map(column).collect()
+}
+
+/// An operating point: by rule, level, tracer or all of them, and aim.
+struct Operating<'a> {
+    shown: &'a Shown<'a>,
+    field: &'a Field<'a>,
+    by: By,
+    level: f64,
+    of: &'a str,
+    aim: Aim,
+    found: Entry<'a>,
+}
+
+impl Operating<'_> {
+    fn there(&self) -> Option<&CheckedRecord> {
+        self.shown.fronts.scene.checked.as_ref()
     }
-    for (by, cost) in &kinds {
-        header.extend(["front", "own_front"].map(|front| format!("{front}_{}_{}", by.name(), cost.code())));
+
+    fn check(&self) -> Check {
+        check(&self.shown.fronts.elsewhere, self.field.rays, self.found.point, self.by, self.level)
     }
-    header.extend(["commit", "run_preset", "machine"].map(str::to_owned));
-    let mut rows = vec![header];
-    for field in shown.iter().flat_map(|scene| &scene.fronts.fields) {
-        // By kind how every entry stands to the front of all, and to its tracer's own.
-        let standing = |(by, cost): &(By, Cost)| {
-            if !By::all(field.query).contains(by) {
-                return [Vec::new(), Vec::new()];
-            }
-            let of_tracer = |tracer| named(field, &field.of_tracer(tracer), *cost, *by);
-            let own = field.tracers().into_iter().flat_map(of_tracer).collect();
-            [named(field, &field.entries, *cost, *by), own]
-        };
-        let standings: Vec<[Vec<(usize, &'static str)>; 2]> = kinds.iter().map(standing).collect();
-        for entry in &field.entries {
-            let (point, scene) = (entry.point, &field.scene.scene);
-            let [width, height] = point.frame;
-            let mut row = vec![
-                scene.name.clone(),
-                scene.sha256.clone(),
-                field.viewpoint.name.clone(),
-                field.rays.to_owned(),
-                entry.trace.rays_sha256.clone(),
-                code(field.query),
-                field.count.to_string(),
-                point.tracer.clone(),
-                point.preset.clone(),
-                point.order.to_string(),
-                serde_json::to_string(&point.values).unwrap_or_default(),
-                serde_json::to_string(&point.parameters).unwrap_or_default(),
-                format!("{width}x{height}"),
-                point.face.to_string(),
-                entry.trace.hits_sha256.clone(),
-            ];
-            row.extend(costs.iter().flat_map(|cost| ends(field.cost(entry, *cost))));
-            for by in &rules {
-                let wrong = Wrong::of(entry.trace, *by).filter(|_| By::all(field.query).contains(by));
-                row.extend(ends(wrong.map(|wrong| wrong.share)));
-                row.push(number(wrong.map(|wrong| wrong.bound)));
-            }
-            for fronts in &standings {
-                row.extend(fronts.each_ref().map(|front| {
-                    let found = front.iter().find(|(index, _)| *index == entry.index);
-                    found.map_or_else(String::new, |(_, name)| (*name).to_owned())
-                }));
-            }
-            row.extend([run.provenance.commit.clone(), run.preset.clone(), run.provenance.machine.label()]);
-            rows.push(row);
+
+    fn value(&self, cost: Cost) -> Option<f64> {
+        Some(self.field.cost(&self.found, cost)?.value)
+    }
+
+    fn checked(&self) -> &'static str {
+        match self.check() {
+            Check::Holds(_) => "holds",
+            Check::WithinNoise(..) => "within_noise",
+            Check::Misses(..) => "misses",
+            Check::NotMeasured => "not_measured",
         }
     }
-    to_csv(POINTS, rows)
+
+    fn right_there(&self) -> Option<Amount> {
+        match self.check() {
+            Check::Holds(wrong) | Check::WithinNoise(wrong, _) | Check::Misses(wrong, _) => {
+                Some(wrong.share.times(-1.0).and(Amount::exact(1.0)))
+            }
+            Check::NotMeasured => None,
+        }
+    }
+}
+
+fn operating_points<'a>(shown: &'a [Shown<'a>]) -> Vec<Operating<'a>> {
+    let mut rows = Vec::new();
+    for (shown, field) in shown.iter().flat_map(|shown| shown.fronts.fields.iter().map(move |field| (shown, field))) {
+        for (by, level) in By::all(field.query).iter().flat_map(|by| LEVELS.map(|level| (*by, level))) {
+            let all = std::iter::once(("all", field.entries.clone()));
+            let each = field.tracers().into_iter().map(|tracer| (tracer, field.of_tracer(tracer)));
+            for (of, entries) in all.chain(each) {
+                let chosen = |aim| {
+                    let found = best(field, &entries, by, level, aim)?;
+                    Some(Operating { shown, field, by, level, of, aim, found })
+                };
+                rows.extend(Aim::ALL.into_iter().filter_map(chosen));
+            }
+        }
+    }
+    rows
 }
 
 /// A row a scene, ray set, rule, level, tracer and aim.
 pub(super) fn operating(shown: &[Shown<'_>]) -> Result<Vec<u8>, ReportError> {
-    let header = [
-        "scene",
-        "rays",
-        "rule",
-        "at_least_share",
-        "of",
-        "aim",
-        "tracer",
-        "preset",
-        "values_json",
-        "trace_ms",
-        "build_ms",
-        "bytes",
-        "count_rays",
-        "agreement_share",
-        "checked_from",
-        "checked_seed",
-        "checked",
-        "checked_agreement_share",
-        "checked_agreement_low_share",
-        "checked_agreement_high_share",
-    ];
-    let mut rows = vec![header.map(str::to_owned).to_vec()];
-    for scene in shown {
-        let there = scene.fronts.scene.checked.as_ref();
-        for field in &scene.fronts.fields {
-            for by in By::all(field.query) {
-                for level in LEVELS {
-                    let all = std::iter::once(("all", field.entries.clone()));
-                    let each = field.tracers().into_iter().map(|tracer| (tracer, field.of_tracer(tracer)));
-                    for (who, entries) in all.chain(each) {
-                        for aim in Aim::ALL {
-                            let Some(found) = best(field, &entries, *by, level, aim) else { continue };
-                            let (said, wrong) =
-                                match check(&scene.fronts.elsewhere, field.rays, found.point, *by, level) {
-                                    Check::Holds(wrong) => ("holds", Some(wrong)),
-                                    Check::WithinNoise(wrong, _) => ("within_noise", Some(wrong)),
-                                    Check::Misses(wrong, _) => ("misses", Some(wrong)),
-                                    Check::NotMeasured => ("not_measured", None),
-                                };
-                            let value = |cost| number(field.cost(&found, cost).map(|amount| amount.value));
-                            let right = |wrong: Wrong| wrong.share.times(-1.0).and(Amount::exact(1.0));
-                            let mut row = vec![
-                                field.scene.scene.name.clone(),
-                                field.rays.to_owned(),
-                                by.name().to_owned(),
-                                level.to_string(),
-                                who.to_owned(),
-                                aim.name().to_owned(),
-                                found.point.tracer.clone(),
-                                found.point.preset.clone(),
-                                serde_json::to_string(&found.point.values).unwrap_or_default(),
-                                value(Cost::Trace),
-                                value(Cost::Build),
-                                value(Cost::Bytes),
-                                metrics::trials(found.trace).to_string(),
-                                number(Wrong::of(found.trace, *by).map(|wrong| 1.0 - wrong.share.value)),
-                                there.map_or_else(String::new, |there| there.viewpoint.name.clone()),
-                                there.map_or_else(String::new, |there| there.seed.to_string()),
-                                said.to_owned(),
-                            ];
-                            row.extend(ends(wrong.map(right)));
-                            rows.push(row);
-                        }
-                    }
-                }
-            }
+    let sheet = Sheet::<Operating<'_>>::new()
+        .column("scene", |row| row.field.scene.scene.name.clone())
+        .column("rays", |row| row.field.rays.to_owned())
+        .column("rule", |row| row.by.name())
+        .column("at_least_share", |row| row.level)
+        .column("of", |row| row.of.to_owned())
+        .column("aim", |row| row.aim.name())
+        .column("tracer", |row| row.found.point.tracer.clone())
+        .column("preset", |row| row.found.point.preset.clone())
+        .json("values_json", |row| &row.found.point.values)
+        .column("trace_ms", |row| row.value(Cost::Trace))
+        .column("build_ms", |row| row.value(Cost::Build))
+        .column("bytes", |row| row.value(Cost::Bytes))
+        .metric(COUNT, |row: &Operating<'_>| Some(metrics::trials(row.found.trace).into()))
+        .column("agreement_share", |row| Wrong::of(row.found.trace, row.by).map(|wrong| 1.0 - wrong.share.value))
+        .column("checked_from", |row| row.there().map(|there| there.viewpoint.name.clone()))
+        .column("checked_seed", |row| row.there().map(|there| there.seed))
+        .column("checked", Operating::checked)
+        .ends(
+            ["checked_agreement_share", "checked_agreement_low_share", "checked_agreement_high_share"],
+            Operating::right_there,
+        );
+    sheet.csv(OPERATING, &operating_points(shown))
+}
+
+/// Two points of different tracers that are right as often.
+struct Pair<'a> {
+    field: &'a Field<'a>,
+    class: &'a Class<'a>,
+    both: [&'a ClassCost<'a>; 2],
+    found: Overtaking,
+}
+
+impl Pair<'_> {
+    /// The cheaper one: always, or below a number of rays.
+    fn cheaper(&self) -> Option<String> {
+        let who = match self.found {
+            Overtaking::Always(who) => who,
+            Overtaking::At { below, .. } => below,
+            Overtaking::Undecided(_) => return None,
+        };
+        Some(self.both[who.min(1)].entry.point.label())
+    }
+
+    fn verdict(&self) -> &'static str {
+        match self.found {
+            Overtaking::Always(_) => "always",
+            Overtaking::At { .. } => "overtakes",
+            Overtaking::Undecided(_) => "undecided",
         }
     }
-    to_csv(OPERATING, rows)
+
+    /// From how many rays on, and whether so many were measured.
+    fn from(&self) -> Option<([f64; 3], bool)> {
+        match self.found {
+            Overtaking::At { rays, interval: [low, high], beyond_measured, .. } => {
+                Some(([rays, low, high], beyond_measured))
+            }
+            Overtaking::Always(_) | Overtaking::Undecided(_) => None,
+        }
+    }
+
+    fn why(&self) -> Option<String> {
+        match &self.found {
+            Overtaking::Undecided(why) => Some(why.clone()),
+            Overtaking::Always(_) | Overtaking::At { .. } => None,
+        }
+    }
+}
+
+/// One of a pair.
+fn one_of<'a>(place: usize, name: &str) -> Columns<'a, Pair<'a>> {
+    let cost = move |row: &Pair<'a>| row.both[place];
+    let traces = move |row: &Pair<'a>| cost(row).cost.traces.parts();
+    vec![
+        Column::new(name, move |row| cost(row).entry.point.label()),
+        Column::new(format!("{name}_once_ms"), move |row| cost(row).cost.once.value),
+        Column::new(format!("{name}_trace_ms"), move |row| traces(row)[0].value),
+        Column::new(format!("{name}_per_ray_ms"), move |row| traces(row)[1].value),
+        Column::new(format!("{name}_refitted"), move |row| cost(row).refitted),
+    ]
 }
 
 /// A row a scene, ray set, rule, level, motion and pair of points of different tracers.
 pub(super) fn break_even(shown: &[Shown<'_>]) -> Result<Vec<u8>, ReportError> {
-    let header = [
-        "scene",
-        "rays",
-        "rule",
-        "at_least_share",
-        "geometry",
-        "one",
-        "one_once_ms",
-        "one_trace_ms",
-        "one_per_ray_ms",
-        "one_refitted",
-        "other",
-        "other_once_ms",
-        "other_trace_ms",
-        "other_per_ray_ms",
-        "other_refitted",
-        "verdict",
-        "cheaper_below",
-        "rays_a_frame",
-        "rays_a_frame_low",
-        "rays_a_frame_high",
-        "beyond_measured",
-        "why",
-    ];
-    let mut rows = vec![header.map(str::to_owned).to_vec()];
-    for scene in shown {
-        for field in &scene.fronts.fields {
-            for (by, level) in By::all(field.query).iter().flat_map(|by| LEVELS.map(|level| (*by, level))) {
-                for class in classes(&scene.fronts, field, by, level) {
-                    for (place, one) in class.costs.iter().enumerate() {
-                        let others = class.costs[place + 1..].iter();
-                        for other in others.filter(|other| other.entry.point.tracer != one.entry.point.tracer) {
-                            let doubt = one.doubt.clone().or_else(|| other.doubt.clone());
-                            let found = overtaking(&one.cost, &other.cost, doubt);
-                            let mut row = vec![
-                                field.scene.scene.name.clone(),
-                                field.rays.to_owned(),
-                                by.name().to_owned(),
-                                level.to_string(),
-                                class.motion.name().to_owned(),
-                            ];
-                            for cost in [one, other] {
-                                let [trace, per_ray] = cost.cost.traces.parts();
-                                row.push(cost.entry.point.label());
-                                row.extend([cost.cost.once, trace, per_ray].map(|part| number(Some(part.value))));
-                                row.push(cost.refitted.to_string());
-                            }
-                            let named = |who: usize| [one, other][who.min(1)].entry.point.label();
-                            row.extend(match found {
-                                Overtaking::Always(who) => [
-                                    "always".to_owned(),
-                                    named(who),
-                                    String::new(),
-                                    String::new(),
-                                    String::new(),
-                                    String::new(),
-                                    String::new(),
-                                ],
-                                Overtaking::At { below, rays, interval: [low, high], beyond_measured } => [
-                                    "overtakes".to_owned(),
-                                    named(below),
-                                    rays.to_string(),
-                                    low.to_string(),
-                                    high.to_string(),
-                                    beyond_measured.to_string(),
-                                    String::new(),
-                                ],
-                                Overtaking::Undecided(why) => [
-                                    "undecided".to_owned(),
-                                    String::new(),
-                                    String::new(),
-                                    String::new(),
-                                    String::new(),
-                                    String::new(),
-                                    why,
-                                ],
-                            });
-                            rows.push(row);
-                        }
-                    }
-                }
-            }
+    let mut all: Vec<(&Field<'_>, Class<'_>)> = Vec::new();
+    for (scene, field) in shown.iter().flat_map(|scene| scene.fronts.fields.iter().map(move |field| (scene, field))) {
+        for (by, level) in By::all(field.query).iter().flat_map(|by| LEVELS.map(|level| (*by, level))) {
+            all.extend(classes(&scene.fronts, field, by, level).into_iter().map(|class| (field, class)));
         }
     }
-    to_csv(BREAK_EVEN, rows)
+    let mut rows: Vec<Pair<'_>> = Vec::new();
+    for (field, class) in &all {
+        for (place, one) in class.costs.iter().enumerate() {
+            let others = class.costs[place + 1..].iter();
+            rows.extend(others.filter(|other| other.entry.point.tracer != one.entry.point.tracer).map(|other| {
+                let doubt = one.doubt.clone().or_else(|| other.doubt.clone());
+                Pair { field, class, both: [one, other], found: overtaking(&one.cost, &other.cost, doubt) }
+            }));
+        }
+    }
+    let rays = |place: usize| move |row: &Pair<'_>| row.from().map(|(rays, _)| rays[place].to_string());
+    let sheet = Sheet::<Pair<'_>>::new()
+        .column("scene", |row| row.field.scene.scene.name.clone())
+        .column("rays", |row| row.field.rays.to_owned())
+        .column("rule", |row| row.class.by.name())
+        .column("at_least_share", |row| row.class.level)
+        .column("geometry", |row| row.class.motion.name())
+        .with(one_of(0, "one"))
+        .with(one_of(1, "other"))
+        .column("verdict", Pair::verdict)
+        .column("cheaper_below", Pair::cheaper)
+        .column("rays_a_frame", rays(0))
+        .column("rays_a_frame_low", rays(1))
+        .column("rays_a_frame_high", rays(2))
+        .column("beyond_measured", |row| row.from().map(|(_, beyond_measured)| beyond_measured))
+        .column("why", Pair::why);
+    sheet.csv(BREAK_EVEN, &rows)
 }

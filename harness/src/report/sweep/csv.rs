@@ -1,84 +1,47 @@
 //! `sweep.csv`: a row a scene, axis, value and ray set, also of what was skipped.
 
-use super::View;
+use super::{Cell, View};
 use crate::report::ReportError;
-use crate::report::format::clock_code;
-use crate::report::metrics;
-use crate::report::tables::{code, number, to_csv};
+use crate::report::metrics::{Traced, USED};
+use crate::report::sheet::Sheet;
 use crate::results::Run;
 use crate::results::SweepRecord;
 
 /// Its name.
 pub(super) const NAME: &str = "sweep.csv";
 
+type Row<'a> = (&'a View<'a>, &'a Cell<'a>);
+
+fn measured<'a>((_, cell): &'a Row<'_>) -> Option<Traced<'a>> {
+    cell.measured
+}
+
 /// The whole table.
-pub(super) fn table(run: &Run, sweep: &SweepRecord, views: &[View<'_>]) -> Result<Vec<u8>, ReportError> {
-    let fixed = [
-        "scene",
-        "scene_sha256",
-        "triangles",
-        "viewpoint",
-        "tracer",
-        "parameter",
-        "unit",
-        "value",
-        "is_own",
-        "values_json",
-        "parameters_json",
-        "frame_px",
-        "face_px",
-        "rays",
-        "query",
-        "skipped",
-        "rays_sha256",
-        "hits_sha256",
-        "clock",
-        "build_clock",
-        "structure_used_bytes",
-        "commit",
-        "run_preset",
-        "machine",
-    ];
-    let header = fixed.iter().map(|&name| name.to_owned());
-    let mut rows = vec![header.chain(metrics::COLUMNS.iter().map(|column| column.name.to_owned())).collect::<Vec<_>>()];
-    for view in views {
-        let scene = view.group.scene;
-        for cell in view.curves.iter().flat_map(|curve| &curve.cells) {
-            let point = cell.point;
-            let [width, height] = point.frame;
-            let mut row = vec![
-                scene.name.clone(),
-                scene.sha256.clone(),
-                scene.triangles.to_string(),
-                view.group.viewpoint.name.clone(),
-                sweep.tracer.clone(),
-                view.axis.name.clone(),
-                view.axis.unit.clone(),
-                cell.value.to_owned(),
-                (cell.value == view.axis.own).to_string(),
-                serde_json::to_string(&point.values).unwrap_or_default(),
-                serde_json::to_string(&point.parameters).unwrap_or_default(),
-                format!("{width}x{height}"),
-                point.face.to_string(),
-                view.set.title.clone(),
-                code(view.set.query),
-                point.skipped.get(&scene.name).cloned().unwrap_or_default(),
-            ];
-            match cell.measured {
-                Some((one, trace)) => {
-                    let used: u64 = one.memory.structure.iter().map(|entry| entry.used_bytes).sum();
-                    row.extend([trace.rays_sha256.clone(), trace.hits_sha256.clone()]);
-                    row.extend([clock_code(trace.times.clock), clock_code(one.build.times.clock)].map(str::to_owned));
-                    row.push(used.to_string());
-                }
-                None => row.extend(vec![String::new(); 5]),
-            }
-            row.extend([run.provenance.commit.clone(), run.preset.clone(), run.provenance.machine.label()]);
-            row.extend(metrics::COLUMNS.iter().map(|column| {
-                cell.measured.map_or_else(String::new, |(one, trace)| number((column.value)(one, trace)))
-            }));
-            rows.push(row);
-        }
-    }
-    to_csv(NAME, rows)
+pub(super) fn table<'a>(run: &Run, sweep: &SweepRecord, views: &'a [View<'a>]) -> Result<Vec<u8>, ReportError> {
+    let of_view = |view: &'a View<'a>| {
+        view.curves.iter().flat_map(|curve| &curve.cells).map(move |cell| (view, cell)).collect::<Vec<_>>()
+    };
+    let rows: Vec<Row<'a>> = views.iter().flat_map(of_view).collect();
+    let sheet = Sheet::<Row<'_>>::new()
+        .scene(|(view, _)| view.group.scene)
+        .column("viewpoint", |(view, _)| view.group.viewpoint.name.clone())
+        .column("tracer", |_| sweep.tracer.clone())
+        .column("parameter", |(view, _)| view.axis.name.clone())
+        .column("unit", |(view, _)| view.axis.unit.clone())
+        .column("value", |(_, cell)| cell.value.to_owned())
+        .column("is_own", |(view, cell)| cell.value == view.axis.own)
+        .json("values_json", |(_, cell)| &cell.point.values)
+        .json("parameters_json", |(_, cell)| &cell.point.parameters)
+        .sizes(|(_, cell)| (cell.point.frame, cell.point.face))
+        .column("rays", |(view, _)| view.set.title.clone())
+        .query(|(view, _)| Some(view.set.query))
+        .column("skipped", |(view, cell)| cell.point.skipped.get(&view.group.scene.name).cloned())
+        .column("rays_sha256", |row| measured(row).map(|(_, trace)| trace.rays_sha256.clone()))
+        .hits(|row| measured(row).map(|(_, trace)| trace))
+        .clock("clock", |row| measured(row).map(|(_, trace)| &trace.times))
+        .clock("build_clock", |row| measured(row).map(|(run, _)| &run.build.times))
+        .structure(USED, |row| measured(row).map(|(run, _)| run))
+        .provenance(&run.provenance, &run.preset)
+        .metrics(measured);
+    sheet.csv(NAME, &rows)
 }

@@ -1,15 +1,16 @@
 //! `sweep.md`.
 
-use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::{Cell, View};
-use crate::report::format::{self, NONE, clock_of, mib, thousands, with_interval};
+use super::{Cell, Curve, View};
+use crate::report::format::thousands;
 use crate::report::group::Role;
-use crate::report::markdown::{Table, inline};
-use crate::report::{cells, metrics, summary};
+use crate::report::markdown::inline;
+use crate::report::metrics::{BUILD_TIME, SPEED, STRUCTURE, USED};
+use crate::report::sheet::{self, Sheet};
+use crate::report::{cells, summary};
+use crate::results::Run;
 use crate::results::SweepRecord;
-use crate::results::{Judgement, Run, TraceRecord, TracerRun};
 use crate::studies::sweep::RESOLUTION;
 
 /// The whole page.
@@ -48,76 +49,49 @@ pub(super) fn page(run: &Run, sweep: &SweepRecord, views: &[View<'_>]) -> String
 
 fn section(view: &View<'_>) -> String {
     let set = view.set;
-    let title = format!("{}: {}, {} rays", inline(&set.title), format::query(set.query), thousands(set.count));
+    let title = set.heading();
     let mut text =
         format!("\n#### {title}\n\n![{} over {}]({}.svg)\n", inline(&set.title), inline(&view.axis.name), view.stem());
     let all: Vec<_> = view.curves.iter().flat_map(|curve| &curve.cells).collect();
     let rows: Vec<_> =
         all.iter().filter_map(|cell| cell.measured).map(|(run, trace)| (Role::Contender, run, trace)).collect();
     text += &cells::coverage(&rows);
-    let accuracies: &[&str] = match rows.first().map(|(_, _, trace)| &trace.judgement) {
-        Some(Judgement::Any(_)) => &["balanced accuracy ↑"],
-        _ => &["agreement hit_miss ↑", "agreement tight ↑", "agreement footprint ↑"],
-    };
-    let mut headings: Vec<String> = view.other.iter().map(|other| other.name.clone()).collect();
-    headings.push(view.axis.name.clone());
-    let sized = [Some(view.axis), view.other].iter().flatten().any(|axis| axis.name == RESOLUTION);
-    if sized {
-        headings.push("frame, faces (px)".to_owned());
+    let scene = &view.group.scene.name;
+    let mut sheet = Sheet::<Place<'_>>::new();
+    if let Some(other) = view.other {
+        sheet = sheet.told(&other.name, |(curve, _)| curve.other.map(str::to_owned));
     }
-    headings.extend([metrics::STRUCTURE.heading(), "used (MiB) ↓".to_owned(), "build clock".to_owned()]);
-    headings.extend([metrics::BUILD_TIME.heading(), "clock".to_owned(), metrics::SPEED.heading()]);
-    headings.extend(accuracies.iter().map(|&name| name.to_owned()));
-    let touched = touched_counters(&rows);
-    headings.extend(touched.iter().map(|name| format!("{name} ↓")));
-    let mut table = Table::new(&headings);
-    for curve in &view.curves {
-        for cell in &curve.cells {
-            let mut row: Vec<String> = curve.other.iter().map(|value| (*value).to_owned()).collect();
-            let own = if cell.value == view.axis.own { " *" } else { "" };
-            row.push(format!("{}{own}", cell.value));
-            if sized {
-                let [width, height] = cell.point.frame;
-                row.push(format!("{width}×{height}, {}", cell.point.face));
-            }
-            row.extend(measured(cell, &view.group.scene.name, accuracies.len()));
-            let of = |(run, trace): (&TracerRun, &TraceRecord), name: &str| {
-                cells::touched(run, name, trace.counters.get(name)?)
-            };
-            let of_cell =
-                |name: &&String| cell.measured.and_then(|one| of(one, name)).unwrap_or_else(|| NONE.to_owned());
-            row.extend(touched.iter().map(of_cell));
-            table.row(&row);
-        }
+    sheet = sheet.told(&view.axis.name, |(_, cell)| {
+        format!("{}{}", cell.value, if cell.value == view.axis.own { " *" } else { "" })
+    });
+    if [Some(view.axis), view.other].iter().flatten().any(|axis| axis.name == RESOLUTION) {
+        sheet = sheet.told("frame, faces (px)", |(_, cell)| {
+            let [width, height] = cell.point.frame;
+            format!("{width}×{height}, {}", cell.point.face)
+        });
     }
-    let _ = write!(text, "\n{}", table.text);
+    let sheet = sheet
+        .metric(STRUCTURE, |(_, cell): &Place<'_>| match cell.measured {
+            Some((run, _)) => Some(sheet::Cell::Bytes(run.memory.structure_bytes as f64)),
+            None => cell.point.skipped.contains_key(scene).then(|| "skipped, see below".into()),
+        })
+        .structure(USED, |row| row.1.measured.map(|(run, _)| run))
+        .clock("build_clock", |row| row.1.measured.map(|(run, _)| &run.build.times))
+        .structure(BUILD_TIME, |row| row.1.measured.map(|(run, _)| run))
+        .own_clock(measured)
+        .taken(SPEED, measured)
+        .right(set.query, measured)
+        // How much of what is stored rays touched.
+        .counted_that(true, &rows, measured);
+    let places: Vec<Place<'_>> =
+        view.curves.iter().flat_map(|curve| curve.cells.iter().map(move |cell| (curve, cell))).collect();
+    let _ = write!(text, "\n{}", sheet.markdown(&places));
     text
 }
 
-/// The names of what is counted over a whole set: how much of what is stored it touched.
-fn touched_counters<'a>(rows: &[cells::Row<'a>]) -> BTreeSet<&'a String> {
-    let counters = rows.iter().flat_map(|(_, _, trace)| &trace.counters);
-    counters.filter(|(_, counter)| counter.greatest_per_ray.is_none()).map(|(name, _)| name).collect()
-}
+/// A place along a curve.
+type Place<'a> = (&'a Curve<'a>, &'a Cell<'a>);
 
-fn measured(cell: &Cell<'_>, scene: &str, accuracy_count: usize) -> Vec<String> {
-    let Some((run, trace)) = cell.measured else {
-        let mut row = vec![NONE.to_owned(); 6 + accuracy_count];
-        if cell.point.skipped.contains_key(scene) {
-            row[0] = "skipped, see below".to_owned();
-        }
-        return row;
-    };
-    let (judged, accuracies) = cells::accuracies(trace);
-    let [_, clock, _, speed, _] = cells::speed_cells(Role::Contender, run, trace, judged);
-    let build = &run.build.times;
-    let used: u64 = run.memory.structure.iter().map(|entry| entry.used_bytes).sum();
-    let time = if build.samples_ms.is_empty() {
-        NONE.to_owned()
-    } else {
-        with_interval(build.median_ms, build.interval_ms, 4)
-    };
-    let mut row = vec![mib(run.memory.structure_bytes), mib(used), clock_of(build), time, clock, speed];
-    row.extend(accuracies);
-    row
+fn measured<'a>((_, cell): &'a Place<'_>) -> Option<cells::Row<'a>> {
+    cell.measured.map(|(run, trace)| (Role::Contender, run, trace))
 }

@@ -5,11 +5,11 @@ use std::fmt::Write as _;
 use tracebench_api::Query;
 
 use super::{Errors, chart_stems, labels_of, score_at, score_name, trials};
-use crate::report::cells::accuracies_of;
 use crate::report::format::{self, NONE, percent, percent_with_interval, points, significant, thousands};
 use crate::report::markdown::{Table, inline};
+use crate::report::sheet::{Column, Sheet};
 use crate::report::{summary, verdict};
-use crate::studies::tune::{Choice, Label, SceneTuned, SetTuned, Tuning, ViewTuned, interval};
+use crate::studies::tune::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned, interval};
 
 /// The whole page.
 pub(super) fn page(tuning: &Tuning) -> String {
@@ -133,6 +133,9 @@ fn lost(tuning: &Tuning, set: &SetTuned, label: Label, to: Label) -> String {
     found.unwrap_or_else(|| NONE.to_owned())
 }
 
+/// A chosen value with what it does.
+type Chosen<'a> = (&'a Choice, Option<&'a Judged>);
+
 fn one_set(tuning: &Tuning, whose: &str, view: &ViewTuned, set: &SetTuned) -> String {
     let name = inline(&view.viewpoint.name);
     let [x, y, z] = view.viewpoint.eye.map(|each| significant(f64::from(each), 4));
@@ -142,53 +145,46 @@ fn one_set(tuning: &Tuning, whose: &str, view: &ViewTuned, set: &SetTuned) -> St
         format::query(set.query),
         thousands(set.count)
     );
-    let accuracies: &[&str] = match set.query {
-        Query::Any => &["balanced accuracy ↑"],
-        Query::Closest => &["agreement hit_miss ↑", "agreement tight ↑", "agreement footprint ↑"],
+    let of_judgement = |judged: &Judged| trials(set, &judged.judgement);
+    let loses = |to: Label| {
+        let lost = move |(choice, _): &Chosen<'_>| lost(tuning, set, choice.label, to);
+        Column::told(format!("loses to {}", to.name()), lost)
     };
-    let cells_of = |value: &str| match set.judged(value) {
-        Some(judged) => accuracies_of(&judged.judgement, trials(set, &judged.judgement)).1,
-        None => vec![NONE.to_owned(); accuracies.len()],
-    };
-    let mut headings = vec!["choice".to_owned(), tuning.axis.name.clone()];
-    headings.extend(accuracies.iter().map(|&name| name.to_owned()));
-    headings.extend(Label::ALL.map(|label| format!("loses to {}", label.name())));
-    let mut table = Table::new(&headings);
-    for choice in &set.choices {
-        let mut row = vec![choice.label.name().to_owned()];
-        row.push(choice.value.clone().unwrap_or_else(|| "nothing to choose by".to_owned()));
-        row.extend(cells_of(choice.value.as_deref().unwrap_or_default()));
-        row.extend(Label::ALL.map(|to| lost(tuning, set, choice.label, to)));
-        table.row(&row);
-    }
-    let _ = write!(text, "\n{}", table.text);
-    let mut headings = vec![tuning.axis.name.clone()];
-    headings.extend(accuracies.iter().map(|&name| name.to_owned()));
+    let sheet = Sheet::<Chosen<'_>>::new()
+        .told("choice", |(choice, _)| choice.label.name())
+        .told(&tuning.axis.name, |(choice, _)| {
+            choice.value.clone().unwrap_or_else(|| "nothing to choose by".to_owned())
+        })
+        .accuracies_of(set.query, |(_, judged)| judged.map(|judged| (&judged.judgement, of_judgement(judged))))
+        .with(Label::ALL.map(loses).into());
+    let judged = set.choices.iter().map(|choice| choice.value.as_deref().and_then(|value| set.judged(value)));
+    let rows: Vec<Chosen<'_>> = set.choices.iter().zip(judged).collect();
+    let _ = write!(text, "\n{}", sheet.markdown(&rows));
     let by = match set.query {
         Query::Any => "occlusion",
         Query::Closest => tuning.rule.name(),
     };
-    headings.extend(["false misses ↓", "false hits ↓", "early ↓", "late ↓"].map(|name| format!("{name} ({by})")));
-    headings.push("is".to_owned());
-    let mut table = Table::new(&headings);
-    for each in &set.values {
-        let mut row = vec![each.value.clone()];
-        row.extend(cells_of(&each.value));
-        let count = |rays: Option<u64>| rays.map_or_else(|| NONE.to_owned(), thousands);
-        let errors = each.judged.as_ref().map(|judged| Errors::of(&judged.judgement, tuning.rule));
-        row.push(count(errors.map(|errors| errors.false_misses)));
-        row.push(count(errors.map(|errors| errors.false_hits)));
-        row.push(count(errors.and_then(|errors| errors.early)));
-        row.push(count(errors.and_then(|errors| errors.late)));
-        let mut labels: Vec<&str> = labels_of(set, &each.value).into_iter().map(Label::name).collect();
-        if each.judged.is_none() {
-            labels.push("skipped, see below");
-        } else if score_at(set, &each.value, tuning.rule).is_none() {
-            labels.push("not judged: every ray is a tie");
-        }
-        row.push(labels.join(", "));
-        table.row(&row);
-    }
-    let _ = write!(text, "\n{}", table.text);
+    let errors = |name: &str, of: fn(&Errors) -> Option<u64>| {
+        Column::told(format!("{name} ↓ ({by})"), move |value: &ValueTuned| {
+            of(&Errors::of(&value.judged.as_ref()?.judgement, tuning.rule))
+        })
+    };
+    let sheet = Sheet::<ValueTuned>::new()
+        .told(&tuning.axis.name, |value| value.value.clone())
+        .accuracies_of(set.query, |value| value.judged.as_ref().map(|judged| (&judged.judgement, of_judgement(judged))))
+        .and(errors("false misses", |errors| Some(errors.false_misses)))
+        .and(errors("false hits", |errors| Some(errors.false_hits)))
+        .and(errors("early", |errors| errors.early))
+        .and(errors("late", |errors| errors.late))
+        .told("is", |value| {
+            let mut labels: Vec<&str> = labels_of(set, &value.value).into_iter().map(Label::name).collect();
+            if value.judged.is_none() {
+                labels.push("skipped, see below");
+            } else if score_at(set, &value.value, tuning.rule).is_none() {
+                labels.push("not judged: every ray is a tie");
+            }
+            labels.join(", ")
+        });
+    let _ = write!(text, "\n{}", sheet.markdown(&set.values));
     text
 }

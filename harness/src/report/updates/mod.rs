@@ -2,16 +2,15 @@
 
 mod walk;
 
-use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use crate::report::format::{self, NONE, clock_code, clock_of, mib, optional, thousands, with_interval};
-use crate::report::markdown::{Table as Markdown, inline};
-use crate::report::tables::{accuracy_columns, code, number, to_csv};
+use crate::report::format::{self, thousands};
+use crate::report::group::{Role, set_heading};
+use crate::report::markdown::inline;
+use crate::report::metrics::{COUNT, SPEED, STRUCTURE};
+use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::{ReportError, cells, metrics, summary};
-use crate::results::{
-    FRESH_BUILD, Judgement, Run, SceneFollowed, Times, TraceRecord, TracerRun, UpdatesRecord, time_ratio,
-};
+use crate::results::{FRESH_BUILD, Run, SceneFollowed, Times, TraceRecord, TracerRun, UpdatesRecord, time_ratio};
 
 /// The statistic of structures that tells their quality, by its name in `validate`.
 const SAH_COST: &str = "sah_cost";
@@ -20,15 +19,14 @@ const SAH_COST: &str = "sah_cost";
 pub(super) fn files(run: &Run, updates: &UpdatesRecord) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
     // The name comes from a file.
     let stem = format!("table_{}", format::file_stem(run.table.as_deref().unwrap_or("updates")).replace('-', "_"));
-    let csv = format!("{stem}.csv");
+    let file = format!("{stem}.csv");
     let walked = updates.scenes.iter().any(|scene| !scene.walked.is_empty());
     let (page, rows) = if walked {
-        (walk::page(run, updates), walk::rows(run, updates))
+        (walk::page(run, updates), walk::csv(&file, run, updates)?)
     } else {
-        (page(run, updates), rows(run, updates))
+        (page(run, updates), csv(&file, run, updates)?)
     };
-    let rows = to_csv(&csv, rows)?;
-    Ok(vec![(format!("{stem}.md"), page.into_bytes()), (csv, rows)])
+    Ok(vec![(format!("{stem}.md"), page.into_bytes()), (file, rows)])
 }
 
 /// A scene that was followed, with its rows.
@@ -57,10 +55,6 @@ fn fresh_of<'a>(scene: &Followed<'a>, row: &TracerRun) -> Option<&'a TracerRun> 
 
 fn sah_cost(row: &TracerRun) -> Option<f64> {
     row.structure_statistics.get(SAH_COST).copied()
-}
-
-fn interval_of(times: &Times) -> Option<String> {
-    (!times.samples_ms.is_empty()).then(|| with_interval(times.median_ms, times.interval_ms, 4))
 }
 
 /// Own over fresh, by the rule of clocks.
@@ -109,25 +103,60 @@ fn page(run: &Run, updates: &UpdatesRecord) -> String {
     text + &summary::skipped(&run.skipped)
 }
 
-fn structures(scene: &Followed<'_>) -> String {
-    let headings =
-        ["tracer", "way", "clock", "update time (ms) ↓", "× fresh", "SAH cost ↓", "× fresh", "structure (MiB) ↓"];
-    let mut markdown = Markdown::new(&headings.map(str::to_owned));
-    for row in &scene.rows {
-        let fresh = fresh_of(scene, row);
-        let cost = sah_cost(row);
-        markdown.row(&[
-            row.label(),
-            way(row).to_owned(),
-            clock_of(&row.build.times),
-            interval_of(&row.build.times).unwrap_or_else(|| NONE.to_owned()),
-            optional(over_fresh(&row.build.times, fresh.map(|fresh| &fresh.build.times)), 3),
-            optional(cost, 4),
-            optional(cost.zip(fresh.and_then(sah_cost)).map(|(own, fresh)| own / fresh), 4),
-            mib(row.memory.structure_bytes),
-        ]);
+/// A scene's row with one of its traces.
+struct Row<'a> {
+    scene: &'a Followed<'a>,
+    row: &'a TracerRun,
+    trace: &'a TraceRecord,
+}
+
+impl Row<'_> {
+    fn on_page(&self) -> Option<cells::Row<'_>> {
+        Some((Role::Contender, self.row, self.trace))
     }
-    markdown.text
+
+    /// How many times as fast the trace is as that of a fresh build.
+    fn speed_over_fresh(&self) -> Option<f64> {
+        let fresh = fresh_of(self.scene, self.row)?;
+        let beside = trace_of(fresh, &self.trace.rays, &self.trace.rays_sha256);
+        over_fresh(&self.trace.times, beside.map(|fresh| &fresh.times)).map(|slower| 1.0 / slower)
+    }
+}
+
+/// Columns of structures beside fresh builds.
+fn of_structures<'a, R>(
+    sheet: Sheet<'a, R>,
+    of: impl Fn(&R) -> &TracerRun + Copy + 'a,
+    fresh: impl Fn(&R) -> Option<&TracerRun> + Copy + 'a,
+) -> Sheet<'a, R> {
+    let time = move |row: &R| over_fresh(&of(row).build.times, fresh(row).map(|fresh| &fresh.build.times));
+    let time = move |row: &R| time(row).map(|ratio| Cell::Number(ratio, 3));
+    let cost = move |row: &R| Some(sah_cost(of(row))? / sah_cost(fresh(row)?)?);
+    sheet
+        .and(Column::new("way", move |row| way(of(row)).to_owned()).headed("way"))
+        .then(|sheet| updated(sheet, move |row| Some(&of(row).build.times)))
+        .and(Column::new("update_time_over_fresh", time).headed(OVER_FRESH))
+        .and(Column::new("sah_cost", move |row| sah_cost(of(row))).headed("SAH cost ↓"))
+        .and(Column::new("sah_cost_over_fresh", cost).headed(OVER_FRESH))
+        .structure(STRUCTURE, move |row| Some(of(row)))
+}
+
+/// The clock and the time of updates.
+fn updated<'a, R>(sheet: Sheet<'a, R>, of: impl Fn(&R) -> Option<&Times> + Copy + 'a) -> Sheet<'a, R> {
+    let time = Column::new("update_median_ms", move |row| Cell::from(of(row)));
+    sheet
+        .clock_called("clock", "update_clock", of)
+        .and(time.beside(&["update_low_ms", "update_high_ms"]).headed("update time (ms) ↓"))
+}
+
+const OVER_FRESH: &str = "× fresh";
+
+fn structures(scene: &Followed<'_>) -> String {
+    let rows: Vec<_> = scene.rows.iter().map(|row| (*row, fresh_of(scene, row))).collect();
+    let sheet = Sheet::<(&TracerRun, Option<&TracerRun>)>::new()
+        .told("tracer", |(row, _)| row.label())
+        .then(|sheet| of_structures(sheet, |(row, _)| row, |(_, fresh)| *fresh));
+    sheet.markdown(&rows)
 }
 
 /// Names and hashes of the ray sets, in order of first appearance.
@@ -147,117 +176,44 @@ fn trace_of<'a>(row: &'a TracerRun, rays: &str, sha256: &str) -> Option<&'a Trac
 }
 
 fn traces(scene: &Followed<'_>, rays: &str, sha256: &str) -> String {
-    let found: Vec<_> =
-        scene.rows.iter().filter_map(|row| trace_of(row, rays, sha256).map(|trace| (row, trace))).collect();
-    let Some((_, first)) = found.first() else { return String::new() };
-    let accuracies: &[&str] = match first.judgement {
-        Judgement::Closest(_) => &["agreement hit_miss ↑", "agreement tight ↑", "agreement footprint ↑"],
-        Judgement::Any(_) => &["balanced accuracy ↑"],
-    };
-    // Those of a whole set are no cost of a ray.
-    let per_ray = found.iter().flat_map(|(_, trace)| &trace.counters).filter(|(_, one)| one.greatest_per_ray.is_some());
-    let counters: BTreeSet<&String> = per_ray.map(|(name, _)| name).collect();
-    let mut headings = vec!["tracer".to_owned(), "way".to_owned(), "clock".to_owned(), metrics::SPEED.heading()];
-    headings.push("× fresh ↑".to_owned());
-    headings.extend(accuracies.iter().map(|&name| name.to_owned()));
-    headings.extend(counters.iter().map(|name| format!("{name} per ray ↓")));
-    let mut markdown = Markdown::new(&headings);
-    for (row, trace) in &found {
-        let (judged, accuracies) = cells::accuracies(trace);
-        let fresh = fresh_of(scene, row).and_then(|fresh| trace_of(fresh, rays, sha256));
-        let speed = metrics::speed(trace).filter(|_| judged);
-        let speed = speed.map(|speed| with_interval(speed, metrics::speed_interval(trace).unwrap_or([speed; 2]), 4));
-        let ratio =
-            over_fresh(&trace.times, fresh.map(|fresh| &fresh.times)).filter(|_| judged).map(|slower| 1.0 / slower);
-        let mut cells = vec![row.label(), way(row).to_owned(), clock_of(&trace.times)];
-        cells.extend([speed.unwrap_or_else(|| NONE.to_owned()), optional(ratio, 3)]);
-        cells.extend(accuracies);
-        cells.extend(counters.iter().map(|name| optional(trace.counters.get(*name).map(|each| each.per_ray), 4)));
-        markdown.row(&cells);
-    }
-    let title = format!("{}: {}, {} rays", inline(rays), format::query(first.query), thousands(first.count));
-    format!("\n### {title}\n\n{}", markdown.text)
+    let traced = scene.rows.iter().filter_map(|row| Some((*row, trace_of(row, rays, sha256)?)));
+    let found: Vec<cells::Row<'_>> = traced.map(|(row, trace)| (Role::Contender, row, trace)).collect();
+    let Some((.., first)) = found.first() else { return String::new() };
+    let rows: Vec<Row<'_>> = found.iter().map(|(_, row, trace)| Row { scene, row, trace }).collect();
+    let sheet = Sheet::<Row<'_>>::new()
+        .name(Row::on_page)
+        .told("way", |row| way(row.row).to_owned())
+        .own_clock(Row::on_page)
+        .taken(SPEED, Row::on_page)
+        .told("× fresh ↑", |row| {
+            row.speed_over_fresh().filter(|_| metrics::judged(row.trace)).map(|ratio| Cell::Number(ratio, 3))
+        })
+        .right(first.query, Row::on_page)
+        // Those of a whole set are no cost of a ray.
+        .counted_that(false, &found, Row::on_page);
+    format!("\n### {}\n\n{}", set_heading(rays, first.query, first.count), sheet.markdown(&rows))
 }
 
 /// One row a scene, tracer, way and ray set.
-fn rows(run: &Run, updates: &UpdatesRecord) -> Vec<Vec<String>> {
-    let header = [
-        "scene",
-        "scene_sha256",
-        "triangles",
-        "frames",
-        "passes",
-        "tracer",
-        "tracer_name",
-        "parameters_json",
-        "way",
-        "update_clock",
-        "update_median_ms",
-        "update_low_ms",
-        "update_high_ms",
-        "update_time_over_fresh",
-        "sah_cost",
-        "sah_cost_over_fresh",
-        "structure_bytes",
-        "rays",
-        "rays_sha256",
-        "query",
-        "count_rays",
-        "clock",
-        "mrays_per_s",
-        "mrays_per_s_low",
-        "mrays_per_s_high",
-        "speed_over_fresh",
-        "agreement_hit_miss_share",
-        "agreement_tight_share",
-        "agreement_footprint_share",
-        "balanced_accuracy_share",
-        "ties_rays",
-        "commit",
-        "run_preset",
-        "machine",
-    ];
-    let mut rows = vec![header.map(str::to_owned).to_vec()];
+fn csv(file: &str, run: &Run, updates: &UpdatesRecord) -> Result<Vec<u8>, ReportError> {
     let scenes = scenes(run, updates);
-    for (scene, row, trace) in scenes.iter().flat_map(|scene| {
-        scene.rows.iter().flat_map(move |row| row.traces.iter().map(move |trace| (scene, *row, trace)))
-    }) {
-        let fresh = fresh_of(scene, row);
-        let beside = fresh.and_then(|fresh| trace_of(fresh, &trace.rays, &trace.rays_sha256));
-        let (update, cost) = (&row.build.times, sah_cost(row));
-        let timed = |ms: f64| number((!update.samples_ms.is_empty()).then_some(ms));
-        let speed = metrics::speed_interval(trace);
-        let mut cells = vec![
-            row.scene.name.clone(),
-            row.scene.sha256.clone(),
-            row.scene.triangles.to_string(),
-            updates.frames.to_string(),
-            updates.passes.to_string(),
-            row.label(),
-            row.tracer.name.clone(),
-            serde_json::to_string(&row.tracer.parameters).unwrap_or_default(),
-            way(row).to_owned(),
-            clock_code(update.clock).to_owned(),
-            timed(update.median_ms),
-            timed(update.interval_ms[0]),
-            timed(update.interval_ms[1]),
-            number(over_fresh(update, fresh.map(|fresh| &fresh.build.times))),
-            number(cost),
-            number(cost.zip(fresh.and_then(sah_cost)).map(|(own, fresh)| own / fresh)),
-            row.memory.structure_bytes.to_string(),
-            trace.rays.clone(),
-            trace.rays_sha256.clone(),
-            code(trace.query),
-            trace.count.to_string(),
-            clock_code(trace.times.clock).to_owned(),
-            number(metrics::speed(trace)),
-            number(speed.map(|[low, _]| low)),
-            number(speed.map(|[_, high]| high)),
-            number(over_fresh(&trace.times, beside.map(|fresh| &fresh.times)).map(|slower| 1.0 / slower)),
-        ];
-        cells.extend(accuracy_columns(trace));
-        cells.extend([run.provenance.commit.clone(), run.preset.clone(), run.provenance.machine.label()]);
-        rows.push(cells);
+    let mut rows: Vec<Row<'_>> = Vec::new();
+    for (scene, row) in scenes.iter().flat_map(|scene| scene.rows.iter().map(move |row| (scene, *row))) {
+        rows.extend(row.traces.iter().map(|trace| Row { scene, row, trace }));
     }
-    rows
+    let sheet = Sheet::<Row<'_>>::new()
+        .scene(|row| &row.row.scene)
+        .column("frames", |_| updates.frames)
+        .column("passes", |_| updates.passes)
+        .tracer(|row| row.row)
+        .then(|sheet| of_structures(sheet, |row| row.row, |row| fresh_of(row.scene, row.row)))
+        .rays(|row| Some(row.trace))
+        .query(|row| Some(row.trace.query))
+        .trace(COUNT, |row| Some(row.trace))
+        .clock("clock", |row| Some(&row.trace.times))
+        .whole_trace(SPEED, |row| Some(row.trace))
+        .column("speed_over_fresh", Row::speed_over_fresh)
+        .accuracy(|row| Some(row.trace))
+        .provenance(&run.provenance, &run.preset);
+    sheet.csv(file, &rows)
 }

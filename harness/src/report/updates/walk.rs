@@ -2,12 +2,16 @@
 
 use std::fmt::Write as _;
 
-use super::{head, interval_of, way};
-use crate::report::format::{self, NONE, clock_code, clock_of, optional, percent, thousands};
-use crate::report::markdown::{Table as Markdown, inline};
-use crate::report::tables::{accuracy_columns, code, number};
-use crate::report::{metrics, summary};
-use crate::results::{Judgement, Run, SceneFollowed, TraceRecord, UpdatesRecord};
+use tracebench_api::Query;
+
+use super::{head, updated, way};
+use crate::report::format::{self, NONE, clock_code, clock_of, percent, thousands};
+use crate::report::group::set_heading;
+use crate::report::markdown::inline;
+use crate::report::metrics::{Better, COUNT, SPEED, STRUCTURE, TRACE_TIME, headed};
+use crate::report::sheet::{Cell, Column, Sheet};
+use crate::report::{ReportError, metrics, summary};
+use crate::results::{Run, SceneFollowed, TraceRecord, TracerRun, UpdatesRecord};
 use crate::studies::updates::{Total, Walker, walkers};
 
 /// The way that totals are set against.
@@ -50,14 +54,9 @@ fn rebuilt(set: &Set<'_>, walker: &Walker<'_>) -> Option<Total> {
     set.walkers.iter().find(|other| other.way == REBUILD && tracer(other) == tracer(walker))?.total()
 }
 
-/// The shares of a trace that tell its accuracy: three of a closest-hit set, one of an any-hit set.
+/// The shares of a trace that tell its accuracy.
 fn shares(trace: &TraceRecord) -> Vec<Option<f64>> {
-    match &trace.judgement {
-        Judgement::Closest(closest) => {
-            vec![closest.agreement.hit_miss, closest.agreement.tight, closest.agreement.footprint]
-        }
-        Judgement::Any(any) => vec![any.occlusion.balanced_accuracy],
-    }
+    metrics::right_of(trace).into_iter().map(|accuracy| accuracy.share).collect()
 }
 
 fn shares_as_text(shares: &[Option<f64>], trials: u64) -> String {
@@ -82,8 +81,8 @@ fn least(walker: &Walker<'_>) -> Option<(Vec<Option<f64>>, u64)> {
 }
 
 fn trace_ms(walker: &Walker<'_>, frame: usize) -> Option<f64> {
-    let (row, trace) = walker.frames[frame]?;
-    (metrics::TRACE_TIME.column.value)(row, trace)
+    let (_, trace) = walker.frames[frame]?;
+    TRACE_TIME.value(trace)
 }
 
 /// Mean over frames, where all have a value.
@@ -127,157 +126,111 @@ pub(super) fn page(run: &Run, updates: &UpdatesRecord) -> String {
 
 fn totals(set: &Set<'_>) -> String {
     let Some((_, first)) = set.walkers.iter().find_map(|walker| walker.frames[0]) else { return String::new() };
-    let closest = matches!(first.judgement, Judgement::Closest(_));
-    let accuracy = if closest {
-        "agreement, least of all frames (%): hit_miss / tight / footprint ↑"
-    } else {
-        "balanced accuracy, least of all frames (%) ↑"
+    let accuracy = match first.query {
+        Query::Closest => "agreement, least of all frames (%): hit_miss / tight / footprint",
+        Query::Any => "balanced accuracy, least of all frames (%)",
     };
-    let headings = [
-        "tracer",
-        "way",
-        "clock",
-        "first build (ms) ↓",
-        "update, mean of frames (ms) ↓",
-        "trace, mean of frames (ms) ↓",
-        "all frames (ms) ↓",
-        "× rebuild ↓",
-        accuracy,
-    ];
-    let mut markdown = Markdown::new(&headings.map(str::to_owned));
-    for walker in &set.walkers {
-        let later = 1..walker.frames.len();
-        let update = mean(later.clone().map(|frame| walker.update(frame).map(|times| times.median_ms)));
-        let trace = mean(later.map(|frame| trace_ms(walker, frame)));
-        let (total, least) = (walker.total(), least(walker));
-        // No time without the accuracy of the same frames.
-        let judged = least.as_ref().is_some_and(|(shares, _)| shares.iter().all(Option::is_some));
-        let ratio = total.zip(rebuilt(set, walker)).and_then(|(own, rebuilt)| own.over(&rebuilt));
-        let clocks = walker.frames[0].map_or_else(|| NONE.to_owned(), |(_, trace)| clock_of(&trace.times));
-        markdown.row(&[
-            label(walker),
-            way_of(walker),
-            total.map_or(clocks, |total| format::clock(total.clock).to_owned()),
-            walker.update(0).and_then(interval_of).unwrap_or_else(|| NONE.to_owned()),
-            optional(update, 4),
-            optional(trace.filter(|_| judged), 4),
-            optional(total.filter(|_| judged).map(|total| total.ms), 4),
-            optional(ratio.filter(|_| judged), 3),
-            least.map_or_else(|| NONE.to_owned(), |(shares, trials)| shares_as_text(&shares, trials)),
-        ]);
-    }
-    let title =
-        format!("{}: {}, {} rays a frame", inline(set.rays), format::query(first.query), thousands(first.count));
-    format!("\n### {title}\n\n{}", markdown.text)
+    // No time without the accuracy of the same frames.
+    let judged = |walker: &Walker<'_>| {
+        let whole = least(walker).is_some_and(|(shares, _)| shares.iter().all(Option::is_some));
+        whole.then_some(())
+    };
+    let sheet = Sheet::<Walker<'_>>::new()
+        .told("tracer", label)
+        .told("way", way_of)
+        .told("clock", |walker| {
+            let clock = || walker.frames[0].map(|(_, trace)| clock_of(&trace.times));
+            walker.total().map(|total| format::clock(total.clock).to_owned()).or_else(clock)
+        })
+        .told("first build (ms) ↓", |walker| walker.update(0))
+        .told("update, mean of frames (ms) ↓", |walker| {
+            mean(later(walker).map(|frame| walker.update(frame).map(|times| times.median_ms)))
+        })
+        .told("trace, mean of frames (ms) ↓", move |walker| {
+            judged(walker).and_then(|()| mean(later(walker).map(|frame| trace_ms(walker, frame))))
+        })
+        .told("all frames (ms) ↓", move |walker| judged(walker).and_then(|()| Some(walker.total()?.ms)))
+        .told("× rebuild ↓", move |walker| {
+            judged(walker).and_then(|()| over_rebuilt(set, walker)).map(|ratio| Cell::Number(ratio, 3))
+        })
+        .told(headed(accuracy, Better::Higher), |walker| {
+            least(walker).map(|(shares, trials)| shares_as_text(&shares, trials))
+        });
+    let title = format!("{} a frame", set_heading(set.rays, first.query, first.count));
+    format!("\n### {title}\n\n{}", sheet.markdown(&set.walkers))
+}
+
+fn later(walker: &Walker<'_>) -> std::ops::Range<usize> {
+    1..walker.frames.len()
+}
+
+/// The total over that of the same tracer that is rebuilt at every frame.
+fn over_rebuilt(set: &Set<'_>, walker: &Walker<'_>) -> Option<f64> {
+    walker.total()?.over(&rebuilt(set, walker)?)
 }
 
 fn accuracies(set: &Set<'_>) -> String {
     let frames = set.walkers.first().map_or(0, |walker| walker.frames.len());
-    let mut headings = vec!["tracer".to_owned(), "way".to_owned()];
-    headings.extend((0..frames).map(|frame| format!("frame {frame} (%) ↑")));
-    let mut markdown = Markdown::new(&headings);
-    for walker in &set.walkers {
-        let cell = |there: &Option<(_, &TraceRecord)>| {
-            there.map_or_else(|| NONE.to_owned(), |(_, trace)| shares_as_text(&shares(trace), metrics::trials(trace)))
-        };
-        let mut cells = vec![label(walker), way_of(walker)];
-        cells.extend(walker.frames.iter().map(cell));
-        markdown.row(&cells);
+    let of_frame = |frame: usize| {
+        Column::told(format!("frame {frame} (%) ↑"), move |walker: &Walker<'_>| {
+            let (_, trace) = walker.frames.get(frame).copied().flatten()?;
+            Some(shares_as_text(&shares(trace), metrics::trials(trace)))
+        })
+    };
+    let sheet =
+        Sheet::<Walker<'_>>::new().told("tracer", label).told("way", way_of).with((0..frames).map(of_frame).collect());
+    format!("\nAt every frame:\n\n{}", sheet.markdown(&set.walkers))
+}
+
+/// A frame of a walk.
+struct Row<'a> {
+    set: &'a Set<'a>,
+    walker: &'a Walker<'a>,
+    frame: usize,
+    row: &'a TracerRun,
+    trace: &'a TraceRecord,
+}
+
+impl Row<'_> {
+    /// The first frame is a fresh build for every way that begins there.
+    fn way(&self) -> String {
+        if self.frame == 0 { format!("{}, {}", way(self.row), self.walker.way) } else { self.walker.way.to_owned() }
     }
-    format!("\nAt every frame:\n\n{}", markdown.text)
 }
 
 /// One row a scene, ray set, tracer, way and frame.
-pub(super) fn rows(run: &Run, updates: &UpdatesRecord) -> Vec<Vec<String>> {
-    let header = [
-        "scene",
-        "scene_sha256",
-        "triangles",
-        "frames",
-        "passes",
-        "frame",
-        "animation_time_s",
-        "viewpoint",
-        "tracer",
-        "tracer_name",
-        "parameters_json",
-        "way",
-        "stale_by",
-        "update_clock",
-        "update_median_ms",
-        "update_low_ms",
-        "update_high_ms",
-        "structure_bytes",
-        "rays",
-        "rays_sha256",
-        "query",
-        "count_rays",
-        "clock",
-        "trace_median_ms",
-        "trace_low_ms",
-        "trace_high_ms",
-        "mrays_per_s",
-        "agreement_hit_miss_share",
-        "agreement_tight_share",
-        "agreement_footprint_share",
-        "balanced_accuracy_share",
-        "ties_rays",
-        "all_frames_clock",
-        "all_frames_ms",
-        "all_frames_over_rebuild",
-        "commit",
-        "run_preset",
-        "machine",
-    ];
-    let mut rows = vec![header.map(str::to_owned).to_vec()];
-    for scene in &updates.scenes {
-        for set in sets(run, scene) {
-            for walker in &set.walkers {
-                let total = walker.total();
-                let ratio = total.zip(rebuilt(&set, walker)).and_then(|(own, rebuilt)| own.over(&rebuilt));
-                let measured =
-                    walker.frames.iter().enumerate().filter_map(|(frame, there)| there.map(|there| (frame, there)));
-                for (frame, (row, trace)) in measured {
-                    let (update, times) = (walker.update(frame), &trace.times);
-                    let timed = |ms: f64| number((!times.samples_ms.is_empty()).then_some(ms));
-                    let mut cells = vec![
-                        row.scene.name.clone(),
-                        row.scene.sha256.clone(),
-                        row.scene.triangles.to_string(),
-                        updates.frames.to_string(),
-                        updates.passes.to_string(),
-                        frame.to_string(),
-                        number(Some(row.viewpoint.time_s)),
-                        row.viewpoint.name.clone(),
-                        row.label(),
-                        row.tracer.name.clone(),
-                        serde_json::to_string(&row.tracer.parameters).unwrap_or_default(),
-                        // The first frame is a fresh build for every way that begins there.
-                        if frame == 0 { format!("{}, {}", way(row), walker.way) } else { walker.way.to_owned() },
-                        row.way.as_ref().map(|way| way.stale_by.join(" ")).unwrap_or_default(),
-                        update.map_or_else(String::new, |times| clock_code(times.clock).to_owned()),
-                        number(update.map(|times| times.median_ms)),
-                        number(update.map(|times| times.interval_ms[0])),
-                        number(update.map(|times| times.interval_ms[1])),
-                        row.memory.structure_bytes.to_string(),
-                        trace.rays.clone(),
-                        trace.rays_sha256.clone(),
-                        code(trace.query),
-                        trace.count.to_string(),
-                        clock_code(times.clock).to_owned(),
-                        timed(times.median_ms),
-                        timed(times.interval_ms[0]),
-                        timed(times.interval_ms[1]),
-                        number(metrics::speed(trace)),
-                    ];
-                    cells.extend(accuracy_columns(trace));
-                    cells.push(total.map_or_else(String::new, |total| clock_code(total.clock).to_owned()));
-                    cells.extend([number(total.map(|total| total.ms)), number(ratio)]);
-                    cells.extend([run.provenance.commit.clone(), run.preset.clone(), run.provenance.machine.label()]);
-                    rows.push(cells);
-                }
-            }
-        }
+pub(super) fn csv(file: &str, run: &Run, updates: &UpdatesRecord) -> Result<Vec<u8>, ReportError> {
+    let sets: Vec<Set<'_>> = updates.scenes.iter().flat_map(|scene| sets(run, scene)).collect();
+    let mut rows: Vec<Row<'_>> = Vec::new();
+    for (set, walker) in sets.iter().flat_map(|set| set.walkers.iter().map(move |walker| (set, walker))) {
+        let measured = |(frame, there): (usize, &Option<_>)| {
+            let (row, trace) = (*there)?;
+            Some(Row { set, walker, frame, row, trace })
+        };
+        rows.extend(walker.frames.iter().enumerate().filter_map(measured));
     }
-    rows
+    let sheet = Sheet::<Row<'_>>::new()
+        .scene(|row| &row.row.scene)
+        .column("frames", |_| updates.frames)
+        .column("passes", |_| updates.passes)
+        .column("frame", |row| row.frame as u64)
+        .column("animation_time_s", |row| row.row.viewpoint.time_s)
+        .column("viewpoint", |row| row.row.viewpoint.name.clone())
+        .tracer(|row| row.row)
+        .column("way", Row::way)
+        .column("stale_by", |row| row.row.way.as_ref().map(|way| way.stale_by.join(" ")))
+        .then(|sheet| updated(sheet, |row| row.walker.update(row.frame)))
+        .structure(STRUCTURE, |row| Some(row.row))
+        .rays(|row| Some(row.trace))
+        .query(|row| Some(row.trace.query))
+        .trace(COUNT, |row| Some(row.trace))
+        .clock("clock", |row| Some(&row.trace.times))
+        .ends(["trace_median_ms", "trace_low_ms", "trace_high_ms"], |row| Cell::from(&row.trace.times))
+        .trace(SPEED, |row| Some(row.trace))
+        .accuracy(|row| Some(row.trace))
+        .column("all_frames_clock", |row| row.walker.total().map(|total| clock_code(total.clock)))
+        .column("all_frames_ms", |row| row.walker.total().map(|total| total.ms))
+        .column("all_frames_over_rebuild", |row| over_rebuilt(row.set, row.walker))
+        .provenance(&run.provenance, &run.preset);
+    sheet.csv(file, &rows)
 }

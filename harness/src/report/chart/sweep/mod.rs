@@ -45,12 +45,12 @@ impl SweepFigure {
         let mut panels = vec![memory(view, style_of), build(view, style_of), speed(view, style_of)];
         if alone {
             let series = rules.iter().flat_map(|rule| {
-                view.curves.iter().map(|curve| errors(view, curve, rule, rule_styles.get(rule.0))).collect::<Vec<_>>()
+                view.curves.iter().map(|curve| errors(view, curve, *rule, rule_styles.get(rule.0))).collect::<Vec<_>>()
             });
-            panels.push(error_panel(view, "wrong rays", rules, series.collect()));
+            panels.push(error_panel(view, "wrong rays", &rules, series.collect()));
         } else {
-            for rule in rules {
-                let series = view.curves.iter().map(|curve| errors(view, curve, rule, style_of(curve)));
+            for rule in &rules {
+                let series = view.curves.iter().map(|curve| errors(view, curve, *rule, style_of(curve)));
                 let title = format!("wrong rays: {}", rule.0);
                 panels.push(error_panel(view, &title, std::slice::from_ref(rule), series.collect()));
             }
@@ -63,7 +63,7 @@ impl SweepFigure {
         let labels = values.iter().map(|value| cut(value, LONGEST_VALUE)).collect();
         let name = name_with_unit(&view.axis.name, &view.axis.unit);
         Self {
-            frame: frame(run, view, panels.len(), legend(view, rules, &rule_styles, &curve_styles)),
+            frame: frame(run, view, panels.len(), legend(view, &rules, &rule_styles, &curve_styles)),
             values: Values::even(name, values, labels, values.iter().map(skipped).collect()),
             own: values.iter().position(|value| *value == view.axis.own),
             panels,

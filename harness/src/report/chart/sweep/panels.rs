@@ -7,42 +7,26 @@ use super::super::palette::Style;
 use super::super::plot::{Mark, Panel, Scale, Series, share_scale};
 use crate::report::format;
 use crate::report::group::Role;
-use crate::report::metrics;
+use crate::report::metrics::{self, BALANCED, BUILD_TIME, SPEED, STRUCTURE};
 use crate::report::sweep::{Cell, Curve, View};
-use crate::results::{Judgement, Times, TraceRecord, TracerRun};
+use crate::results::{Times, TraceRecord, TracerRun};
 
 /// Panels of values from zero up, unless they differ by more than this.
 const LINEAR_RATIO: f64 = 10.0;
 
-/// How wrong answers are told: the rule's name, and the share that it finds right with its interval.
-pub(super) type Rule = (&'static str, fn(&TraceRecord) -> Option<(f64, Option<[f64; 2]>)>);
-
-const CLOSEST_RULES: [Rule; 3] = [
-    ("hit_miss", |trace| {
-        let judgement = metrics::closest(trace)?;
-        Some((judgement.agreement.hit_miss?, judgement.interval.hit_miss))
-    }),
-    ("tight", |trace| {
-        let judgement = metrics::closest(trace)?;
-        Some((judgement.agreement.tight?, judgement.interval.tight))
-    }),
-    ("footprint", |trace| {
-        let judgement = metrics::closest(trace)?;
-        Some((judgement.agreement.footprint?, judgement.interval.footprint))
-    }),
-];
-
-const ANY_RULES: [Rule; 1] = [("balanced accuracy", |trace| {
-    let occlusion = &metrics::any(trace)?.occlusion;
-    Some((occlusion.balanced_accuracy?, occlusion.balanced_accuracy_interval))
-})];
+/// A rule by which answers are right: its name, and its place among those of a query.
+pub(super) type Rule = (&'static str, usize);
 
 /// The rules by which answers to a query are told.
-pub(super) fn rules(query: Query) -> &'static [Rule] {
-    match query {
-        Query::Closest => &CLOSEST_RULES,
-        Query::Any => &ANY_RULES,
-    }
+pub(super) fn rules(query: Query) -> Vec<Rule> {
+    metrics::rules(query).iter().enumerate().map(|(place, name)| (*name, place)).collect()
+}
+
+/// How often answers are wrong by a rule.
+fn wrong(trace: &TraceRecord, (_, place): Rule) -> Option<Mark> {
+    let right = metrics::right_of(trace).get(place).copied()?;
+    let [low, high] = right.interval.unwrap_or([right.share?; 2]);
+    Some(Mark { value: (1.0 - right.share?).max(0.0), interval: [(1.0 - high).max(0.0), (1.0 - low).max(0.0)] })
 }
 
 /// Marks in the order of the axis.
@@ -74,15 +58,14 @@ fn magnitudes(title: &str, y_name: &str, series: Vec<Series>) -> Panel {
 
 pub(super) fn memory(view: &View<'_>, style_of: impl Fn(&Curve<'_>) -> Style) -> Panel {
     let mib = |bytes: u64| Some(Mark::exact(bytes as f64 / f64::from(1 << 20)));
-    let used = |run: &TracerRun| run.memory.structure.iter().map(|entry| entry.used_bytes).sum();
     let series = view.curves.iter().flat_map(|curve| {
         let style = style_of(curve);
         [
-            Series { style, hollow: true, marks: marks(view, curve, |run, _| mib(used(run))) },
+            Series { style, hollow: true, marks: marks(view, curve, |run, _| mib(metrics::used_bytes(run))) },
             Series { style, hollow: false, marks: marks(view, curve, |run, _| mib(run.memory.structure_bytes)) },
         ]
     });
-    magnitudes("structure's memory", "structure (MiB)", series.collect())
+    magnitudes("structure's memory", &STRUCTURE.axis(), series.collect())
 }
 
 pub(super) fn build(view: &View<'_>, style_of: impl Fn(&Curve<'_>) -> Style) -> Panel {
@@ -92,20 +75,19 @@ pub(super) fn build(view: &View<'_>, style_of: impl Fn(&Curve<'_>) -> Style) -> 
     };
     let of = |curve| Series { style: style_of(curve), hollow: false, marks: marks(view, curve, |run, _| time(run)) };
     let clocks = clock_names(view, |run, _| run.build.times.clock);
-    magnitudes(&format!("build: {clocks}"), "build (ms)", view.curves.iter().map(of).collect())
+    magnitudes(&format!("build: {clocks}"), &BUILD_TIME.called("build").axis(), view.curves.iter().map(of).collect())
 }
 
 pub(super) fn speed(view: &View<'_>, style_of: impl Fn(&Curve<'_>) -> Style) -> Panel {
     // Without an accuracy there is no speed.
-    let judged = |trace: &TraceRecord| rules(trace.query).iter().all(|(_, right)| right(trace).is_some());
     let speed = |trace: &TraceRecord| {
-        let value = metrics::speed(trace).filter(|_| judged(trace))?;
+        let value = metrics::speed(trace).filter(|_| metrics::judged(trace))?;
         Some(Mark { value, interval: metrics::speed_interval(trace).unwrap_or([value; 2]) })
     };
     let of =
         |curve| Series { style: style_of(curve), hollow: false, marks: marks(view, curve, |_, trace| speed(trace)) };
     let clocks = clock_names(view, |_, trace| trace.times.clock);
-    magnitudes(&format!("trace: {clocks}"), "speed (Mrays/s)", view.curves.iter().map(of).collect())
+    magnitudes(&format!("trace: {clocks}"), &SPEED.axis(), view.curves.iter().map(of).collect())
 }
 
 /// The clocks of what a panel shows.
@@ -120,13 +102,8 @@ fn clock_names(view: &View<'_>, clock: impl Fn(&TracerRun, &TraceRecord) -> Cloc
     if names.is_empty() { "nothing timed".to_owned() } else { names.join(" / ") }
 }
 
-fn wrong((right, interval): (f64, Option<[f64; 2]>)) -> Mark {
-    let [low, high] = interval.unwrap_or([right; 2]);
-    Mark { value: (1.0 - right).max(0.0), interval: [(1.0 - high).max(0.0), (1.0 - low).max(0.0)] }
-}
-
-pub(super) fn errors(view: &View<'_>, curve: &Curve<'_>, rule: &Rule, style: Style) -> Series {
-    Series { style, hollow: false, marks: marks(view, curve, |_, trace| rule.1(trace).map(wrong)) }
+pub(super) fn errors(view: &View<'_>, curve: &Curve<'_>, rule: Rule, style: Style) -> Series {
+    Series { style, hollow: false, marks: marks(view, curve, |_, trace| wrong(trace, rule)) }
 }
 
 pub(super) fn error_panel(view: &View<'_>, title: &str, shown: &[Rule], series: Vec<Series>) -> Panel {
@@ -135,15 +112,16 @@ pub(super) fn error_panel(view: &View<'_>, title: &str, shown: &[Rule], series: 
     let mut controls: Vec<(String, f64)> = Vec::new();
     for (_, run, trace) in view.group.traces(view.set).into_iter().filter(|(role, ..)| *role == Role::Control) {
         // The last rule is the one by which charts of speed show controls.
-        let Some(share) = shown.last().and_then(|rule| rule.1(trace)).map(|right| wrong(right).value) else { continue };
+        let Some(share) = shown.last().and_then(|rule| wrong(trace, *rule)).map(|wrong| wrong.value) else { continue };
         let name = run.label();
         // Points that were tried alone have controls of their own; they score the same.
         if !controls.contains(&(name.clone(), share)) {
             controls.push((name, share));
         }
     }
-    let any = matches!(view.curves.iter().flat_map(|curve| &curve.cells).find_map(|cell| cell.measured),
-        Some((_, trace)) if matches!(trace.judgement, Judgement::Any(_)));
-    let y_name = if any { "1 − balanced accuracy (%), log" } else { "wrong rays (%), log" };
-    Panel { title: title.to_owned(), y_name: y_name.to_owned(), scale, series, controls }
+    let y_name = match view.set.query {
+        Query::Any => format!("1 − {} (%), log", BALANCED.label),
+        Query::Closest => "wrong rays (%), log".to_owned(),
+    };
+    Panel { title: title.to_owned(), y_name, scale, series, controls }
 }

@@ -1,0 +1,330 @@
+//! Tables as data: a column has its names, its heading and its value in one place, and every format has one writer.
+
+use std::collections::BTreeSet;
+
+use super::ReportError;
+use super::format::{NONE, optional, percent_with_interval, significant, statistic, thousands, with_interval};
+use super::markdown::Table;
+use crate::results::{Percentiles, Ratio, Times};
+use crate::studies::pareto::Amount;
+
+/// What a row has in a column. Programs read all digits, people those that matter.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Cell {
+    /// Nothing.
+    None,
+    /// Words.
+    Text(String),
+    /// Words for programs, and for people.
+    Named(&'static str, String),
+    /// Yes or no.
+    Flag(bool),
+    /// So many.
+    Count(u64),
+    /// Bytes; people read MiB.
+    Bytes(f64),
+    /// What a structure says of itself.
+    Statistic(f64),
+    /// A number, to so many digits.
+    Number(f64, usize),
+    /// A number with its interval, to so many digits.
+    Measured(f64, Option<[f64; 2]>, usize),
+    /// A share of so many rays with its interval, if it has one; people read percent.
+    Share(f64, Option<[f64; 2]>, u64),
+    /// A share of any number with its interval; people read percent, to three digits.
+    Percent(f64, [f64; 2]),
+    /// How often answers are right.
+    Accuracy(Accuracy),
+    /// Median, 95th and 99th percentile.
+    Percentiles(Percentiles),
+}
+
+/// A share of right answers; nothing where every ray is a tie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Accuracy {
+    /// The share.
+    pub share: Option<f64>,
+    /// Its interval.
+    pub interval: Option<[f64; 2]>,
+    /// Wrong answers.
+    pub wrong: u64,
+    /// All that count.
+    pub trials: u64,
+}
+
+impl Cell {
+    /// The number, if it is one: of a number with an interval itself, of percentiles the median.
+    pub(crate) fn value(&self) -> Option<f64> {
+        match self {
+            Self::None | Self::Text(_) | Self::Named(..) | Self::Flag(_) => None,
+            Self::Count(count) => Some(*count as f64),
+            Self::Bytes(value)
+            | Self::Statistic(value)
+            | Self::Number(value, _)
+            | Self::Measured(value, ..)
+            | Self::Share(value, ..)
+            | Self::Percent(value, _) => Some(*value),
+            Self::Accuracy(accuracy) => accuracy.share,
+            Self::Percentiles(percentiles) => percentiles.p50,
+        }
+    }
+
+    /// As programs read it: itself, then what else it has: the ends of its interval, the other percentiles.
+    fn fields(&self) -> [String; 3] {
+        let one = |text: String| [text, String::new(), String::new()];
+        let ends = |value: Option<f64>, interval: &Option<[f64; 2]>| {
+            [value, interval.map(|[low, _]| low), interval.map(|[_, high]| high)].map(number)
+        };
+        match self {
+            Self::None => one(String::new()),
+            Self::Text(text) => one(text.clone()),
+            Self::Named(code, _) => one((*code).to_owned()),
+            Self::Flag(flag) => one(flag.to_string()),
+            Self::Count(count) => one(count.to_string()),
+            Self::Bytes(value) | Self::Statistic(value) | Self::Number(value, _) => one(number(Some(*value))),
+            Self::Measured(value, interval, _) | Self::Share(value, interval, _) => ends(Some(*value), interval),
+            Self::Percent(value, interval) => ends(Some(*value), &Some(*interval)),
+            Self::Accuracy(accuracy) => ends(accuracy.share, &accuracy.interval),
+            Self::Percentiles(Percentiles { p50, p95, p99 }) => [*p50, *p95, *p99].map(number),
+        }
+    }
+
+    /// As people read it.
+    pub(crate) fn told(&self) -> String {
+        match self {
+            Self::None => NONE.to_owned(),
+            Self::Text(text) | Self::Named(_, text) => text.clone(),
+            Self::Flag(flag) => if *flag { "yes" } else { "no" }.to_owned(),
+            Self::Count(count) => thousands(*count),
+            Self::Bytes(bytes) => significant(bytes / f64::from(1 << 20), 4),
+            Self::Statistic(value) => statistic(*value),
+            Self::Number(value, digits) => significant(*value, *digits),
+            Self::Measured(value, interval, digits) => with_interval(*value, interval.unwrap_or([*value; 2]), *digits),
+            Self::Share(share, interval, trials) => percent_with_interval(*share, *interval, *trials),
+            Self::Percent(value, interval) => with_interval(value * 100.0, interval.map(|end| end * 100.0), 3),
+            Self::Accuracy(Accuracy { share, interval, wrong, trials }) => share.map_or_else(
+                || "every ray is a tie".to_owned(),
+                |share| {
+                    let share = percent_with_interval(share, *interval, *trials);
+                    format!("{share}; {} wrong of {}", thousands(*wrong), thousands(*trials))
+                },
+            ),
+            Self::Percentiles(Percentiles { p50, p95, p99 }) => {
+                [p50, p95, p99].map(|percentile| optional(*percentile, 3)).join(" / ")
+            }
+        }
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Self {
+        Self::Text(text.to_owned())
+    }
+}
+
+impl From<bool> for Cell {
+    fn from(flag: bool) -> Self {
+        Self::Flag(flag)
+    }
+}
+
+impl From<u32> for Cell {
+    fn from(count: u32) -> Self {
+        Self::Count(count.into())
+    }
+}
+
+impl From<u64> for Cell {
+    fn from(count: u64) -> Self {
+        Self::Count(count)
+    }
+}
+
+impl From<f64> for Cell {
+    fn from(value: f64) -> Self {
+        Self::Number(value, 4)
+    }
+}
+
+impl From<Percentiles> for Cell {
+    fn from(percentiles: Percentiles) -> Self {
+        Self::Percentiles(percentiles)
+    }
+}
+
+impl From<Amount> for Cell {
+    fn from(amount: Amount) -> Self {
+        Self::Measured(amount.value, Some(amount.interval), 4)
+    }
+}
+
+impl From<Ratio> for Cell {
+    fn from(ratio: Ratio) -> Self {
+        Self::Measured(ratio.value, Some(ratio.interval), 3)
+    }
+}
+
+/// A median with its interval, where anything was timed.
+impl From<&Times> for Cell {
+    fn from(times: &Times) -> Self {
+        if times.samples_ms.is_empty() {
+            Self::None
+        } else {
+            Self::Measured(times.median_ms, Some(times.interval_ms), 4)
+        }
+    }
+}
+
+impl<C: Into<Cell>> From<Option<C>> for Cell {
+    fn from(cell: Option<C>) -> Self {
+        cell.map_or(Self::None, Into::into)
+    }
+}
+
+/// A column over rows of a kind.
+pub(crate) struct Column<'a, R> {
+    /// Names in tables for programs, with the unit at their ends: its own, and of what else its cells have.
+    names: Vec<String>,
+    /// What it is called on pages.
+    heading: Option<String>,
+    cell: Box<dyn Fn(&R) -> Cell + 'a>,
+}
+
+impl<'a, R> Column<'a, R> {
+    /// A column for programs.
+    pub(crate) fn new<C: Into<Cell>>(name: impl Into<String>, cell: impl Fn(&R) -> C + 'a) -> Self {
+        Self { names: vec![name.into()], heading: None, cell: Box::new(move |row| cell(row).into()) }
+    }
+
+    /// A column for people.
+    pub(crate) fn told<C: Into<Cell>>(heading: impl Into<String>, cell: impl Fn(&R) -> C + 'a) -> Self {
+        Self { names: Vec::new(), heading: Some(heading.into()), cell: Box::new(move |row| cell(row).into()) }
+    }
+
+    /// For people too.
+    pub(crate) fn headed(self, heading: impl Into<String>) -> Self {
+        Self { heading: Some(heading.into()), ..self }
+    }
+
+    /// With names for what else its cells have.
+    pub(crate) fn beside(mut self, names: &[&str]) -> Self {
+        self.names.extend(names.iter().map(|name| (*name).to_owned()));
+        self
+    }
+}
+
+/// Columns that go together.
+pub(crate) type Columns<'a, R> = Vec<Column<'a, R>>;
+
+/// A table: each format shows the columns that have a name there.
+pub(crate) struct Sheet<'a, R> {
+    columns: Columns<'a, R>,
+}
+
+impl<'a, R> Sheet<'a, R> {
+    /// A table without columns.
+    pub(crate) fn new() -> Self {
+        Self { columns: Vec::new() }
+    }
+
+    /// With further columns.
+    pub(crate) fn with(mut self, columns: Columns<'a, R>) -> Self {
+        self.columns.extend(columns);
+        self
+    }
+
+    /// With a further column.
+    pub(crate) fn and(mut self, column: Column<'a, R>) -> Self {
+        self.columns.push(column);
+        self
+    }
+
+    /// With what makes more of it.
+    pub(crate) fn then(self, more: impl FnOnce(Self) -> Self) -> Self {
+        more(self)
+    }
+
+    /// With a column for programs.
+    pub(crate) fn column<C: Into<Cell>>(self, name: &str, cell: impl Fn(&R) -> C + 'a) -> Self {
+        self.and(Column::new(name, cell))
+    }
+
+    /// With a column for programs of numbers with the ends of their intervals.
+    pub(crate) fn ends<C: Into<Cell>>(self, names: [&str; 3], cell: impl Fn(&R) -> C + 'a) -> Self {
+        self.and(Column::new(names[0], cell).beside(&names[1..]))
+    }
+
+    /// With a column for people.
+    pub(crate) fn told<C: Into<Cell>>(self, heading: impl Into<String>, cell: impl Fn(&R) -> C + 'a) -> Self {
+        self.and(Column::told(heading, cell))
+    }
+
+    /// The table as CSV, for the file of a name.
+    ///
+    /// # Errors
+    /// If two columns have the same name.
+    pub(crate) fn csv(&self, file: &str, rows: &[R]) -> Result<Vec<u8>, ReportError> {
+        let fail = |reason: String| ReportError::Made { what: file.to_owned(), reason };
+        let header: Vec<&String> = self.columns.iter().flat_map(|column| &column.names).collect();
+        let mut known = BTreeSet::new();
+        if let Some(twice) = header.iter().find(|name| !known.insert(**name)) {
+            return Err(fail(format!("two columns are called {twice}")));
+        }
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(header).map_err(|error| fail(error.to_string()))?;
+        for row in rows {
+            let shown = self.columns.iter().filter(|column| !column.names.is_empty());
+            let fields = shown.flat_map(|column| (column.cell)(row).fields().into_iter().take(column.names.len()));
+            writer.write_record(fields.collect::<Vec<_>>()).map_err(|error| fail(error.to_string()))?;
+        }
+        writer.into_inner().map_err(|error| fail(error.to_string()))
+    }
+
+    /// The table in Markdown.
+    pub(crate) fn markdown(&self, rows: &[R]) -> String {
+        let shown = || self.columns.iter().filter_map(|column| Some((column.heading.as_ref()?, &column.cell)));
+        let mut table = Table::new(&shown().map(|(heading, _)| heading.clone()).collect::<Vec<_>>());
+        for row in rows {
+            table.row(&shown().map(|(_, cell)| cell(row).told()).collect::<Vec<_>>());
+        }
+        table.text
+    }
+}
+
+/// The shortest text that reads back as the same number; whole numbers without a point.
+fn number(value: Option<f64>) -> String {
+    match value {
+        Some(value) if value.fract() == 0.0 && value.abs() < 1e15 => format!("{value:.0}"),
+        Some(value) if value.is_finite() => format!("{value:?}"),
+        _ => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A column stands in every format under the name that it has there, its value written as that format's readers want it; what has no
+    /// name in a format is left out of it, and two columns of one name are refused.
+    #[test]
+    fn a_column_stands_in_every_format() {
+        let rows = [Some(0.5), None];
+        let share = |row: &Option<f64>| row.map(|share| Cell::Share(share, Some([0.25, 0.75]), 100));
+        let sheet = Sheet::new()
+            .and(Column::new("share", share).beside(&["share_low", "share_high"]).headed("share ↑"))
+            .column("bytes", |row| row.map(|_| Cell::Bytes(f64::from(3 << 20))))
+            .told("is | there", Option::is_some);
+        let csv = String::from_utf8(sheet.csv("a.csv", &rows).unwrap()).unwrap();
+        assert_eq!(csv, "share,share_low,share_high,bytes\n0.5,0.25,0.75,3145728\n,,,\n");
+        let markdown = "| share ↑ | is \\| there |\n| --- | --- |\n| 50.00 % [25.000, 75.000] | yes |\n| – | no |\n";
+        assert_eq!(sheet.markdown(&rows), markdown);
+        let error = sheet.column("share_low", |_| 1_u64).csv("a.csv", &rows).unwrap_err();
+        assert!(error.to_string().contains("share_low"), "{error}");
+    }
+}
