@@ -8,11 +8,14 @@ pub(in crate::report) use layer::{FrontLayers, PointMark};
 use plotters::prelude::DrawingBackend;
 use plotters::style::RGBColor;
 
-use super::axis::{LogAxis, labels, log_range, percent_label};
+use tracebench_api::Query;
+
+use super::axis::log_range;
 use super::canvas::{Align, Canvas, Drawn, Figure, register};
 use super::frame::{Entry as Line, Frame, Rect, Sample};
-use super::palette::{CONTROL, GREY, INK, Shape, Style, Styles};
-use super::{LONGEST_NAME, LONGEST_SET, cut, untimed_caption};
+use super::palette::{GREY, INK, Shape, Style, Styles};
+use super::panel::{self, Along, Axis, Scale};
+use super::{LONGEST_NAME, LONGEST_SET, cut, error_name, untimed_caption};
 use crate::report::format::{self, thousands};
 use crate::report::pareto::{as_read, cost_name};
 use crate::report::verdict::{self, Verdict};
@@ -68,14 +71,12 @@ type Corners = Vec<(f64, f64)>;
 
 #[derive(Debug)]
 struct Panel {
-    title: String,
-    x_name: String,
-    x_range: (f64, f64),
+    /// What does not hang on who is shown.
+    ground: panel::Panel,
     marks: Vec<Mark>,
     cost: Cost,
     /// Each tracer's own, with its name and colour.
     own: Vec<(String, RGBColor, Corners)>,
-    controls: Vec<(String, f64)>,
 }
 
 /// The chart.
@@ -83,7 +84,6 @@ struct Panel {
 pub(in crate::report) struct FrontFigure {
     frame: Frame,
     panels: Vec<Panel>,
-    y_name: String,
     /// Decimal logarithm of the least error that is shown.
     floor: f64,
 }
@@ -132,9 +132,13 @@ impl FrontFigure {
     ) -> Self {
         // Texts are measured while the figure is laid out; a font that fails is reported when it is drawn.
         let _ = register();
-        let panels: Vec<Panel> = panels.into_iter().map(|asked| panel(field, by, &asked, styles)).collect();
+        let mut panels: Vec<Panel> = panels.into_iter().map(|asked| panel(field, by, &asked, styles)).collect();
         let drawn = panels.iter().flat_map(|panel| &panel.marks).map(|mark| mark.y);
         let floor = drawn.filter(|y| *y > 0.0).fold(0.1, f64::min).log10() - 0.25;
+        for panel in &mut panels {
+            // A little above 100 %, so that markers there are whole.
+            panel.ground.y.scale = Scale::Shares((floor, 0.3), 0.0);
+        }
         let grey = Style { colour: GREY, shape: Shape::Circle };
         let line = |sample, label: &str| Line { sample, label: label.to_owned() };
         let key = vec![
@@ -168,11 +172,7 @@ impl FrontFigure {
         let clock = "Times by the host's clock, of work on a device from submission until done.";
         let caption = format!("{clock} {}", untimed_caption(&run.provenance, &run.preset));
         let frame = Frame::in_columns(columns, PLOT_HEIGHT, panels.len(), titles, &caption, key, legend);
-        let y_name = match by {
-            By::Rule(_) => "wrong rays, 1 − agreement (%)",
-            By::BalancedAccuracy => "1 − balanced accuracy (%)",
-        };
-        Self { frame, panels, y_name: y_name.to_owned(), floor }
+        Self { frame, panels, floor }
     }
 }
 
@@ -212,11 +212,19 @@ fn panel<'a>(field: &Field<'a>, by: By, asked: &PanelOf<'a>, styles: &FrontStyle
     }
     let mut controls = Vec::new();
     for (row, trace) in &field.controls {
-        controls.extend(Wrong::of(trace, by).map(|wrong| (row.label(), wrong.drawn())));
+        controls.extend(Wrong::of(trace, by).map(|wrong| (row.label(), vec![(0.0, wrong.drawn())])));
     }
     let x_range = log_range(marks.iter().flat_map(|mark| mark.x.interval.into_iter().chain([mark.x.value])));
-    let (title, cost, x_name) = (asked.title.clone(), asked.cost, cost_name(asked.cost));
-    Panel { title, x_name, x_range, marks, cost, own, controls }
+    let query = if by == By::BalancedAccuracy { Query::Any } else { Query::Closest };
+    let ground = panel::Panel {
+        title: asked.title.clone(),
+        x: Axis { name: cost_name(asked.cost), scale: Scale::Log(x_range, 8) },
+        y: Axis { name: error_name(query), scale: Scale::Whole },
+        controls,
+        marks: Vec::new(),
+        note: marks.is_empty().then_some("no point was timed and judged"),
+    };
+    Panel { ground, marks, cost: asked.cost, own }
 }
 
 /// Points of a front (cost, value, height) as places in the order of cost.
@@ -226,7 +234,7 @@ fn corners(mut on: Vec<(f64, f64, f64)>) -> Corners {
 }
 
 /// The line round a front on the canvas.
-fn line_round(corners: &Corners, [x, y]: [&LogAxis; 2]) -> Vec<(f64, f64)> {
+fn line_round(corners: &Corners, [x, y]: [&Along; 2]) -> Vec<(f64, f64)> {
     steps(&corners.iter().map(|(value, height)| (x.at(*value), y.at(*height))).collect::<Vec<_>>())
 }
 
@@ -236,7 +244,7 @@ fn own_colour(colour: RGBColor) -> RGBColor {
 }
 
 impl Mark {
-    fn place(&self, [x, y]: [&LogAxis; 2]) -> (f64, f64) {
+    fn place(&self, [x, y]: [&Along; 2]) -> (f64, f64) {
         (x.at(self.x.value), y.at(self.y))
     }
 }
@@ -276,7 +284,7 @@ impl Figure for FrontFigure {
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
         self.frame.draw(canvas)?;
         for (index, panel) in self.panels.iter().enumerate() {
-            self.draw_ground(canvas, panel, self.frame.panel(index))?;
+            panel.ground.draw(canvas, self.frame.panel(index))?;
             self.draw_points(canvas, panel, self.frame.panel(index))?;
         }
         Ok(())
@@ -284,45 +292,8 @@ impl Figure for FrontFigure {
 }
 
 impl FrontFigure {
-    /// The axes of a panel's rectangle.
-    fn axes(&self, panel: &Panel, rect: Rect) -> [LogAxis; 2] {
-        // A little above 100 %, so that markers there are whole.
-        let y = LogAxis::new((self.floor, 0.3), rect.bottom, rect.top);
-        [LogAxis::new(panel.x_range, rect.left, rect.right), y]
-    }
-
-    /// Where the controls of a panel are.
-    fn controls(panel: &Panel, y: &LogAxis) -> Vec<(String, f64)> {
-        panel.controls.iter().map(|(name, share)| (name.clone(), y.at(*share))).collect()
-    }
-
-    /// What does not hang on who is shown.
-    fn draw_ground<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, panel: &Panel, rect: Rect) -> Drawn {
-        let [x, y] = self.axes(panel, rect);
-        let ticks = x.ticks(8);
-        for (tick, text) in ticks.iter().zip(labels(&ticks)) {
-            rect.tick_below(canvas, x.at(tick.value), text.as_deref())?;
-        }
-        for tick in y.ticks(9).into_iter().filter(|tick| tick.value <= 1.0 + 1e-9) {
-            let text = tick.labelled.then(|| percent_label(tick.value));
-            rect.tick_left(canvas, y.at(tick.value), text.as_deref())?;
-        }
-        rect.title(canvas, &panel.title)?;
-        rect.axis_names(canvas, &panel.x_name, &self.y_name)?;
-        let controls = Self::controls(panel, &y);
-        for (_, height) in &controls {
-            canvas.dashed((rect.left, *height), (rect.right, *height), CONTROL, 1.0)?;
-        }
-        rect.names_right(canvas, &controls)?;
-        rect.edge(canvas)?;
-        if panel.marks.is_empty() {
-            rect.note(canvas, "no point was timed and judged")?;
-        }
-        Ok(())
-    }
-
     fn draw_points<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, panel: &Panel, rect: Rect) -> Drawn {
-        let [x, y] = self.axes(panel, rect);
+        let [x, y] = panel.ground.axes(rect);
         for (_, colour, corners) in &panel.own {
             canvas.path(&line_round(corners, [&x, &y]), own_colour(*colour), OWN_WIDTH)?;
         }
@@ -341,7 +312,7 @@ impl FrontFigure {
         canvas: &Canvas<DB>,
         mark: &Mark,
         place: (f64, f64),
-        [x, y]: [&LogAxis; 2],
+        [x, y]: [&Along; 2],
     ) -> Drawn {
         let (colour, (left, top)) = (mark.style.colour, place);
         if mark.standing == Standing::OnFront {

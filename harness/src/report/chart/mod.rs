@@ -6,6 +6,7 @@ mod frame;
 mod front;
 mod overtaking;
 mod palette;
+mod panel;
 mod plot;
 pub(crate) mod series;
 mod speed;
@@ -21,6 +22,7 @@ use tracebench_api::Query;
 use super::ReportError;
 use super::format;
 use super::group::{Group, RaySet};
+use super::metrics::BALANCED;
 use super::pareto::{Shown, as_read, rays_a_pixel};
 use super::sweep::View;
 use super::verdict::{self, Verdict};
@@ -31,7 +33,6 @@ use crate::studies::tune::Tuning;
 use canvas::{DrawError, Figure};
 use front::{FrontFigure, PanelOf};
 pub(super) use front::{FrontLayers, FrontStyles, PointMark};
-use overtaking::OvertakingFigure;
 #[cfg(test)]
 pub(super) use tests::{check_png, check_svg};
 
@@ -62,11 +63,9 @@ pub(super) fn charts(run: &Run, groups: &[Group<'_>]) -> Result<Vec<ChartFile>, 
     let mut files = Vec::new();
     let styles = palette::Styles::of(run);
     for group in groups.iter().filter(|group| !group.ray_sets.is_empty()) {
-        let figure = speed::SpeedFigure::new(run, group, &styles);
-        draw(&format!("{}{}", STEMS[0], group.stem), &figure, &mut files)?;
+        draw(&format!("{}{}", STEMS[0], group.stem), &speed::chart(run, group, &styles), &mut files)?;
         if group.ray_sets.iter().any(|set| set.query == Query::Closest) {
-            let figure = tolerance::ToleranceFigure::new(run, group, &styles);
-            draw(&format!("{}{}", STEMS[1], group.stem), &figure, &mut files)?;
+            draw(&format!("{}{}", STEMS[1], group.stem), &tolerance::chart(run, group, &styles), &mut files)?;
         }
     }
     Ok(files)
@@ -75,7 +74,7 @@ pub(super) fn charts(run: &Run, groups: &[Group<'_>]) -> Result<Vec<ChartFile>, 
 /// The chart of a run of cases.
 pub(super) fn strength_charts(stability: &Stability) -> Result<Vec<ChartFile>, ReportError> {
     let mut files = Vec::new();
-    draw("error_vs_strength", &strength::StrengthFigure::new(stability), &mut files)?;
+    draw("error_vs_strength", &strength::chart(stability), &mut files)?;
     Ok(files)
 }
 
@@ -123,7 +122,7 @@ pub(super) fn pareto_charts(
             let Some(by) = By::all(field.query).last() else { continue };
             let classes = contested(&scene.fronts, field, *by);
             if !classes.is_empty() {
-                let figure = OvertakingFigure::new(run, field, &classes, &styles);
+                let figure = overtaking::chart(run, field, &classes, &styles);
                 draw(&scene.chart(field.rays, "break_even"), &figure, &mut files)?;
             }
         }
@@ -156,7 +155,7 @@ pub(super) fn break_even_svg(
     field: &Field<'_>,
     classes: &[Class<'_>],
 ) -> Result<String, ReportError> {
-    let figure = OvertakingFigure::new(run, field, classes, &FrontStyles::of(record));
+    let figure = overtaking::chart(run, field, classes, &FrontStyles::of(record));
     canvas::to_svg(&figure).map_err(|error| made("break-even", &error))
 }
 
@@ -258,6 +257,14 @@ fn untimed_caption(from: &Provenance, preset: &str) -> String {
 fn name_with_unit(name: &str, unit: &str) -> String {
     let name = cut(name, LONGEST_VALUE);
     if unit.is_empty() { name } else { format!("{name} ({unit})") }
+}
+
+/// What an axis of wrong answers is called.
+fn error_name(query: Query) -> String {
+    match query {
+        Query::Closest => "wrong rays, 1 − agreement (%)".to_owned(),
+        Query::Any => format!("1 − {} (%)", BALANCED.label),
+    }
 }
 
 /// A panel's title.

@@ -76,7 +76,7 @@ impl Figure for Ground<'_> {
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
         self.0.frame.draw(canvas)?;
         for (index, panel) in self.0.panels.iter().enumerate() {
-            self.0.draw_ground(canvas, panel, self.0.frame.panel(index))?;
+            panel.ground.draw(canvas, self.0.frame.panel(index))?;
         }
         Ok(())
     }
@@ -98,7 +98,7 @@ impl FrontFigure {
 
     fn points_of(&self, index: usize, panel: &Panel) -> PanelPoints {
         let rect = self.frame.panel(index);
-        let [x, y] = self.axes(panel, rect);
+        let [x, y] = panel.ground.axes(rect);
         let names = self.names(panel, rect);
         let point = |mark: &&Mark| {
             let (left, top) = mark.place([&x, &y]);
@@ -127,7 +127,7 @@ impl FrontFigure {
         };
         PanelPoints {
             cost: panel.cost,
-            cost_name: panel.x_name.clone(),
+            cost_name: panel.ground.x.name.clone(),
             front: path(&line_round(&panel.front(), [&x, &y])),
             own: panel
                 .own

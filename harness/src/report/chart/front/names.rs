@@ -36,12 +36,13 @@ fn meet(one: &[f64; 4], other: &[f64; 4]) -> bool {
 impl FrontFigure {
     /// The names of points on the front, each where it meets no other; of neighbours of the same name one.
     pub(super) fn names<'a>(&self, panel: &'a Panel, rect: Rect) -> Vec<Name<'a>> {
-        let [x, y] = self.axes(panel, rect);
+        let [x, y] = panel.ground.axes(rect);
         // Names keep off the line of the front and those of controls.
         let front = line_round(&panel.front(), [&x, &y]);
         let mut lines: Vec<[f64; 4]> = front.windows(2).map(|ends| box_round(ends[0], ends[1])).collect();
-        let controls = Self::controls(panel, &y);
-        lines.extend(controls.iter().map(|(_, height)| box_round((rect.left, *height), (rect.right, *height))));
+        let controls = panel.ground.controls.iter().flat_map(|(_, places)| places);
+        let heights = controls.map(|(_, share)| y.at(*share));
+        lines.extend(heights.map(|height| box_round((rect.left, height), (rect.right, height))));
         let mut on: Vec<&Mark> = panel.marks.iter().filter(|mark| mark.standing == Standing::OnFront).collect();
         on.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(b.y.total_cmp(&a.y)));
         on.dedup_by(|next, before| next.name == before.name);
