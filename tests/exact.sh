@@ -1,0 +1,55 @@
+#!/usr/bin/env bash
+# Holds an analytic tracer against the truth in f64 by every ray set from five viewpoints of every scene of the catalogue, and of the
+# files that are given; some 20 million rays in all. A table of what came of every set goes to results/software-exact/exact.csv, or to
+# the file that OUT names. Ends well if no ray is wrong under `tight` but for ties.
+#     tests/exact.sh [scene.glb...]
+#     TRACER=bvh-gpu OUT=mine.csv tests/exact.sh
+set -euo pipefail
+root=$(cd "$(dirname "$0")/.." && pwd)
+out=$(realpath -m "${OUT:-$root/results/software-exact/exact.csv}")
+tracer=${TRACER:-dirt:improved}
+program=${PROGRAM:-$root/target/release/tracebench}
+[ -x "$program" ] || (cd "$root" && cargo build --release --bin tracebench)
+command -v jq > /dev/null || { echo 'exact: jq is missing: install it (Debian: apt-get install jq), then run this again' >&2; exit 1; }
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+table=$scratch/exact.csv
+
+# One scene from one viewpoint: `pixel-random` has two rays a pixel here, so that no set outweighs the others.
+try() {
+    local folder=$scratch/run
+    rm -rf "$folder"
+    "$program" run --tracer "$tracer" --preset quick --scene "$1" ${2:+--view "$2"} --rays all --set rays.pixel_random_count=2 \
+        --samples 1 --quiet --out "$folder" > /dev/null
+    # An answer is counted as tied where two surfaces lie equally far in f32: either is right.
+    jq -r '.commit as $commit | .runs[] | .scene as $scene | .viewpoint.name as $view | .tracer as $tracer | .traces[]
+        | .judgement as $judged | ($judged.classes.tight // $judged.occlusion) as $class
+        | [$scene.name, $scene.triangles, $view, $tracer.name, $tracer.preset, .rays, .count,
+           ([$class | .false_hit, .false_miss, .early, .late, .false_occluded, .false_free | numbers] | add), $judged.ties, $commit]
+        | @csv' \
+        "$folder/run.json" | tr -d '"' >> "$table"
+    awk -F, '{ rays += $7; wrong += $8 } END { printf "exact: %d rays, %d wrong\n", rays, wrong }' "$table" >&2
+}
+
+echo 'scene,triangles,viewpoint,tracer,preset,rays,count,wrong_tight,ties,commit' > "$table"
+while read -r scene view; do
+    echo "exact: $scene from $view" >&2
+    try "$scene" "$view"
+done < <("$program" list scenes --json | jq -r '.[] | .name as $scene | .viewpoints[:5][] | "\($scene) \(.)"')
+
+for file in "$@"; do
+    echo "exact: $file" >&2
+    try "$file" ''
+    # Four more eyes on the circle through the viewpoint that the rule finds, about what lies half a diagonal before it.
+    mapfile -t poses < <(jq -r '.runs[0] | (.scene.diagonal / 2) as $r | .viewpoint as $v
+        | [range(3) | $v.eye[.] + $r * $v.forward[.]] as $c | ([range(3) | $v.eye[.] - $c[.]]) as $d | (range(1; 5) * 1.2566) as $a
+        | [$c[0] + ($a | cos) * $d[0] + ($a | sin) * $d[2], $v.eye[1], $c[2] + ($a | cos) * $d[2] - ($a | sin) * $d[0]]
+        | "\(.[0]),\(.[1]),\(.[2]):\($c[0]),\($c[1]),\($c[2])"' "$scratch/run/run.json")
+    for pose in "${poses[@]}"; do
+        try "$file" "$pose"
+    done
+done
+
+mkdir -p "$(dirname "$out")"
+mv "$table" "$out"
+awk -F, 'NR > 1 { rays += $7; wrong += $8; ties += $9 } END { printf "exact: %d rays, %d wrong, %d ties\n", rays, wrong, ties; exit wrong > 0 }' "$out"
