@@ -88,18 +88,40 @@ fn sentences(places: &[Place<'_>], machines: &[String]) -> String {
     text
 }
 
+/// So many records are named in a sentence of the first screen; all stand under *Machines and records*, with the same words.
+const MOST_NAMED: usize = 2;
+
 /// What speaks against records.
 fn doubts(records: &[Read<'_>]) -> String {
     let mut text = String::new();
     let mut say = |of: &dyn Fn(&Run) -> bool, what: &str| {
         let paths: Vec<String> = records.iter().filter(|read| of(&read.run)).map(|read| inline(read.path)).collect();
-        if !paths.is_empty() {
-            let _ = writeln!(text, "\n**{what}:** {}.", paths.join(", "));
+        let named = paths[..paths.len().min(MOST_NAMED)].join(", ");
+        match paths.len().saturating_sub(MOST_NAMED) {
+            _ if paths.is_empty() => {}
+            0 => _ = writeln!(text, "\n**{what}:** {named}."),
+            more => {
+                _ = writeln!(text, "\n**{what}:** {named} and {more} more, told below under *Machines and records*.")
+            }
         }
     };
-    say(&|run| verdict::controls(run) != Verdict::Sound, "Void, since a control fails, and part of no answer");
-    say(&|run| run.preset == "smoke", "Smoke runs, whose figures only show that things work");
+    say(&is_void, "Void, since a control fails, and part of no answer");
+    say(&is_smoke, "Smoke runs, whose figures only show that things work");
     text
+}
+
+fn is_void(run: &Run) -> bool {
+    verdict::controls(run) != Verdict::Sound
+}
+
+fn is_smoke(run: &Run) -> bool {
+    run.preset == "smoke"
+}
+
+/// What speaks against a record, in a word or two.
+pub(super) fn doubts_in_short(run: &Run) -> String {
+    let of = [(is_void(run), ", void"), (is_smoke(run), ", smoke run")];
+    of.iter().filter(|(is, _)| *is).map(|(_, word)| *word).collect()
 }
 
 /// A row a case and aim.

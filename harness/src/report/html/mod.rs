@@ -199,7 +199,8 @@ fn sources(all: &[Read<'_>], names: &Names) -> String {
         let text = summary::head(&read.run, "Record") + &summary::skipped(&read.run.skipped);
         // The title stands above.
         let text = text.trim_start_matches("# Record");
-        fronts::details(&format!("{} (machine {})", read.path, read.machine), "", &markdown::plain_html(text, 3, names))
+        let title = format!("{} (machine {}{})", read.path, read.machine, answer::doubts_in_short(&read.run));
+        fronts::details(&title, "", &markdown::plain_html(text, 3, names))
     };
     all.iter().map(of).collect()
 }

@@ -218,6 +218,23 @@ fn kinds_have_their_sections() {
     assert!(!html.contains("<section id=\"fronts\"") && !html.contains("<section id=\"matrix\""));
 }
 
+/// Proves that the first screen names few of many doubtful records, and that each still says below what speaks against it.
+#[test]
+fn many_doubtful_records_do_not_fill_the_first_screen() {
+    let smoke = || {
+        let mut run = fixture::typical();
+        run.preset = "smoke".to_owned();
+        run
+    };
+    let records = ["one", "two", "three", "four"].map(|name| (name, smoke()));
+    let html = page_of(&records, MOST_BYTES).html;
+    let answer = part(&html, "<section id=\"answer\"", "<section id=");
+    let told = "only show that things work:</strong> one, two and 2 more, told below";
+    assert!(answer.contains(told) && !answer.contains("three"), "{answer}");
+    let records = part(&html, "<section id=\"machine\"", "<section id=");
+    assert!(records.contains("four (machine 1, smoke run)"), "{records}");
+}
+
 /// Proves that the pictures of a point are shown, each once and named, where they lie beside the record; that one which is not what its
 /// name says takes its point with it; and that without that of the truth, or with a name that leads elsewhere, nothing is shown.
 #[test]
