@@ -43,6 +43,11 @@ const MOST_WORKGROUPS: u32 = 65535u;
 // By how much rectangles are grown: another shader may round corners to neighbouring points of the grid.
 const GROWN: i32 = 2;
 
+#ifdef AXIS
+// By how much what triangles touch is grown in orthographic images, pixels: at least by what passes take to be touched.
+const TOUCHED_MARGIN: f32 = 0.0625;
+#endif
+
 fn load_position(corner: u32) -> vec3<f32> {
     let vertex = indices[corner] * 3u;
     return vec3<f32>(positions[vertex], positions[vertex + 1u], positions[vertex + 2u]);
@@ -60,6 +65,14 @@ fn rectangle_of(triangle: u32) -> vec4<i32> {
         on_image(image.axis, to_unit(image.space, b)).xy,
         on_image(image.axis, to_unit(image.space, c)).xy,
     );
+    if (setup.touched == 1u) {
+        let edge = vec2<f32>(setup.size);
+        let low = min(min(places[0], places[1]), places[2]) * edge - TOUCHED_MARGIN;
+        let high = max(max(places[0], places[1]), places[2]) * edge + TOUCHED_MARGIN;
+        return vec4<i32>(
+            vec2<i32>(clamp(floor(low), vec2<f32>(0.0), edge)), vec2<i32>(clamp(floor(high) + 1.0, vec2<f32>(0.0), edge)),
+        );
+    }
     if (!outline_in_image(places[0], places[1], places[2], vec2<f32>(setup.size))) {
         return vec4<i32>(0);
     }

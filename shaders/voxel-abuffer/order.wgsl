@@ -1,6 +1,7 @@
 // The pass that orders the lists of an axis by depth (section 3.1). An invocation a list. Layers of equal depth and facing are one:
 // a surface that is there twice would cancel itself where layers tell inside from outside. The one that stays has the least data, so
-// that nothing hangs on the order in which fragments came.
+// that nothing hangs on the order in which fragments came. Fragments that are ORIENTED planes stay all: those of one depth at their
+// texel's centre are parts of it side by side.
 
 #import tracebench::dispatch::linear_invocation
 #import tracebench::list_order::{node_words, open, depth_bits, next_of, set_next, ordered_list}
@@ -10,7 +11,9 @@
 @group(0) @binding(1) var<storage, read_write> heads: array<u32>;
 // Binding 2: the nodes.
 @group(0) @binding(3) var<storage, read_write> taken: array<atomic<u32>>;
+#ifndef ORIENTED
 @group(0) @binding(4) var<storage, read_write> data: array<vec4<u32>>;
+#endif
 #ifdef HALVES
 @group(0) @binding(5) var<storage, read_write> further_data: array<vec4<u32>>;
 #endif
@@ -21,6 +24,7 @@ const WORKGROUP_SIZE: u32 = 64u;
 const UNORDERED: u32 = 3u;
 const COPIES: u32 = 4u;
 
+#ifndef ORIENTED
 fn load_data(node: u32) -> vec4<u32> {
 #ifdef HALVES
     if (node >= drawn.half_nodes) {
@@ -52,6 +56,7 @@ fn is_less(one: vec4<u32>, other: vec4<u32>) -> bool {
     }
     return one.w < other.w;
 }
+#endif
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn order(
@@ -70,6 +75,7 @@ fn order(
     }
     var kept = ordered_list(first);
     heads[texel] = kept;
+#ifndef ORIENTED
     var link = next_of(kept);
     open += 1u;
     loop {
@@ -90,6 +96,7 @@ fn order(
         }
         link = next;
     }
+#endif
     if (open > 0u) {
         atomicAdd(&taken[UNORDERED], 1u);
     }

@@ -25,7 +25,8 @@ struct VoxelSearch {
     half_nodes: u32,
     // What is asked of a texel that the ray crosses, 0: the layers that it passes there, 1: the side on which it leaves.
     at_exits: u32,
-    padding: u32,
+    // 1: any hit will do, not the nearest.
+    any_hit: u32,
     // Of each axis: its first node, and that node's bit among those that are counted.
     first_nodes: vec4<u32>,
     first_bits: vec4<u32>,

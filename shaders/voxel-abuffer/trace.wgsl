@@ -1,14 +1,20 @@
 // The trace through voxels and A-buffers (section 3.2): a ray goes through the grid voxel by voxel; in one that has anything its
-// points are told inside or outside by the layers of one of three images, and where that changes it has met a surface.
+// points are told inside or outside by the layers of one of three images, and where that changes it has met a surface. With ORIENTED
+// fragments are planes, and the ray is met by the nearest that it goes through.
 
 #import tracebench::types::{Ray, Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP, SURFACE_NO_HIT, SURFACE_WRITTEN, SURFACE_LOST}
 #import tracebench::dispatch::linear_invocation
 #import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
+#ifdef ORIENTED
+#import tracebench::voxel_store::{search, open, work, counted, COUNTS}
+#import tracebench::voxel_plane_search::{found, found_t, find_hit, surface_of_hit}
+#else
 #import tracebench::image_walk::Span
 #import tracebench::unit_space::{to_unit, on_image, from_image, dominant_axis, voxel_at}
 #import tracebench::voxel_walk::{span_in_cube, leaves_voxel, next_voxel, is_in_grid}
 #import tracebench::voxel_store::{search, ray, origin, direction, open, work, counted, code_of, head_of, load_node, load_data, COUNTS, STEPPED, STARTS_INSIDE, EMPTY, CANCELLED}
 #import tracebench::voxel_search::{found, found_t, found_axis, found_texel, start_t, texel_t, start_side, run_axis, NO_AXIS, take_image, side_at, search_voxel}
+#endif
 
 @group(0) @binding(1) var<storage, read> rays: array<Ray>;
 @group(0) @binding(2) var<storage, read_write> hits: array<Hit>;
@@ -16,6 +22,7 @@
 @group(0) @binding(3) var<storage, read_write> surfaces: array<Surface>;
 #endif
 
+#ifndef ORIENTED
 // The voxel that the ray has hit something in.
 var<private> found_voxel: vec3<i32>;
 
@@ -168,6 +175,7 @@ fn surface_of_hit() -> Surface {
     let position = ray.origin + ray.direction * found_t;
     return Surface(position, data.w, bitcast<vec3<f32>>(data.xyz), SURFACE_WRITTEN);
 }
+#endif
 #endif
 
 #ifdef SURFACES

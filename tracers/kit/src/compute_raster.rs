@@ -129,6 +129,8 @@ pub enum RasterImage {
         space: UnitSpace,
         /// 0, 1 or 2.
         axis: u32,
+        /// As of a view; what is touched is grown by a 16th of a pixel.
+        touched: bool,
     },
 }
 
@@ -206,7 +208,7 @@ impl ComputeRaster {
         for (name, buffer) in [("vertex positions", &geometry.positions), ("vertex indices", &geometry.indices)] {
             gpu.check_storage_binding(name, buffer.size(), TRIANGLES)?;
         }
-        let touched = matches!(image, RasterImage::View { touched: true, .. });
+        let (RasterImage::View { touched, .. } | RasterImage::Axis { touched, .. }) = image;
         let pass = RasterPass {
             size,
             triangle_count,
@@ -218,7 +220,7 @@ impl ComputeRaster {
         let pass = uniform_buffer(gpu, PASS, &pass)?;
         let (axis, image) = match image {
             RasterImage::View { view, .. } => (false, uniform_buffer(gpu, IMAGE, &view)?),
-            RasterImage::Axis { space, axis } => {
+            RasterImage::Axis { space, axis, .. } => {
                 let drawn = RasterAxis { space, axis, padding_a: 0, padding_b: 0, padding_c: 0 };
                 (true, uniform_buffer(gpu, IMAGE, &drawn)?)
             }

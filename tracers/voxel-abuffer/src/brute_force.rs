@@ -56,14 +56,14 @@ impl Allowed {
 }
 
 /// A triangle in the cube.
-struct Placed {
-    corners: [DVec3; 3],
+pub(crate) struct Placed {
+    pub corners: [DVec3; 3],
     /// The plane's normal, longest component 1, and by how much it may be off; 0 of a triangle without an area.
-    across: DVec3,
-    off: f64,
+    pub across: DVec3,
+    pub off: f64,
 }
 
-fn place(space: UnitSpace, corners: [DVec3; 3]) -> Placed {
+pub(crate) fn place(space: UnitSpace, corners: [DVec3; 3]) -> Placed {
     let corners = corners.map(|corner| space.to_unit(corner));
     // As the device does, by the two shorter edges.
     let mut edges: [DVec3; 3] = std::array::from_fn(|edge| corners[(edge + 1) % 3] - corners[edge]);
@@ -77,7 +77,7 @@ fn place(space: UnitSpace, corners: [DVec3; 3]) -> Placed {
 
 impl Placed {
     /// As the image along an axis has it, of so many texels along an edge.
-    fn drawn(&self, axis: usize, image: u32) -> Drawn {
+    pub(crate) fn drawn(&self, axis: usize, image: u32) -> Drawn {
         let [across, down] = across_and_down(axis);
         let edge = f64::from(image);
         let flat = |vector: DVec3| DVec2::new(vector[across], vector[down]);
@@ -105,16 +105,16 @@ impl Placed {
 }
 
 /// A triangle in an image.
-struct Drawn {
+pub(crate) struct Drawn {
     /// Texels.
-    corners: [DVec2; 3],
+    pub corners: [DVec2; 3],
     /// At the first corner, and what it changes by a texel.
-    depth: f64,
-    slope: DVec2,
-    least: f64,
-    greatest: f64,
-    depth_slack: f64,
-    faces_along: Option<bool>,
+    pub depth: f64,
+    pub slope: DVec2,
+    pub least: f64,
+    pub greatest: f64,
+    pub depth_slack: f64,
+    pub faces_along: Option<bool>,
 }
 
 impl Drawn {
@@ -160,7 +160,7 @@ impl AllowedLayers {
     }
 }
 
-fn corners_of(scene: &Geometry, triangle: &[u32; 3]) -> [DVec3; 3] {
+pub(crate) fn corners_of(scene: &Geometry, triangle: &[u32; 3]) -> [DVec3; 3] {
     triangle.map(|vertex| Vec3::from(scene.positions[vertex as usize]).as_dvec3())
 }
 

@@ -32,17 +32,24 @@ pub(crate) struct Taken {
 /// Words of the counts, in the order of [`Taken`].
 pub(crate) const TAKEN_WORDS: u64 = 6;
 
-/// The A-buffers, and what averages are made of.
+/// The A-buffers.
 #[derive(Debug)]
 pub(crate) struct Lists {
     pub heads: Buffer,
     pub taken: Buffer,
     pub nodes: Nodes,
+    /// What averages are made of; none where fragments are planes.
+    pub summed: Option<Summed>,
+    head_stride: u32,
+}
+
+/// What averages are made of.
+#[derive(Debug)]
+pub(crate) struct Summed {
     /// Sums of normals, a component each.
     pub sums: [Buffer; AXES],
     /// Fragments of every voxel.
     pub fragments: Buffer,
-    head_stride: u32,
 }
 
 /// All buffers.
@@ -91,9 +98,11 @@ impl Buffers {
         if let Some(lists) = &self.lists {
             keep(HEADS, &lists.heads);
             keep(TAKEN, &lists.taken);
-            keep(FRAGMENTS, &lists.fragments);
-            for (axis, sum) in lists.sums.iter().enumerate() {
-                keep(&sum_name(axis), sum);
+            if let Some(summed) = &lists.summed {
+                keep(FRAGMENTS, &summed.fragments);
+                for (axis, sum) in summed.sums.iter().enumerate() {
+                    keep(&sum_name(axis), sum);
+                }
             }
             lists.nodes.enter(taken.fragments, ledger);
         }
@@ -120,6 +129,9 @@ pub(crate) fn check_sizes(gpu: &Gpu, layout: &Layout) -> Result<(), TracerError>
         return Ok(());
     }
     gpu.check_storage_binding(HEADS, head_bytes(layout), TURN_DOWN)?;
+    if layout.planes {
+        return Ok(());
+    }
     gpu.check_storage_binding(FRAGMENTS, u64::from(layout.voxels()) * 4, TURN_GRID_DOWN)
 }
 
@@ -131,11 +143,14 @@ impl Lists {
     fn new(gpu: &Gpu, layout: &Layout, nodes: [u32; AXES]) -> Result<Self, TracerError> {
         let heads = storage_buffer(gpu, HEADS, head_bytes(layout), TURN_DOWN)?;
         let grid = |name: &str| storage_buffer(gpu, name, u64::from(layout.voxels()) * 4, TURN_GRID_DOWN);
+        let summed = || -> Result<Summed, TracerError> {
+            let sums = [grid(&sum_name(0))?, grid(&sum_name(1))?, grid(&sum_name(2))?];
+            Ok(Summed { sums, fragments: grid(FRAGMENTS)? })
+        };
         Ok(Self {
             heads,
             taken: storage_buffer(gpu, TAKEN, TAKEN_WORDS * 4, "nothing")?,
-            sums: [grid(&sum_name(0))?, grid(&sum_name(1))?, grid(&sum_name(2))?],
-            fragments: grid(FRAGMENTS)?,
+            summed: (!layout.planes).then(summed).transpose()?,
             nodes: Nodes::new(gpu, layout.drawn_by, nodes)?,
             head_stride: layout.head_stride(),
         })

@@ -8,13 +8,18 @@ use tracebench_kit::{
     Canvas, ComputeRaster, DrawnBy, EmptyTarget, OnDemand, PipelinesOnDemand, RasterImage, RasterWork, TrianglePass,
     TrianglePipelines, bind_group, check_limits, compute_pipeline, dispatch_linear, storage_buffer, uniform_buffer,
 };
-use tracebench_shaders::voxel_abuffer::{AVERAGE, Fill, Order, Trace, Voxels};
+use tracebench_shaders::Variant;
+use tracebench_shaders::voxel_abuffer::{AVERAGE, Fill, Order, Planes, Trace, Voxels};
 
-use crate::buffers::{Buffers, Lists, check_sizes};
+use crate::buffers::{Buffers, Lists, Summed, check_sizes};
 use crate::layout::{AXES, AveragedGrid, DrawnAxis, Layout};
 
 /// As `WORKGROUP_SIZE` in the shaders of shaders/voxel-abuffer.
 pub(crate) const WORKGROUP_SIZE: u32 = 64;
+
+/// Pixels of a rectangle up to which a lane draws the planes of a triangle by itself: a texel takes more of them than of points, and Mesa's
+/// software driver ends the loops of eight lanes together after 65,535 rounds in all.
+const SMALL_OF_PLANES: u32 = 128;
 
 /// Entry points of shaders/voxel-abuffer/trace.wgsl.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,7 +36,9 @@ pub(crate) enum Entry {
 pub(crate) struct Pipelines {
     pub gpu: Arc<Gpu>,
     raster: ComputeRaster,
+    raster_of_planes: ComputeRaster,
     fill: TrianglePipelines<Fill>,
+    planes: TrianglePipelines<Planes>,
     average: OnDemand<(), ComputePipeline>,
     order: PipelinesOnDemand<Order>,
     trace: OnDemand<(Trace, Entry), ComputePipeline>,
@@ -49,8 +56,10 @@ impl Pipelines {
         }
         Ok(Self {
             raster: ComputeRaster::new(&gpu),
+            raster_of_planes: ComputeRaster::of_small(SMALL_OF_PLANES),
             gpu,
             fill: TrianglePipelines::new(),
+            planes: TrianglePipelines::new(),
             average: OnDemand::default(),
             order: PipelinesOnDemand::new("order"),
             trace: OnDemand::default(),
@@ -60,9 +69,10 @@ impl Pipelines {
 
     /// The triangles of every image dealt out, where there is no rasterizer.
     fn deal_out(&self, layout: &Layout, geometry: &Geometry) -> Result<Vec<RasterWork>, TracerError> {
-        let image = |axis: usize| RasterImage::Axis { space: layout.space, axis: axis as u32 };
+        let image = |axis: usize| RasterImage::Axis { space: layout.space, axis: axis as u32, touched: layout.planes };
         let (device, triangles) = (geometry.on_device()?, geometry.triangles.len() as u32);
-        self.raster.prepare_all(&self.gpu, layout.drawn_by, (0..AXES).map(image), device, triangles)
+        let raster = if layout.planes { &self.raster_of_planes } else { &self.raster };
+        raster.prepare_all(&self.gpu, layout.drawn_by, (0..AXES).map(image), device, triangles)
     }
 
     pub(crate) fn trace(&self, variant: Trace, entry: Entry) -> Result<ComputePipeline, TracerError> {
@@ -88,28 +98,17 @@ impl Pipelines {
         work.iter().for_each(|work| work.record(&mut encoder));
         for axis in 0..AXES {
             let drawn = uniform_buffer(gpu, "drawn axis", &layout.drawn(axis, 0, 0))?;
-            let canvas = Canvas::of(work.get(axis), target.as_ref(), geometry.triangles.len() as u32 * 3)?;
+            let canvas = Canvas::of(work.get(axis), target.as_ref(), vertices(layout, geometry))?;
             let own = vec![(5, taken.as_entire_binding())];
-            self.draw(Fill::Tally { compute }, &drawn, device, own, canvas)?.record(&mut encoder);
+            let pass = match layout.planes {
+                true => draw(gpu, &self.planes, Planes::Tally { compute }, &drawn, device, own, canvas)?,
+                false => draw(gpu, &self.fill, Fill::Tally { compute }, &drawn, device, own, canvas)?,
+            };
+            pass.record(&mut encoder);
         }
         gpu.queue.submit([encoder.finish()]);
         let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&taken, 4 * AXES as u64)?);
         counts.try_into().map_err(|_| TracerError::Failed("the counts were not read whole".to_owned()))
-    }
-
-    /// A pass along an axis.
-    fn draw<'a>(
-        &self,
-        variant: Fill,
-        drawn: &Buffer,
-        device: &DeviceGeometry,
-        own: Vec<(u32, BindingResource<'_>)>,
-        canvas: Canvas<'a>,
-    ) -> Result<TrianglePass<'a>, TracerError> {
-        let shared = [(0, drawn), (1, &device.positions), (2, &device.indices)];
-        let shared = shared.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
-        let all: Vec<_> = shared.into_iter().chain(own).collect();
-        self.fill.pass(&self.gpu, variant, &all, canvas)
     }
 
     /// Records the whole build.
@@ -121,7 +120,7 @@ impl Pipelines {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let (gpu, device) = (&*self.gpu, geometry.on_device()?);
-        let vertices = geometry.triangles.len() as u32 * 3;
+        let vertices = vertices(layout, geometry);
         let uniform = |axis: usize| {
             let nodes = buffers.lists.as_ref().map(|lists| &lists.nodes);
             let (capacity, half) = nodes.map_or((0, 0), |nodes| (nodes.capacities[axis], nodes.half_nodes));
@@ -133,7 +132,8 @@ impl Pipelines {
         let canvas = |axis: usize| Canvas::of(work.get(axis), buffers.target.as_ref(), vertices);
         let Some(lists) = &buffers.lists else {
             let cells = || vec![(9, buffers.cells.as_entire_binding())];
-            let pass = |axis: usize| self.draw(Fill::Voxels { compute }, &drawn[axis], device, cells(), canvas(axis)?);
+            let variant = Fill::Voxels { compute };
+            let pass = |axis: usize| draw(gpu, &self.fill, variant, &drawn[axis], device, cells(), canvas(axis)?);
             let passes = [pass(0)?, pass(1)?, pass(2)?];
             RasterWork::record_all(&work, clock)?;
             return clock.device_phase("fill", |encoder| {
@@ -146,30 +146,44 @@ impl Pipelines {
             let mut own = vec![(3, device.materials.as_entire_binding()), (4, lists.heads_of(axis))];
             own.extend([(5, lists.taken.as_entire_binding()), (6, lists.nodes.nodes_of(axis))]);
             own.extend((7..).zip(lists.nodes.data_of(axis)));
-            own.extend((9..).zip(lists.sums.iter().map(Buffer::as_entire_binding)));
-            own.push((12, lists.fragments.as_entire_binding()));
-            self.draw(Fill::Store { halves, compute }, &drawn[axis], device, own, canvas(axis)?)
+            let Some(summed) = &lists.summed else {
+                own.push((9, buffers.cells.as_entire_binding()));
+                let variant = Planes::Store { halves, compute };
+                return draw(gpu, &self.planes, variant, &drawn[axis], device, own, canvas(axis)?);
+            };
+            own.extend((9..).zip(summed.sums.iter().map(Buffer::as_entire_binding)));
+            own.push((12, summed.fragments.as_entire_binding()));
+            draw(gpu, &self.fill, Fill::Store { halves, compute }, &drawn[axis], device, own, canvas(axis)?)
         };
         let passes = [pass(0)?, pass(1)?, pass(2)?];
-        let average = self.average.of((), || compute_pipeline(gpu, AVERAGE, "average"))?;
-        let averaged = self.bind_average(layout, buffers, lists, &average)?;
-        let order = self.order.of(gpu, Order { halves })?;
+        let averaged = match &lists.summed {
+            Some(summed) => Some(self.averaging(layout, buffers, lists, summed)?),
+            None => None,
+        };
+        let order = self.order.of(gpu, if layout.planes { Order::Oriented } else { Order::Plain { halves } })?;
         let ordered: [BindGroup; AXES] = std::array::from_fn(|axis| {
             let mut own = vec![drawn[axis].as_entire_binding(), lists.heads_of(axis), lists.nodes.nodes_of(axis)];
             own.push(lists.taken.as_entire_binding());
-            own.extend(lists.nodes.data_of(axis));
+            if !layout.planes {
+                own.extend(lists.nodes.data_of(axis));
+            }
             bind_group(gpu, &order.get_bind_group_layout(0), &own)
         });
         RasterWork::record_all(&work, clock)?;
         clock.device_phase("fill", |encoder| {
-            for cleared in lists.sums.iter().chain([&lists.heads, &lists.taken, &lists.fragments]) {
+            let summed = lists.summed.iter().flat_map(|summed| summed.sums.iter().chain([&summed.fragments]));
+            // Where nothing is summed up fragments mark the voxels themselves.
+            let marked = lists.summed.is_none().then_some(&buffers.cells);
+            for cleared in summed.chain([&lists.heads, &lists.taken]).chain(marked) {
                 encoder.clear_buffer(cleared, 0, None);
             }
             passes.iter().for_each(|pass| pass.record(encoder));
         })?;
-        clock.device_phase("average normals", |encoder| {
-            dispatch_linear(encoder, &average, &averaged, layout.cell_words(), WORKGROUP_SIZE);
-        })?;
+        if let Some((average, bindings)) = &averaged {
+            clock.device_phase("average normals", |encoder| {
+                dispatch_linear(encoder, average, bindings, layout.cell_words(), WORKGROUP_SIZE);
+            })?;
+        }
         clock.device_phase("order", |encoder| {
             for bindings in &ordered {
                 dispatch_linear(encoder, &order, bindings, layout.texels(), WORKGROUP_SIZE);
@@ -177,24 +191,48 @@ impl Pipelines {
         })
     }
 
-    fn bind_average(
+    /// The pass that averages, and what it binds.
+    fn averaging(
         &self,
         layout: &Layout,
         buffers: &Buffers,
         lists: &Lists,
-        pipeline: &ComputePipeline,
-    ) -> Result<BindGroup, TracerError> {
+        summed: &Summed,
+    ) -> Result<(ComputePipeline, BindGroup), TracerError> {
+        let pipeline = self.average.of((), || compute_pipeline(&self.gpu, AVERAGE, "average"))?;
         let averaged = uniform_buffer(&self.gpu, "averaged grid", &layout.averaged_grid())?;
-        let [x, y, z] = &lists.sums;
-        let bound = [&averaged, x, y, z, &lists.fragments, &buffers.cells, &lists.taken];
+        let [x, y, z] = &summed.sums;
+        let bound = [&averaged, x, y, z, &summed.fragments, &buffers.cells, &lists.taken];
         let bound = bound.map(Buffer::as_entire_binding);
-        Ok(bind_group(&self.gpu, &pipeline.get_bind_group_layout(0), &bound))
+        let bindings = bind_group(&self.gpu, &pipeline.get_bind_group_layout(0), &bound);
+        Ok((pipeline, bindings))
     }
+}
+
+/// A pass along an axis.
+fn draw<'a, V: Variant>(
+    gpu: &Gpu,
+    pipelines: &TrianglePipelines<V>,
+    variant: V,
+    drawn: &Buffer,
+    device: &DeviceGeometry,
+    own: Vec<(u32, BindingResource<'_>)>,
+    canvas: Canvas<'a>,
+) -> Result<TrianglePass<'a>, TracerError> {
+    let shared = [(0, drawn), (1, &device.positions), (2, &device.indices)];
+    let shared = shared.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
+    let all: Vec<_> = shared.into_iter().chain(own).collect();
+    pipelines.pass(gpu, variant, &all, canvas)
+}
+
+/// Vertices of a pass by the rasterizer: of planes two triangles a triangle, the rectangle of texels that it may touch.
+fn vertices(layout: &Layout, geometry: &Geometry) -> u32 {
+    geometry.triangles.len() as u32 * if layout.planes { 6 } else { 3 }
 }
 
 /// Bytes of the uniforms of a build, and of what deals triangles out, which are kept until it is done.
 pub(crate) fn build_bytes(layout: &Layout, triangles: u32) -> u64 {
     let dealt = if layout.drawn_by == DrawnBy::Compute { AXES as u64 * RasterWork::bytes(triangles, true) } else { 0 };
-    let averaged = if layout.voxels_only { 0 } else { size_of::<AveragedGrid>() };
+    let averaged = if layout.voxels_only || layout.planes { 0 } else { size_of::<AveragedGrid>() };
     (AXES * size_of::<DrawnAxis>() + averaged) as u64 + dealt
 }

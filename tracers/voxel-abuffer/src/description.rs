@@ -12,6 +12,11 @@ choice! {
 }
 
 choice! {
+    /// What a fragment is.
+    pub(crate) enum Fragments { Points = "points", Planes = "planes" }
+}
+
+choice! {
     /// Which fragments feed the average normals; in the order of the shader's codes.
     pub(crate) enum Fed { All = "all", Dominant = "dominant" }
 }
@@ -84,6 +89,15 @@ parameters! {
             "grid and A-buffers, or a bit a voxel alone, where a ray ends as it enters a voxel that has anything (Figure 9); that has no \
              surfaces to give",
         ),
+        fragments: Fragments = Parameter::choice(
+            Build,
+            Fragments::Points,
+            "what is stored: points, which are samples at texels' centres of all three images, by which rays are told inside from outside \
+             (section 3), or oriented planes, each triangle's in the one image that it faces most, clipped to every texel that it touches: \
+             a hit is where a ray goes through one, so that nothing need be closed. With planes average, average_from, cancelled_below, \
+             search, in_texel, depths, binary_steps, inside and crossing say nothing, and a grid is no finer than the images",
+        )
+        .improved(Fragments::Planes),
         fit: Fit = Parameter::choice(
             Build,
             Fit::Cube,
@@ -102,8 +116,7 @@ parameters! {
             Averaged::Normals,
             "what a voxel averages: normals (section 3.1), of which opposite ones cancel, or normals as lines, turned so that their longest \
              component is positive, of which they do not",
-        )
-        .improved(Averaged::Lines),
+        ),
         cancelled_below: f64 = Parameter::real(
             Build,
             0.0..=1.0,
@@ -129,8 +142,7 @@ parameters! {
             Depths::Centre,
             "how deep a layer is where it is compared with a ray: as at its texel's centre, so that slanted surfaces have steps, or as \
              its plane is there, which reads the normal of every layer",
-        )
-        .improved(Depths::Plane),
+        ),
         binary_steps: u32 = Parameter::integer(
             Trace,
             0..=32,
@@ -157,10 +169,10 @@ parameters! {
             0.0..=64.0,
             2.0,
             "texels of its way that a ray leaves out which starts within the scene's bounds: small tells starts on the wrong side of the \
-             surface that they lie on, large misses what lies close to it",
+             surface that they lie on, large misses what lies close to it; through planes none is needed",
         )
         .unit("texels")
-        .improved(1.0)
+        .improved(0.0)
         .sweep([0.0, 0.5, 1.0, 2.0, 4.0]),
         build: DrawnBy = build_parameter(),
         reads: Reads = reads_parameter(),

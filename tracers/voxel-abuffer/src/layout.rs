@@ -5,7 +5,7 @@ use tracebench_api::{Geometry, ImageChoice, Sampling, SharedLayout, Viewpoint, V
 use tracebench_kit::DrawnBy;
 pub(crate) use tracebench_kit::{UnitSpace, across_and_down};
 
-use crate::description::{Averaged, Crossing, Fed, Held, InTexel, VoxelParameters};
+use crate::description::{Averaged, Crossing, Fed, Fragments, Held, InTexel, VoxelParameters};
 use crate::search::VoxelSearch;
 
 /// Axes, and images.
@@ -62,7 +62,7 @@ pub(crate) fn layouts() -> Vec<SharedLayout> {
         AveragedGrid { voxels, least_length, most_fragments, padding }
         VoxelSearch {
             space, ray_count, rays_per_lane, points, binary_steps, nesting, by_change, start_bias, head_stride, touched_words, half_nodes,
-            at_exits, padding, first_nodes, first_bits, first_data, first_further_data,
+            at_exits, any_hit, first_nodes, first_bits, first_data, first_further_data,
         }
     }
 }
@@ -80,6 +80,8 @@ pub(crate) struct Layout {
     pub space: UnitSpace,
     /// Whether there is nothing but a bit a voxel.
     pub voxels_only: bool,
+    /// Whether fragments are oriented planes.
+    pub planes: bool,
     pub fed: Fed,
     pub averaged: Averaged,
     pub cancelled_below: f64,
@@ -101,13 +103,17 @@ impl Layout {
     pub(crate) fn new(geometry: &Geometry, viewpoint: &Viewpoint, parameters: &VoxelParameters) -> Self {
         let asked = |value: u32, auto: u32| if value == 0 { auto } else { value };
         let image = asked(parameters.abuffer, auto_image(viewpoint.face));
-        let grid = asked(parameters.grid, auto_grid(image));
         let voxels_only = parameters.structure == Held::VoxelsOnly;
+        let planes = !voxels_only && parameters.fragments == Fragments::Planes;
+        let grid = asked(parameters.grid, auto_grid(image));
+        // A fragment marks the voxels that it lies in, of which there are few where these are no smaller than texels.
+        let grid = if planes { grid.min(image) } else { grid };
         // A bit a voxel is set where a sample of its own lies in it.
         let image = if voxels_only { grid } else { image };
         Self {
             space: UnitSpace::of(geometry, parameters.fit, image, grid),
             voxels_only,
+            planes,
             fed: parameters.average_from,
             averaged: parameters.average,
             cancelled_below: parameters.cancelled_below,

@@ -7,12 +7,14 @@
 
 mod arrays;
 mod brute_force;
+mod brute_planes;
 mod buffers;
 mod build;
 mod counting;
 mod description;
 mod layout;
 mod nodes;
+mod planes;
 mod search;
 mod structure;
 #[cfg(test)]

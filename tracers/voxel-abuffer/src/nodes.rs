@@ -12,7 +12,7 @@ use crate::layout::{AXES, AXIS_NAMES};
 /// What takes less room of everything that a build makes.
 pub(crate) const TURN_DOWN: &str = "voxel-abuffer.abuffer (or --face, where that is 0)";
 
-/// Bytes of a node: depth and next link; and of its data: normal and material.
+/// Bytes of a node: depth and next link; and of its data: normal and material, of planes slopes, part of the texel and material.
 pub(crate) const NODE_BYTES: u64 = 8;
 pub(crate) const DATA_BYTES: u64 = 16;
 

@@ -34,8 +34,8 @@ pub struct VoxelSearch {
     pub half_nodes: u32,
     /// 0: of a texel the layers are asked that the ray passes there, 1: the side on which it leaves.
     pub at_exits: u32,
-    /// Nothing.
-    pub padding: u32,
+    /// 1: any hit will do, which traces through planes make use of.
+    pub any_hit: u32,
     /// Of each axis: its first node.
     pub first_nodes: [u32; 4],
     /// That node's bit among those that are counted.
@@ -59,6 +59,7 @@ impl VoxelSearch {
             nesting: u32::from(parameters.inside == Inside::Nesting),
             by_change: u32::from(parameters.crossing == Crossing::Change),
             at_exits: u32::from(parameters.in_texel == InTexel::Exit),
+            any_hit: u32::from(job.rays.query == Query::Any),
             start_bias: parameters.start_bias as f32,
             head_stride: layout.head_stride(),
             ..Self::zeroed()

@@ -79,7 +79,8 @@ impl Tracer for VoxelAbuffer {
 impl VoxelStructure {
     fn rebuild(&mut self, geometry: &Geometry, layout: Layout, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
         let gpu = &*self.pipelines.gpu;
-        let sizes = |layout: &Layout| (layout.voxels_only, layout.image(), layout.space.grid, layout.drawn_by);
+        let sizes =
+            |layout: &Layout| (layout.voxels_only, layout.planes, layout.image(), layout.space.grid, layout.drawn_by);
         let new = match sizes(&layout) == sizes(&self.layout) {
             true => None,
             false => {
@@ -168,7 +169,9 @@ impl Structure for VoxelStructure {
     }
 
     fn voxels(&self, parameters: &Parameters) -> Result<Option<VoxelGrid>, TracerError> {
-        Ok(Some(self.layout.voxel_grid(&VoxelParameters::try_from(parameters)?)))
+        let parameters = VoxelParameters::try_from(parameters)?;
+        // Planes are met, whatever voxel they lie in: what is lost or added is told by the images alone.
+        Ok((!self.layout.planes).then(|| self.layout.voxel_grid(&parameters)))
     }
 
     fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {

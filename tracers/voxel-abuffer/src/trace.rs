@@ -42,6 +42,11 @@ impl VoxelStructure {
         Ok(search)
     }
 
+    /// Whether a trace reads more of a layer than its depth and facing.
+    fn reads_data(&self, end: EndPoint, parameters: &VoxelParameters) -> bool {
+        end == EndPoint::Surface || self.layout.planes || parameters.depths == Depths::Plane
+    }
+
     /// Records a trace, by the counting variant where there is something to count into.
     pub(crate) fn record(
         &self,
@@ -57,12 +62,14 @@ impl VoxelStructure {
         let textures = self.arrays.reads() == Reads::Texture;
         let parameters = VoxelParameters::try_from(job.parameters)?;
         let (surfaces, counters) = (job.end == EndPoint::Surface, counting.is_some());
+        let reads_data = self.reads_data(job.end, &parameters);
         let planes = parameters.depths == Depths::Plane;
-        let reads_data = surfaces || planes;
         let split = lists.nodes.is_by_axis() && !textures;
-        let variant = match split {
-            true => Trace::Split { planes, surfaces, counters },
-            false => Trace::Plain { textures, planes, surfaces, counters },
+        let variant = match (self.layout.planes, split) {
+            (true, true) => Trace::OrientedSplit { surfaces, counters },
+            (true, false) => Trace::Oriented { textures, surfaces, counters },
+            (false, true) => Trace::Split { planes, surfaces, counters },
+            (false, false) => Trace::Plain { textures, planes, surfaces, counters },
         };
         let search = self.search(job, &parameters, counting)?;
         let settings = uniform_buffer(gpu, "search", &search)?;
@@ -139,9 +146,7 @@ impl VoxelStructure {
         let counting = Counting::new(gpu, lists.nodes.capacity(), job.rays.host.len())?;
         self.record(job, hits, Some(&counting), &mut clock)?;
         clock.finish()?;
-        let reads_data =
-            job.end == EndPoint::Surface || VoxelParameters::try_from(job.parameters)?.depths == Depths::Plane;
-        counting.counters(gpu, reads_data)
+        counting.counters(gpu, self.reads_data(job.end, &VoxelParameters::try_from(job.parameters)?))
     }
 }
 

@@ -6,7 +6,7 @@ use tracebench_api::wgpu::Buffer;
 use tracebench_api::{Geometry, TracerError};
 
 use crate::brute_force::{AllowedLayers, Layer, UNIT_SLACK, allowed_layers, normal_is_noise, touched_voxels};
-use crate::buffers::{Lists, Taken};
+use crate::buffers::{Lists, Summed, Taken};
 use crate::description::{Averaged, Fed};
 use crate::layout::{AXES, AXIS_NAMES, Layout, NORMAL_UNIT, across_and_down};
 use crate::structure::{VoxelStructure, check};
@@ -89,17 +89,21 @@ impl VoxelStructure {
         let layout = &self.layout;
         let texels = u64::from(layout.texels());
         let step = (1..).find(|step| texels / (step * step) <= MOST_COMPARED).unwrap_or(1) as u32;
-        let border = layout.drawn_by.undecided_border(&self.pipelines.gpu)?;
-        let allowed = |axis| allowed_layers(layout.space, geometry, axis, step, border);
-        let allowed: [AllowedLayers; AXES] = std::array::from_fn(allowed);
         let codes = self.voxel_codes()?;
-        self.check_voxels(geometry, &allowed, &codes)?;
         let count = |is: &dyn Fn(u32) -> bool| codes.iter().filter(|code| is(**code)).count() as f64;
         let mut statistics = vec![
             ("voxels", codes.len() as f64),
             ("occupied_voxels", count(&|code| code != 0)),
             ("texels", (texels * AXES as u64) as f64),
         ];
+        if let (true, Some(lists)) = (layout.planes, &self.buffers.lists) {
+            statistics.extend(self.validate_planes(lists, geometry, step, &codes)?);
+            return Ok(statistics);
+        }
+        let border = layout.drawn_by.undecided_border(&self.pipelines.gpu)?;
+        let allowed = |axis| allowed_layers(layout.space, geometry, axis, step, border);
+        let allowed: [AllowedLayers; AXES] = std::array::from_fn(allowed);
+        self.check_voxels(geometry, &allowed, &codes)?;
         let Some(lists) = &self.buffers.lists else { return Ok(statistics) };
         let taken = self.buffers.taken(&self.pipelines.gpu)?;
         check(&taken)?;
@@ -205,7 +209,7 @@ impl VoxelStructure {
     }
 
     /// The words of an axis' nodes and of their data.
-    fn nodes_of(&self, lists: &Lists, axis: usize) -> Result<[Vec<u8>; 2], TracerError> {
+    pub(crate) fn nodes_of(&self, lists: &Lists, axis: usize) -> Result<[Vec<u8>; 2], TracerError> {
         let nodes = &lists.nodes;
         let [of_nodes, of_data] = nodes.buffers();
         let part = |buffers: &[&Buffer], each: usize| -> Result<Vec<u8>, TracerError> {
@@ -284,9 +288,9 @@ impl VoxelStructure {
 
     /// The grid's sums are those of the layers, and its codes those of the sums.
     fn check_sums(&self, lists: &Lists, taken: &Taken, expected: &Expected, codes: &[u32]) -> Result<(), TracerError> {
-        let sums: [Vec<i32>; AXES] =
-            [self.read(&lists.sums[0])?, self.read(&lists.sums[1])?, self.read(&lists.sums[2])?];
-        let fragments: Vec<u32> = self.read(&lists.fragments)?;
+        let Some(Summed { sums, fragments }) = &lists.summed else { return Ok(()) };
+        let sums: [Vec<i32>; AXES] = [self.read(&sums[0])?, self.read(&sums[1])?, self.read(&sums[2])?];
+        let fragments: Vec<u32> = self.read(fragments)?;
         for voxel in 0..codes.len() {
             let sum = DVec3::from(std::array::from_fn::<f64, AXES, _>(|axis| f64::from(sums[axis][voxel])));
             let fed = fragments[voxel] & !ANY_FRAGMENT;

@@ -2,6 +2,7 @@
 
 mod answers;
 mod closed;
+mod planes;
 mod stored;
 
 use std::sync::Arc;

@@ -4,11 +4,15 @@ use tracebench_api::wgpu::Buffer;
 
 use super::*;
 use crate::brute_force::normal_is_noise;
-use crate::buffers::Taken;
+use crate::buffers::{Summed, Taken};
 use crate::layout::NORMAL_UNIT;
 use crate::structure::check;
 use tracebench_api::Update;
 use tracebench_api::glam::Vec3;
+
+fn summed(structure: &VoxelStructure) -> &Summed {
+    structure.buffers.lists.as_ref().unwrap().summed.as_ref().unwrap()
+}
 
 const VARIANTS: [&[(&str, &str)]; 10] = [
     &[],
@@ -257,7 +261,7 @@ fn a_spoilt_structure_is_noticed() {
     {
         noticed(settings, what, &|structure| {
             // Of each, as some lie at voxels' borders.
-            let sums = &structure.buffers.lists.as_ref().unwrap().sums[0];
+            let sums = &summed(structure).sums[0];
             let words = vec![value; structure.layout.voxels() as usize];
             gpu.queue.write_buffer(sums, 0, bytemuck::cast_slice::<u32, u8>(&words));
         });
@@ -269,14 +273,14 @@ fn a_spoilt_structure_is_noticed() {
     let unique = soup(&unique, Some(&gpu));
     let structure = built(&gpu, &unique, &[]);
     structure.validate_against(&unique).unwrap();
-    for sums in &structure.buffers.lists.as_ref().unwrap().sums {
+    for sums in &summed(&structure).sums {
         let doubled: Vec<u32> = read(sums).iter().map(|sum| sum.wrapping_mul(2)).collect();
         gpu.queue.write_buffer(sums, 0, bytemuck::cast_slice(&doubled));
     }
     assert!(structure.validate_against(&unique).unwrap_err().to_string().contains("sums normals"));
     noticed(&[], "a number of fragments", &|structure| {
         let voxel = occupied(structure);
-        write(&structure.buffers.lists.as_ref().unwrap().fragments, voxel, 0);
+        write(&summed(structure).fragments, voxel, 0);
     });
     for (settings, bits) in [(&[][..], 4), (&[("structure", "voxels-only"), ("grid", "40")], 1)] {
         let per_word = 32 / bits;
