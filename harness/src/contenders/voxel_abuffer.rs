@@ -1,10 +1,15 @@
-//! The room of `voxel-abuffer`: layers at texels' centres along three axes of the scene's bounds, inside told from outside.
+//! The room of `voxel-abuffer`: layers at texels' centres along three axes of the scene's bounds, inside told from outside;
+//! improved, planes that are clipped to texels, each a part of the surface itself.
+
+use tracebench_api::Preset;
 
 use super::expectation::fails;
-use super::{Column, Expectation, Family, Registration, Remedy, Rule, Shrink, Touch};
+use super::{Ablation, Column, Expectation, Family, Improved, Registration, Remedy, Rule, Shrink, Switched, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
+    improved: Some(Improved { otherwise: Some(OF_PLANES), expectations: IMPROVED_EXPECTATIONS }),
+    ablation: Some(&ABLATION),
     ladder: LADDER,
     sweep: &["abuffer", "grid"],
     tune: Some("start_bias"),
@@ -146,6 +151,47 @@ const EXPECTATIONS: Column = &[
     ),
 ];
 
+/// What planes get wrong.
+const OF_PLANES: Expectation = few(Rule::Footprint, 0.01, PARTS);
+const PARTS: &str = "a fragment is the surface itself within its texel; what is left is its outline, an octagon there, at the rims of open \
+                     meshes";
+
+const IMPROVED_EXPECTATIONS: Column = &[];
+
+type Values = &'static [(&'static str, &'static str)];
+
+/// The best that is known of points.
+const BEST_POINTS: Values = &[("fit", "box"), ("average", "lines"), ("depths", "plane"), ("start_bias", "1")];
+
+/// From row to row one thing more; then the improved form, and single switches of it turned.
+const ABLATION: Ablation = Ablation {
+    name: "voxel-abuffer-ablation",
+    summary: "the switches between HHZ14 as published and its improved form: builds, traces, bytes, accuracy, counters",
+    rays: "primary,specular,diffuse",
+    rows: &[
+        published(&[]),
+        published(&[("fit", "box")]),
+        published(&[("fit", "box"), ("average", "lines"), ("depths", "plane")]),
+        published(BEST_POINTS),
+        published(&[("fragments", "planes")]),
+        published(&[("fragments", "planes"), ("start_bias", "0")]),
+        improved(&[]),
+        improved(&[("build", "compute")]),
+        improved(&[("abuffer", "320")]),
+        improved(&[("abuffer", "160")]),
+        improved(&[("grid", "32")]),
+        improved(&[("grid", "128")]),
+    ],
+};
+
+const fn published(values: Values) -> Switched {
+    Switched { preset: Preset::Published, values }
+}
+
+const fn improved(values: Values) -> Switched {
+    Switched { preset: Preset::Improved, values }
+}
+
 const LADDER: &[Remedy] = &[
     Remedy {
         cause: "one_scale_for_all_axes",
@@ -172,9 +218,15 @@ const LADDER: &[Remedy] = &[
         source: "HHZ14, section 3.2: a binary search of some steps places the hit",
     },
     Remedy {
+        cause: "sides_told_by_layers",
+        parameter: "fragments",
+        value: "planes",
+        source: "HHZ14, section 6: watertight objects are required for tracing rays accurately, and layers are samples of these",
+    },
+    Remedy {
         cause: "left_out_at_the_start",
         parameter: "start_bias",
-        value: "1",
+        value: "0",
         source: "HHZ14, section 3.2, says nothing of rays that start on surfaces: two texels of their way are left out",
     },
     Remedy {
