@@ -236,6 +236,39 @@ fn rays_meet_the_triangles_in_f64() {
     }
 }
 
+/// Rays that start on a surface, lifted off it by 1e-5 of the scene's diagonal as ray sets are, do not meet it: out of a ball all of them
+/// leave, into it all are met at the other side, at grazing angles too, without any part of their way left out.
+#[test]
+fn rays_leave_the_surface_that_they_start_on() {
+    let gpu = gpu();
+    let triangles = ball(3, 2.0);
+    let geometry = soup(&triangles, Some(&gpu));
+    let lift = 1e-5 * (geometry.bounds_max - geometry.bounds_min).as_dvec3().length();
+    let mut numbers = Numbers::new(90);
+    let mut from = |outwards: f64| -> Vec<Ray> {
+        let each = |index: usize| {
+            let [a, b, c] = corners(&triangles[index * 7 % triangles.len()]);
+            let (u, v) = (numbers.unit(), numbers.unit());
+            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            let mut normal = (b - a).cross(c - a).normalize();
+            // Away from the ball's middle.
+            normal *= normal.dot(a - DVec3::new(0.3, -0.2, 0.1)).signum() * outwards;
+            let at = (a + (b - a) * u + (c - a) * v + normal * lift).as_vec3().as_dvec3();
+            let aside = numbers.direction().cross(normal).normalize();
+            ray(at, aside + normal * [0.01, 0.1, 1.0][index % 3])
+        };
+        (0..1500).map(each).collect()
+    };
+    let (out, into) = (from(1.0), from(-1.0));
+    for shape in [&[("abuffer", "320")][..], &[("abuffer", "1280"), ("fit", "box")]] {
+        let settings = planes(shape);
+        let structure = built(&gpu, &geometry, &settings);
+        let met = |rays: &[Ray]| closest(&gpu, &structure, rays, &settings);
+        assert_eq!(met(&out).iter().filter(|hit| hit.is_hit()).count(), 0, "{shape:?}");
+        check_hits(&structure, &triangles, &into, &met(&into), 0.5);
+    }
+}
+
 /// Rays along the borders of texels and of voxels, through the corners of both, and along triangles' common edges are met like others.
 #[test]
 fn rays_along_borders_are_met() {
