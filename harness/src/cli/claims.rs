@@ -7,6 +7,7 @@ use clap::Args;
 use super::output::print;
 use super::work::OutputFolder;
 use super::{CliError, names};
+use crate::results::Run;
 use crate::{papers, report};
 
 #[derive(Args)]
@@ -23,7 +24,24 @@ pub(super) struct ClaimsArguments {
 
 pub(super) fn claims(arguments: &ClaimsArguments) -> Result<(), CliError> {
     let paper = names::paper(&arguments.paper)?;
+    let place = |path: &PathBuf| std::fs::canonicalize(super::run::folder_of(path)).unwrap_or_else(|_| path.clone());
+    let mut known: Vec<PathBuf> = Vec::new();
+    for path in &arguments.runs {
+        if known.contains(&place(path)) {
+            return Err(CliError::Argument(format!("{}: it is given twice", path.display())));
+        }
+        known.push(place(path));
+    }
     let runs = arguments.runs.iter().map(|path| report::read_run(path)).collect::<Result<Vec<_>, _>>()?;
+    let of_paper = |run: &Run| {
+        run.table.as_deref().and_then(|table| table.split_once('-')).is_some_and(|(of, _)| of == paper.name)
+    };
+    if !runs.is_empty() && !runs.iter().any(of_paper) {
+        return Err(CliError::Argument(format!(
+            "none of these runs is of a table of {}: `tracebench list tables` names them, `tracebench table NAME` makes one",
+            paper.name
+        )));
+    }
     if let Some(out) = &arguments.out {
         papers::write_claims(paper, &runs, &OutputFolder::open(out)?.path)?;
     }

@@ -1,5 +1,6 @@
 //! `report --html`.
 
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use super::CliError;
@@ -13,6 +14,7 @@ const MAKERS: Makers = Makers { tables: tables::of_run, claims: papers::claims_o
 
 /// Writes one page of all records.
 pub(super) fn write(file: &Path, paths: &[PathBuf], progress: &Progress) -> Result<(), CliError> {
+    spares(file)?;
     let mut records: Vec<(String, Run)> = Vec::new();
     let mut known: Vec<PathBuf> = Vec::new();
     for path in paths {
@@ -38,6 +40,20 @@ pub(super) fn write(file: &Path, paths: &[PathBuf], progress: &Progress) -> Resu
     }
     progress.say(&file.display().to_string());
     Ok(())
+}
+
+/// Whoever takes `--html` for a switch names a record there: it is not written over, nor is anything else that is no page.
+fn spares(file: &Path) -> Result<(), CliError> {
+    let Ok(mut there) = std::fs::File::open(file) else { return Ok(()) };
+    let mut begin = [0; 15];
+    let read = there.read(&mut begin).unwrap_or(0);
+    if read == 0 || begin[..read].eq_ignore_ascii_case(b"<!DOCTYPE html>") {
+        return Ok(());
+    }
+    Err(CliError::Argument(format!(
+        "--html {}: that is there and no HTML page; name the page to be written first, then the records: report --html page.html DIR...",
+        file.display()
+    )))
 }
 
 /// The claims that a folder holds and no record: what `claims --out` writes.

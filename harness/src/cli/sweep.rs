@@ -99,13 +99,14 @@ pub(super) fn one_tracer(list: &str, settings: &[String], verb: &str) -> Result<
 
 /// What is swept where nothing is said.
 fn default_axes(request: &TracerRequest) -> String {
+    let matters = |name: &&str| request.registration.can_matter(name, &request.parameters);
     if has_sweep(&request.registration) {
-        return request.registration.sweep.join(",");
+        return request.registration.sweep.iter().copied().filter(matters).collect::<Vec<_>>().join(",");
     }
     let description = (request.registration.describe)();
     let swept = description.parameters.iter().filter(|each| each.sweep.len() > 1).map(|each| each.name);
     let sized = description.invalidated_by.contains(&Invalidation::Resolution).then_some(RESOLUTION);
-    swept.chain(sized).collect::<Vec<_>>().join(",")
+    swept.chain(sized).filter(matters).collect::<Vec<_>>().join(",")
 }
 
 /// Reads lists like `tile_size,buckets=1,4,8,resolution`: what is no parameter's name is a value of the one before.

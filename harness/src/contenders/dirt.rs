@@ -3,20 +3,25 @@
 
 use tracebench_api::Preset;
 
-use super::{Ablation, Column, Expectation, Family, Improved, Registration, Remedy, Rule, Shrink, Switched, Touch};
+use super::{
+    Ablation, Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Switched, Touch,
+};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
     improved: Some(Improved { otherwise: Some(Expectation::Exact), expectations: IMPROVED_EXPECTATIONS }),
     ablation: Some(&ABLATION),
     ladder: LADDER,
-    sweep: &["tile_size", "buckets", "resolution", "coverage", "clip"],
+    sweep: &["tile_size", "face_tiles", "buckets", "slices", "resolution", "coverage", "clip"],
     aside: &["near", "direct_visibility", "shadow_map", "shadow_bias", "fetch"],
     shrinks: &[
         Shrink { axis: "resolution", steps: &["1/2", "1/4", "1/8", "1/16"] },
         Shrink { axis: "buckets", steps: &["16", "12", "8", "4", "2", "1"] },
         Shrink { axis: "tile_size", steps: &["1", "2", "4", "8"] },
+        Shrink { axis: "face_tiles", steps: &["64", "32", "16", "8", "4", "2", "1"] },
+        Shrink { axis: "slices", steps: &["64", "32", "16", "8", "4", "2", "1"] },
     ],
+    matters: MATTERS,
     touches: &[Touch {
         counter: "references_touched",
         stored: "references",
@@ -26,6 +31,29 @@ pub(crate) const ROOM: Registration = Registration {
         Ok(Box::new(tracebench_dirt::Dirt::new(gpu?)?))
     })
 };
+
+const LISTS_IN_TILES: &[&str] = &["packed", "sliced", "trees"];
+
+const MATTERS: &[Matters] = &[
+    Matters {
+        what: &[
+            "resolution",
+            "tile_size",
+            "buckets",
+            "views",
+            "centre",
+            "coverage",
+            "clip",
+            "accept",
+            "searched",
+            "build",
+        ],
+        by: "lists",
+        values: &["linked"],
+    },
+    Matters { what: &["face_tiles", "slices", "spacing"], by: "lists", values: LISTS_IN_TILES },
+    Matters { what: &["order"], by: "lists", values: &["trees"] },
+];
 
 /// Some rays stop at a hit that lies behind another one.
 const fn stops_early(most_wrong: f64) -> Expectation {

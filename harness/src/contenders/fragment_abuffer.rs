@@ -1,7 +1,7 @@
 //! The room of `fragment-abuffer`: fragments at pixels' centres, every layer, seven views, no thickness.
 
 use super::expectation::{fails, of_huge_triangles, of_plates_along_rows};
-use super::{Column, Expectation, Family, Registration, Rule, Shrink, Touch};
+use super::{Column, Expectation, Family, Matters, Registration, Rule, Shrink, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
@@ -12,6 +12,11 @@ pub(crate) const ROOM: Registration = Registration {
         Shrink { axis: "buckets", steps: &["16", "12", "8", "4", "2", "1"] },
         Shrink { axis: "layers", steps: &["all", "one"] },
         Shrink { axis: "views", steps: &["seven", "six", "frame"] },
+    ],
+    matters: &[
+        Matters { what: &["buckets", "bounds", "skip_buckets"], by: "storage", values: &["llb", "dllb"] },
+        Matters { what: &["view_steps", "jitter", "span"], by: "march", values: &["steps"] },
+        Matters { what: &["max_steps"], by: "march", values: &["pixels", "hi-z"] },
     ],
     touches: &[
         Touch { counter: "fragments_touched", stored: "fragments", parts: &["id buffer (texture)", "id buffer"] },

@@ -17,7 +17,7 @@ pub(crate) mod voxel_octree;
 
 use std::sync::Arc;
 
-use tracebench_api::{Description, Gpu, Preset, Residency, Tracer, TracerError};
+use tracebench_api::{Description, Gpu, Parameters, Preset, Residency, Tracer, TracerError};
 
 pub use ablation::{Ablation, Switched};
 pub use expectation::{Column, Expectation, Rule};
@@ -58,6 +58,17 @@ pub struct Shrink {
     /// Its values (of `resolution` multiples) from the largest structure to the smallest. Those that are no smaller than the tracer's own
     /// are left out, where that can be told.
     pub steps: &'static [&'static str],
+}
+
+/// Parameters, or `resolution`, that only matter where another parameter has one of some values: elsewhere to change them changes nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Matters {
+    /// What matters.
+    pub what: &'static [&'static str],
+    /// By which parameter that is told.
+    pub by: &'static str,
+    /// Where it has one of these values.
+    pub values: &'static [&'static str],
 }
 
 /// How many bytes of a structure a counter of what was touched stands for.
@@ -113,6 +124,8 @@ pub struct Registration {
     pub tune: Option<&'static str>,
     /// Parameters that no front is about: aids of proofs, units, and what only matters to refits, surfaces or rays of one kind.
     pub aside: &'static [&'static str],
+    /// What only matters with certain values of other parameters.
+    pub matters: &'static [Matters],
     /// How its structures are made smaller.
     pub shrinks: &'static [Shrink],
     /// What its counters of what was touched stand for.
@@ -134,6 +147,7 @@ impl Registration {
             sweep: &[],
             tune: None,
             aside: &[],
+            matters: &[],
             shrinks: &[],
             touches: &[],
         }
@@ -142,6 +156,15 @@ impl Registration {
     /// The room of a method with analytic hits, which is expected to have no wrong ray where nothing else is said.
     pub const fn analytic(describe: fn() -> Description, family: Family, create: Create) -> Self {
         Self { otherwise: Some(Expectation::Exact), ..Self::sampled(describe, family, create) }
+    }
+
+    /// Whether a parameter, or `resolution`, can change anything beside the values of the others.
+    pub fn can_matter(&self, what: &str, parameters: &Parameters) -> bool {
+        let of = |matters: &&Matters| matters.what.contains(&what);
+        let told = |matters: &Matters| {
+            parameters.value(matters.by).is_none_or(|value| matters.values.contains(&value.to_string().as_str()))
+        };
+        self.matters.iter().filter(of).all(told)
     }
 
     /// What is expected of its published preset on a case.

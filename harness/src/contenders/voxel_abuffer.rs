@@ -4,7 +4,9 @@
 use tracebench_api::Preset;
 
 use super::expectation::fails;
-use super::{Ablation, Column, Expectation, Family, Improved, Registration, Remedy, Rule, Shrink, Switched, Touch};
+use super::{
+    Ablation, Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Switched, Touch,
+};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
@@ -17,6 +19,21 @@ pub(crate) const ROOM: Registration = Registration {
         Shrink { axis: "resolution", steps: &["1/2", "1/4", "1/8", "1/16"] },
         Shrink { axis: "grid", steps: &["64", "48", "32", "24", "16", "8"] },
     ],
+    matters: &[Matters {
+        what: &[
+            "average",
+            "average_from",
+            "cancelled_below",
+            "search",
+            "in_texel",
+            "depths",
+            "binary_steps",
+            "inside",
+            "crossing",
+        ],
+        by: "fragments",
+        values: &["points"],
+    }],
     touches: &[
         Touch { counter: "fragments_touched", stored: "fragments", parts: &["nodes (texture)", "nodes"] },
         Touch { counter: "payloads_touched", stored: "fragments", parts: &["data (texture)", "data"] },

@@ -123,7 +123,7 @@ impl Journal {
     /// Begins in a folder of results: the plan is there before anything is measured.
     ///
     /// # Errors
-    /// If a run that was broken off is there, or the plan cannot be written.
+    /// If a run that was broken off is there, another process measures there, or the plan cannot be written.
     pub fn begin(
         results: &Path,
         plan: &Value,
@@ -131,6 +131,10 @@ impl Journal {
         means: Option<&MeansRecord>,
     ) -> Result<Self, JournalError> {
         let folder = results.join(FOLDER);
+        if folder.is_dir() {
+            // Who is still measuring there was not broken off.
+            drop(lock(&folder, results)?);
+        }
         if folder.join(PLAN).exists() {
             return Err(JournalError::InTheWay { path: results.to_owned() });
         }

@@ -106,7 +106,6 @@ const PATIENCE: Duration = Duration::from_millis(50);
 pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> Result<(), CliError> {
     let begun = Instant::now();
     let whole = arguments.budget == Budget::Whole;
-    let all = with_preset(steps::steps(whole), arguments.preset.as_deref());
     let out = match &arguments.out {
         Some(path) if arguments.resume && !path.join(FILE).is_file() => {
             return Err(CliError::Other(format!("there is nothing to go on with in {}: no {FILE}", path.display())));
@@ -124,13 +123,18 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
         Budget::Within(time) => Some(begun + time - MOST_REPORT.min(time.mul_f64(REPORT_SHARE))),
         Budget::Whole => None,
     };
-    let before = if arguments.resume { read(&out.path)?.steps } else { Vec::new() };
-    let mut found = Reproduction { preset: arguments.preset.clone(), steps: Vec::new() };
+    let earlier = if arguments.resume { Some(read(&out.path)?) } else { None };
+    let preset = preset_of(arguments.preset.as_deref(), earlier.as_ref(), &out.path)?;
+    let all = with_preset(steps::steps(whole), preset.as_deref());
+    let before = earlier.map_or_else(Vec::new, |earlier| earlier.steps);
+    let mut found = Reproduction { preset, steps: Vec::new() };
+    // There from the start: what is broken off in the first step can be gone on with.
+    write(&out.path, &Reproduction { preset: found.preset.clone(), steps: rest_of(&all, &before) })?;
     for (index, step) in all.iter().enumerate() {
-        // What was broken off or left out has another turn.
+        // What was broken off, failed or was left out has another turn.
         let earlier = before.iter().find(|one| one.arguments == step.arguments);
         let taken = match earlier {
-            Some(earlier) if matches!(earlier.state, State::Done | State::Failed(_)) => earlier.clone(),
+            Some(earlier) if earlier.state == State::Done => earlier.clone(),
             _ => {
                 let words = step.arguments.join(" ");
                 let took_s = earlier.map_or(0.0, |earlier| earlier.took_s);
@@ -142,18 +146,16 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
                     take(step, &out.path, ends)?
                 };
                 // A step that was begun stays so, whether or not it had another turn.
-                let begun_before = earlier.is_some_and(|earlier| earlier.state == State::BrokenOff);
-                let state = if state == State::LeftOut && begun_before { State::BrokenOff } else { state };
+                let state = match earlier.map(|earlier| &earlier.state) {
+                    Some(before @ (State::BrokenOff | State::Failed(_))) if state == State::LeftOut => before.clone(),
+                    _ => state,
+                };
                 Taken { name: step.name.clone(), arguments: step.arguments.clone(), state, took_s: took_s + seconds }
             }
         };
         found.steps.push(taken);
         // What was not reached yet is kept as it was left.
-        let rest = all[index + 1..].iter().map(|step| {
-            let earlier = before.iter().find(|one| one.arguments == step.arguments).cloned();
-            earlier.unwrap_or_else(|| left_out(step))
-        });
-        let steps = found.steps.iter().cloned().chain(rest).collect();
+        let steps = found.steps.iter().cloned().chain(rest_of(&all[index + 1..], &before)).collect();
         write(&out.path, &Reproduction { preset: found.preset.clone(), steps })?;
     }
     let list = page::write(&found, &out.path, begun.elapsed())?;
@@ -166,6 +168,28 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
         print(&format!("{}\n", answer.display()))?;
     }
     outcome(&found)
+}
+
+/// The preset of all steps: the one that the folder was begun with, where it is gone on with.
+fn preset_of(asked: Option<&str>, earlier: Option<&Reproduction>, out: &Path) -> Result<Option<String>, CliError> {
+    let asked = asked.map(str::to_owned);
+    let Some(earlier) = earlier else { return Ok(asked) };
+    if asked.is_none() || asked == earlier.preset {
+        return Ok(earlier.preset.clone());
+    }
+    let begun = earlier.preset.as_ref().map_or("without --preset".to_owned(), |name| format!("with --preset {name}"));
+    Err(CliError::Argument(format!(
+        "{} was begun {begun}: leave --preset out to go on with it, or choose another folder with --out",
+        out.display()
+    )))
+}
+
+/// Steps as they were left.
+fn rest_of(steps: &[Step], before: &[Taken]) -> Vec<Taken> {
+    let of = |step: &Step| {
+        before.iter().find(|one| one.arguments == step.arguments).cloned().unwrap_or_else(|| left_out(step))
+    };
+    steps.iter().map(of).collect()
 }
 
 fn left_out(step: &Step) -> Taken {
@@ -259,4 +283,37 @@ fn read(out: &Path) -> Result<Reproduction, CliError> {
     let broken = |reason: String| CliError::Other(format!("cannot read {}: {reason}", path.display()));
     let text = std::fs::read(&path).map_err(|error| broken(error.to_string()))?;
     serde_json::from_slice(&text).map_err(|error| broken(error.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn begun_with(preset: Option<&str>) -> Reproduction {
+        Reproduction { preset: preset.map(str::to_owned), steps: Vec::new() }
+    }
+
+    /// Proves that a folder is gone on with by the preset that it was begun with, and that another one is refused.
+    #[test]
+    fn presets_stay_as_they_were_begun() {
+        let of =
+            |asked: Option<&str>, earlier: Option<Reproduction>| preset_of(asked, earlier.as_ref(), Path::new("out"));
+        assert_eq!(of(Some("smoke"), None).unwrap().as_deref(), Some("smoke"));
+        assert_eq!(of(None, Some(begun_with(Some("smoke")))).unwrap().as_deref(), Some("smoke"));
+        assert_eq!(of(Some("smoke"), Some(begun_with(Some("smoke")))).unwrap().as_deref(), Some("smoke"));
+        assert!(of(Some("quick"), Some(begun_with(Some("smoke")))).is_err());
+        assert!(of(Some("quick"), Some(begun_with(None))).is_err());
+    }
+
+    /// Proves that steps which were not reached are kept as they were left, and new ones as left out.
+    #[test]
+    fn steps_are_kept_as_they_were_left() {
+        let all = with_preset(steps::steps(false), Some("smoke"));
+        let failed = Taken { state: State::Failed("no room".to_owned()), took_s: 3.0, ..left_out(&all[1]) };
+        let rest = rest_of(&all[..3], std::slice::from_ref(&failed));
+        assert_eq!(
+            rest.iter().map(|one| &one.state).collect::<Vec<_>>(),
+            [&State::LeftOut, &failed.state, &State::LeftOut]
+        );
+    }
 }

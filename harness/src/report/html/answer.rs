@@ -101,7 +101,7 @@ fn doubts(records: &[Read<'_>]) -> String {
             _ if paths.is_empty() => {}
             0 => _ = writeln!(text, "\n**{what}:** {named}."),
             more => {
-                _ = writeln!(text, "\n**{what}:** {named} and {more} more, told below under *Machines and records*.")
+                _ = writeln!(text, "\n**{what}:** {named} and {more} more, told below under *Machines and records*.");
             }
         }
     };

@@ -86,7 +86,8 @@ pub fn steps(request: &TracerRequest, preset: RunPreset) -> Vec<Shrunk> {
         shrunk(request, preset, BTreeMap::from([(shrink.axis.to_owned(), value.to_owned())]))
     };
     let mut all: Vec<Shrunk> = shrunk(request, preset, BTreeMap::new()).into_iter().collect();
-    for shrink in request.registration.shrinks {
+    let matters = |shrink: &&Shrink| request.registration.can_matter(shrink.axis, &request.parameters);
+    for shrink in request.registration.shrinks.iter().filter(matters) {
         all.extend(smaller(request, shrink).into_iter().filter_map(|value| single(shrink, value)));
     }
     all.truncate(WINDOW);

@@ -36,12 +36,17 @@ pub struct Designed {
 }
 
 /// What may be changed of a tracer: the resolution where it matters, what its room says is swept, then every other parameter that has
-/// values worth sweeping, in the order of its description. Means are equal for all, and what its room puts aside is left out.
+/// values worth sweeping, in the order of its description. Means are equal for all, and what its room puts aside is left out, as is what
+/// changes nothing beside the request's other values.
 pub fn axes(request: &TracerRequest, preset: RunPreset) -> Vec<Axis> {
     let description = (request.registration.describe)();
-    let taken = |name: &str| ![READS, RAYS_PER_LANE].contains(&name) && !request.registration.aside.contains(&name);
+    let taken = |name: &str| {
+        ![READS, RAYS_PER_LANE].contains(&name)
+            && !request.registration.aside.contains(&name)
+            && request.registration.can_matter(name, &request.parameters)
+    };
     let mut names: Vec<&str> = Vec::new();
-    if description.invalidated_by.contains(&Invalidation::Resolution) {
+    if description.invalidated_by.contains(&Invalidation::Resolution) && taken(RESOLUTION) {
         names.push(RESOLUTION);
     }
     let all = request.registration.sweep.iter().copied().chain(description.parameters.iter().map(|each| each.name));
@@ -254,8 +259,8 @@ mod tests {
         assert_eq!(order(&[]), vec![BTreeMap::new()]);
     }
 
-    /// Proves that values go outwards from the own one, that means and what rooms put aside are no axes, and that only tracers whose
-    /// structures hang on the resolution have one.
+    /// Proves that values go outwards from the own one, that means, what rooms put aside and what cannot matter are no axes, and that only
+    /// tracers whose structures hang on the resolution have one.
     #[test]
     fn axes_are_those_of_descriptions() {
         let dirt = TracerRequest::of(registry::find("dirt").unwrap(), Preset::Published);
@@ -273,8 +278,23 @@ mod tests {
             let known = |name: &str| described.parameters.iter().any(|each| each.name == name);
             assert!(registration.aside.iter().all(|name| known(name)), "{}", described.name);
             let request = TracerRequest::of(registration, Preset::Published);
+            let names = registration.matters.iter().flat_map(|each| each.what.iter().chain([&each.by]));
+            assert!(names.into_iter().all(|name| *name == RESOLUTION || known(name)), "{}", described.name);
+            for each in registration.matters {
+                let by = described.parameters.iter().find(|other| other.name == each.by).unwrap();
+                assert!(each.values.iter().all(|value| by.parse(value).is_ok()), "{} {}", described.name, each.by);
+            }
             let sized = super::axes(&request, preset()).iter().any(|axis| axis.name == RESOLUTION);
             assert_eq!(sized, described.invalidated_by.contains(&Invalidation::Resolution), "{}", described.name);
+        }
+        // What the improved form does not read is no axis of it, nor its own parameters one of the published form.
+        let improved = TracerRequest::of(registry::find("dirt").unwrap(), Preset::Improved);
+        let has =
+            |request: &TracerRequest, name: &str| super::axes(request, preset()).iter().any(|axis| axis.name == name);
+        for (name, published) in
+            [("tile_size", true), (RESOLUTION, true), ("buckets", true), ("face_tiles", false), ("slices", false)]
+        {
+            assert_eq!((has(&dirt, name), has(&improved, name)), (published, !published), "{name}");
         }
         let narrow = RunPreset { frame: [6, 6], face: 6, ..preset() };
         assert_eq!(resolution_steps(narrow), ["1/2", "2"]);
