@@ -9,7 +9,8 @@
 // that, so that the depth has one. The last clusters are merged by one workgroup (`finish`).
 
 #import tracebench::dispatch::linear_invocation
-#import tracebench::bvh_build::{BinaryNode, FINISHED, half_area, height, is_inner, parent_of}
+#import tracebench::bvh_build::{BinaryNode, FINISHED, height, is_inner, parent_of}
+#import tracebench::bvh_nearest::{Box, four_of, compare}
 
 struct Iteration {
     // Its number; of `finish` the number of iterations before.
@@ -34,17 +35,13 @@ struct Iteration {
 const WORKGROUP_SIZE: u32 = 64u;
 // Clusters of a run, which one lane moves.
 const RUN: u32 = 16u;
+// Clusters for which one lane searches, two times four.
+const SEARCHED: u32 = 8u;
 
 // So many clusters or fewer are left to `finish`.
 const LAST_CLUSTERS: u32 = 2048u;
 // Levels that a search's private stack serves.
 const MOST_LEVELS: u32 = 64u;
-
-fn cost_with(own: BinaryNode, place: u32) -> f32 {
-    let low = min(own.low, clusters[place].low);
-    let high = max(own.high, clusters[place].high);
-    return half_area(low, high);
-}
 
 // Pairing alone merges count clusters in so many iterations. As long as no cluster is taller than what is left to
 // MOST_LEVELS then, none will ever be: a pairing makes every cluster taller by one, and halves their number.
@@ -52,29 +49,50 @@ fn pairings_of(count: u32) -> u32 {
     return 32u - countLeadingZeros(count - 1u);
 }
 
-// The place of the nearest neighbour; of `paired` clusters of the sibling; their own for none.
-fn nearest_of(place: u32, count: u32, paired: bool) -> u32 {
+fn box_of(place: u32) -> Box {
+    return Box(clusters[place].low, clusters[place].high);
+}
+
+// The nearest neighbours of the clusters from `first` on, as many as a lane searches for; of `paired` clusters their
+// siblings; their own places for none.
+fn seek(first: u32, count: u32, paired: bool) {
+    let end = min(first + SEARCHED, count);
     if (paired) {
-        let sibling = place ^ 1u;
-        return select(place, sibling, (sibling < count));
-    }
-    let own = clusters[place];
-    var found = place;
-    var least = 3.4e38;
-    if (height(own.count) + pairings_of(count) >= MOST_LEVELS) {
-        return place;
-    }
-    let first = place - min(place, iteration.search_radius);
-    let last = min(place + iteration.search_radius, count - 1u);
-    for (var other = first; other <= last; other++) {
-        let cost = cost_with(own, other);
-        let is_nearer = cost < least || (cost == least && (other ^ place) < (found ^ place));
-        if (is_nearer && other != place) {
-            least = cost;
-            found = other;
+        for (var place = first; place < end; place++) {
+            let sibling = place ^ 1u;
+            nearest[place] = select(place, sibling, (sibling < count));
         }
+        return;
     }
-    return found;
+    // Beyond the last cluster that one stands in, for which nothing is kept.
+    let last = count - 1u;
+    var near = four_of(
+        first,
+        box_of(first),
+        box_of(min(first + 1u, last)),
+        box_of(min(first + 2u, last)),
+        box_of(min(first + 3u, last)),
+    );
+    var far = four_of(
+        first + 4u,
+        box_of(min(first + 4u, last)),
+        box_of(min(first + 5u, last)),
+        box_of(min(first + 6u, last)),
+        box_of(min(first + 7u, last)),
+    );
+    let radius = iteration.search_radius;
+    let start = first - min(first, radius);
+    let stop = min(first + SEARCHED - 1u + radius, last);
+    for (var place = start; place <= stop; place++) {
+        let other = box_of(place);
+        compare(&near, radius, place, other);
+        compare(&far, radius, place, other);
+    }
+    for (var place = first; place < end; place++) {
+        let four = select(far.nearest, near.nearest, (place < first + 4u));
+        let tall = height(clusters[place].count) + pairings_of(count) >= MOST_LEVELS;
+        nearest[place] = select(four[(place - first) & 3u], place, tall);
+    }
 }
 
 // Clusters that this iteration has to move; none once few are left.
@@ -89,10 +107,10 @@ fn search(
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let place = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    let first = SEARCHED * linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
     let count = clusters_to_move();
-    if (place < count) {
-        nearest[place] = nearest_of(place, count, count > iteration.allowed);
+    if (first < count) {
+        seek(first, count, count > iteration.allowed);
     }
 }
 
@@ -270,8 +288,8 @@ fn finish(@builtin(local_invocation_index) local: u32) {
         let run = vec2<u32>(min(local * each, count), min((local + 1u) * each, count));
         // Where all are too tall to be searched for, nothing was merged.
         let paired = done >= MOST_SEARCHES || count == previous;
-        for (var place = run.x; place < run.y; place++) {
-            nearest[place] = nearest_of(place, count, paired);
+        if (SEARCHED * local < count) {
+            seek(SEARCHED * local, count, paired);
         }
         storageBarrier();
         var before = before_lane(local, tally_of(run));

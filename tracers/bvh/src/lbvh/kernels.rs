@@ -20,6 +20,9 @@ const CELLS: f64 = 1024.0;
 /// `RUN` of shaders/bvh/cluster.wgsl.
 pub(super) const RUN: u32 = 16;
 
+/// `SEARCHED` there.
+pub(super) const SEARCHED: u32 = 8;
+
 /// `FINISHED` of shaders/bvh/build.wgsl.
 pub(super) const FINISHED: usize = 128;
 

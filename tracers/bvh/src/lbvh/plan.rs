@@ -6,7 +6,7 @@ use tracebench_kit::{RadixSortPlan, ReadSlot, Readable, Reads, Room, bind_group_
 
 use super::iterations::{Bound, bounds};
 use super::kernels::{
-    BuildSettings, CODE_BITS, ClusterIteration, ConversionLevel, Kernels, RUN, RefitStage, WORKGROUP_SIZE,
+    BuildSettings, CODE_BITS, ClusterIteration, ConversionLevel, Kernels, RUN, RefitStage, SEARCHED, WORKGROUP_SIZE,
 };
 use super::rooms::{Rooms, TURN_DOWN};
 use crate::gpu::WIDE_STACK;
@@ -175,7 +175,7 @@ impl Plan {
             let (from, to) = if index % 2 == 0 { (even, odd) } else { (odd, even) };
             let runs = bound.most.div_ceil(RUN);
             let merge = [settings, progress, (2, from), nearest, tallies, (5, to), nodes];
-            steps.push(step(gpu, &cluster.search, &[settings, progress, (2, from), nearest], bound.most));
+            steps.push(step(gpu, &cluster.search, &[settings, progress, (2, from), nearest], bound.most.div_ceil(SEARCHED)));
             steps.push(step(gpu, &cluster.tally, &[settings, progress, nearest, tallies], runs));
             steps.push(step(gpu, &cluster.add_up, &[settings, progress, tallies], 1));
             steps.push(step(gpu, &cluster.merge, &merge, runs));

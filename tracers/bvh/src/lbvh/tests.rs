@@ -7,7 +7,7 @@ use tracebench_shaders::Shader;
 use tracebench_shaders::bvh::{CONVERT, Cluster, LEAVES};
 
 use super::iterations::LAST_CLUSTERS;
-use super::kernels::{CROWDED, FINISHED, LEVELS, RUN, TAKEN_SLOTS};
+use super::kernels::{CROWDED, FINISHED, LEVELS, RUN, SEARCHED, TAKEN_SLOTS};
 use super::{LbvhGpu, LbvhStructure, description};
 use crate::gpu::BINARY_STACK;
 use crate::gpu::tests::{assert_unsound_ones_are_noticed, field};
@@ -54,6 +54,7 @@ fn constants_are_those_of_the_shaders() {
         (LEAVES, "CROWDED", CROWDED),
         (CONVERT, "LEVELS", LEVELS),
         (cluster, "RUN", RUN as usize),
+        (cluster, "SEARCHED", SEARCHED as usize),
         (cluster, "LAST_CLUSTERS", LAST_CLUSTERS as usize),
         (cluster, "MOST_LEVELS", BINARY_STACK),
     ] {
