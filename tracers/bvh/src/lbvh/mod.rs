@@ -7,7 +7,8 @@
 //! neither that others make progress nor that their writes are seen within a dispatch, and has no subgroups without an
 //! extension. Karras's LBVH (HPG 2012) builds its tree in one such pass, too, and needs treelets (Karras, Aila, HPG 2013)
 //! for a quality like clustering's. So iterations are dispatches here, four kernels each; their number has a bound that
-//! the host knows (`iterations`), so nothing is read back, and it bounds the depth, too.
+//! the host knows (`iterations`), so nothing is read back, and it bounds the depth, too. H-PLOC in rounds, a dispatch each, was
+//! tried and saved too little: docs/bvh.md says what and why.
 //!
 //! The preset `published` searches 8 neighbours on each side in every iteration, H-PLOC's advice, beyond which hierarchies
 //! hardly get better; `improved` searches 2 in the first two iterations, as obvhs's search depth threshold does.
@@ -26,6 +27,8 @@ mod description;
 mod iterations;
 mod kernels;
 mod plan;
+#[cfg(test)]
+mod reference;
 mod rooms;
 #[cfg(test)]
 mod tests;

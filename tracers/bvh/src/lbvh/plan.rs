@@ -17,7 +17,7 @@ use crate::gpu::resident::{NODES_SLOT, TRIANGLES, TRIANGLES_SLOT};
 const MOST_LEVEL_LANES: u64 = 1 << 13;
 
 /// Iterations, those over the most clusters, that have a search radius of their own.
-const EARLY_ITERATIONS: usize = 2;
+pub(super) const EARLY_ITERATIONS: usize = 2;
 
 /// Levels that may be large. Those below have few nodes, if any, unless a scene is made for it, and get few lanes: on Mesa's
 /// software driver every workgroup of the conversion costs about 10 microseconds, if it has no node, too.
@@ -175,7 +175,12 @@ impl Plan {
             let (from, to) = if index % 2 == 0 { (even, odd) } else { (odd, even) };
             let runs = bound.most.div_ceil(RUN);
             let merge = [settings, progress, (2, from), nearest, tallies, (5, to), nodes];
-            steps.push(step(gpu, &cluster.search, &[settings, progress, (2, from), nearest], bound.most.div_ceil(SEARCHED)));
+            steps.push(step(
+                gpu,
+                &cluster.search,
+                &[settings, progress, (2, from), nearest],
+                bound.most.div_ceil(SEARCHED),
+            ));
             steps.push(step(gpu, &cluster.tally, &[settings, progress, nearest, tallies], runs));
             steps.push(step(gpu, &cluster.add_up, &[settings, progress, tallies], 1));
             steps.push(step(gpu, &cluster.merge, &merge, runs));
