@@ -6,6 +6,10 @@
 #import tracebench::quadtree_forest::{Forest, node_index}
 #import tracebench::quadtree_node::NOTHING
 #import tracebench::quadtree_proxy::merged
+#ifdef JOINED
+#import tracebench::quadtree_node::{is_plane, plane_of, range_of, box_of, box_words, z_on}
+#import tracebench::quadtree_patches::{SIDES, step_across, ends_at}
+#endif
 
 @group(0) @binding(0) var<uniform> forest: Forest;
 // The level to make, from 1 on.
@@ -13,6 +17,32 @@
 @group(0) @binding(2) var<storage, read_write> nodes: array<vec2<u32>>;
 
 const WORKGROUP_SIZE: u32 = 64u;
+
+#ifdef JOINED
+// The least z of what is joined in a pixel: there a plane may end at one beside it that goes farther than itself.
+fn least_joined(image: u32, pixel: vec2<u32>, words: vec2<u32>) -> f32 {
+    let size = vec2<f32>(forest.size);
+    let plane = plane_of(words, size);
+    var least = range_of(plane, 0.5).x;
+    for (var side = 0u; side < SIDES; side++) {
+        let step = step_across(side);
+        let beside = vec2<i32>(pixel) + step;
+        if (any(beside < vec2<i32>(0)) || any(beside >= vec2<i32>(forest.size))) {
+            continue;
+        }
+        let words_beside = nodes[node_index(forest, image, 0u, vec2<u32>(beside))];
+        if (!is_plane(words_beside)) {
+            continue;
+        }
+        var neighbour = plane_of(words_beside, size);
+        if (ends_at(plane, neighbour, vec2<f32>(step))) {
+            neighbour.z = z_on(neighbour, -vec2<f32>(step));
+            least = min(least, range_of(neighbour, 0.5).x);
+        }
+    }
+    return least;
+}
+#endif
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn merge(
@@ -39,5 +69,19 @@ fn merge(
             there |= 1u << child;
         }
     }
-    nodes[node_index(forest, image, level, cell)] = merged(forest, children, there, level - 1u);
+    var words = merged(forest, children, there, level - 1u);
+#ifdef JOINED
+    if (level == 1u && !is_plane(words)) {
+        var box = box_of(words);
+        for (var child = 0u; child < 4u; child++) {
+            if (is_plane(children[child]) && plane_of(children[child], vec2<f32>(forest.size)).flagged) {
+                let pixel = 2u * cell + vec2<u32>(child & 1u, child >> 1u);
+                box.least = min(box.least, least_joined(image, pixel, children[child]));
+            }
+        }
+        // Of a box without anything that is shown nothing changed.
+        words = box_words(box);
+    }
+#endif
+    nodes[node_index(forest, image, level, cell)] = words;
 }

@@ -8,6 +8,9 @@
 #import tracebench::pyramid::index_in_level
 #import tracebench::reads::pair_0
 #import tracebench::quadtree_forest::Forest
+#ifdef JOINED
+#import tracebench::quadtree_node::NOTHING
+#endif
 
 struct QuadtreeSettings {
     ray_count: u32,
@@ -62,7 +65,11 @@ var<private> steps: u32;
 var<private> open: u32;
 #ifdef COUNTERS
 // As in the counts of a ray.
+#ifdef JOINED
+var<private> work: array<u32, 8>;
+#else
 var<private> work: array<u32, 7>;
+#endif
 #endif
 
 // A node that is visited.
@@ -76,6 +83,21 @@ fn visit(image: u32, level: u32, cell: vec2<u32>) -> vec2<u32> {
 #endif
     return pair_0(index);
 }
+
+#ifdef JOINED
+// The node of a pixel beside one that is visited; NOTHING outside of the image.
+fn neighbour_node(image: u32, pixel: vec2<i32>) -> vec2<u32> {
+    if (any(pixel < vec2<i32>(0)) || any(pixel >= vec2<i32>(forest.size))) {
+        return NOTHING;
+    }
+    let index = image * forest.image_nodes + index_in_level(forest.size, 0u, vec2<u32>(pixel));
+#ifdef COUNTERS
+    work[7] += 1u;
+    atomicOr(&counted[index >> 5u], 1u << (index & 31u));
+#endif
+    return pair_0(index);
+}
+#endif
 
 // A pixel's own node, looked up for its depth.
 fn pixel_node(image: u32, pixel: vec2<u32>) -> vec2<u32> {

@@ -11,9 +11,9 @@
 #import tracebench::view_walk::{SEAM_SLACK, FAR_SIDE, crossed_first, nothing_crossed, side_left}
 #import tracebench::quadtree_forest::depth_of_z
 #import tracebench::quadtree_node::{Plane, is_empty, plane_of}
-#import tracebench::quadtree_track::track_of
+#import tracebench::quadtree_track::{NOWHERE, track_of}
 #import tracebench::quadtree_store::{forest, search, views, ray, eye_ray, capped, steps, open, work, counted, pixel_node}
-#import tracebench::quadtree_walk::{NOWHERE, found, track, walk_tree}
+#import tracebench::quadtree_walk::{found, track, walk_tree}
 
 @group(0) @binding(3) var<storage, read> rays: array<Ray>;
 @group(0) @binding(4) var<storage, read_write> hits: array<Hit>;
@@ -26,8 +26,12 @@
 #endif
 
 // Of every ray: nodes visited, planes tested, boxes tested, layers asked, views entered, whether a second layer was asked, whether
-// a layer behind the first was hit.
+// a layer behind the first was hit; and where planes are joined, neighbours of pixels that were looked at.
+#ifdef JOINED
+const COUNTS: u32 = 8u;
+#else
 const COUNTS: u32 = 7u;
+#endif
 
 // The codes of `next_layer`.
 const ASK_BEHIND_VOLUMES: u32 = 0u;
@@ -145,7 +149,7 @@ fn answer(index: u32) {
     ended = false;
     best_place = NOWHERE;
 #ifdef COUNTERS
-    work = array<u32, 7>();
+    work = array<u32, COUNTS>();
 #endif
     ray = rays[index];
     var now = ray.t_min;

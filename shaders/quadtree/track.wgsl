@@ -8,6 +8,9 @@
 #import tracebench::image_line::{ImageLine, image_line, between}
 #import tracebench::quadtree_forest::{Forest, z_of_depth}
 
+// What no place is: behind the end.
+const NOWHERE: f32 = 2.0;
+
 struct Track {
     line: ImageLine,
     // z at both ends.
@@ -70,6 +73,12 @@ fn places_of(track: Track, pixels: f32) -> f32 {
 fn part_near(track: Track, reach: f32, crossed: vec2<f32>, first: f32, last: f32) -> vec2<f32> {
     let beyond = places_of(track, reach);
     return vec2<f32>(max(first, crossed.x - beyond), min(last, crossed.y + beyond));
+}
+
+// The place between two at which the ray, behind by so much at both, passes the plane.
+fn crossing(first: f32, second: f32, at_first: f32, at_second: f32) -> f32 {
+    let share = clamp(at_first / (at_first - at_second), 0.0, 1.0);
+    return first * (1.0 - share) + second * share;
 }
 
 // Rays may run along a border between cells, where what a place is rounded to in pixels says nothing of which side they are on. Which

@@ -7,11 +7,12 @@
 #import tracebench::quadtree_forest::{DILATE_NONE, levels_apart, z_of_pixels}
 #import tracebench::quadtree_node::{Plane, is_plane, is_empty, plane_of, box_of, z_on}
 #import tracebench::quadtree_proxy::is_dilated
-#import tracebench::quadtree_track::{Track, Bounds, pixels_at, z_along, bounds_of, leaves_at, enters_at, places_of, part_near, cell_at, child_at, successor}
+#import tracebench::quadtree_track::{NOWHERE, Track, Bounds, pixels_at, z_along, bounds_of, leaves_at, enters_at, places_of, part_near, crossing, cell_at, child_at, successor}
 #import tracebench::quadtree_store::{forest, search, capped, steps, open, work, visit, pixel_node}
-
-// What no place is: behind the end.
-const NOWHERE: f32 = 2.0;
+#ifdef JOINED
+#import tracebench::quadtree_patches::{SIDES, Patch, Passage, pass_patch, step_across, ends_at}
+#import tracebench::quadtree_store::neighbour_node
+#endif
 
 // How far before an occlusion volume an inpainted hit lies, pixels: on the pixel before it ("slightly dilated", section 4.1).
 const INPAINT_PIXELS: f32 = 0.5;
@@ -58,12 +59,6 @@ const NOT_BEFORE: f32 = -1.0;
 // By how much a plane lies before the ray, in z: above 0 the ray is behind it.
 fn behind_by(plane: Plane, middle: vec2<f32>, place: f32) -> f32 {
     return z_on(plane, pixels_at(track, place) - middle) - z_along(track, place);
-}
-
-// The place between two at which the ray, behind by so much at both, passes the plane.
-fn crossing(first: f32, second: f32, at_first: f32, at_second: f32) -> f32 {
-    let share = clamp(at_first / (at_first - at_second), 0.0, 1.0);
-    return first * (1.0 - share) + second * share;
 }
 
 // How far behind a plane the ray must be to lie in its occlusion volume.
@@ -157,6 +152,76 @@ fn test_plane(image: u32, words: vec2<u32>, bounds: Bounds) {
     }
 }
 
+#ifdef JOINED
+// What a passage is with one plane more.
+fn pass_by(passage: Passage, passed: Patch, entry: f32, exit: f32) -> Passage {
+    let at_entry = behind_by(passed.plane, passed.middle, entry);
+    return pass_patch(passage, passed, vec2<f32>(entry, exit), vec2<f32>(at_entry, behind_by(passed.plane, passed.middle, exit)));
+}
+
+fn take_patch(place: f32, hit: Patch) {
+    take(place, hit.plane, hit.middle, Bounds(hit.middle - 0.5, hit.middle + 0.5));
+}
+
+// Tests a pixel's plane and those beside it at which it ends.
+fn test_joined(image: u32, words: vec2<u32>, cell: vec2<i32>, bounds: Bounds) {
+    let size = vec2<f32>(forest.size);
+    let own = Patch(plane_of(words, size), 0.5 * (bounds.low + bounds.high));
+    let entry = min(enters_at(track, bounds, begin), end);
+    let sides = leaves_at(track, bounds, entry);
+    let exit = min(min(sides.x, sides.y), end);
+    var passage = pass_by(Passage(1e30, 1e30, -1.0, NOWHERE, own, own, own), own, entry, exit);
+    let was_before = entry <= before_until + places_of(track, SIDE_SLACK);
+    if (max(passage.at_entry, passage.at_exit) > 0.0) {
+        // Else the ray is before what lies behind all.
+        for (var side = 0u; side < SIDES; side++) {
+            let step = step_across(side);
+            let beside = neighbour_node(image, cell + step);
+            if (!is_plane(beside)) {
+                continue;
+            }
+            let neighbour = plane_of(beside, size);
+            if (ends_at(own.plane, neighbour, vec2<f32>(step))) {
+                passage = pass_by(passage, Patch(neighbour, own.middle + vec2<f32>(step)), entry, exit);
+            }
+        }
+    }
+    before_until = select(NOT_BEFORE, exit, (passage.at_exit <= 0.0 && passage.at_exit >= -tolerance_at(exit)));
+    if (passage.at_entry <= 0.0) {
+        if (passage.enters < passage.leaves) {
+            take_patch(passage.enters, passage.entered);
+        }
+        return;
+    }
+    if (passage.at_entry <= tolerance_at(entry)) {
+        // Not surely behind, as of a plane alone.
+        if (was_before && passage.at_exit > passage.at_entry) {
+            take_patch(entry, passage.foremost);
+        } else if (found.volume < entry && passage.at_exit < 0.0) {
+            take_patch(passage.leaves, passage.left);
+        }
+        return;
+    }
+    pass_volume(image, entry);
+    if (!found.stopped && passage.at_exit < 0.0) {
+        take_patch(passage.leaves, passage.left);
+    }
+}
+
+// Whether a plane over several pixels must be looked at pixel by pixel: where the ray gets behind it, it may end at one beside it.
+fn is_opened(words: vec2<u32>, bounds: Bounds) -> bool {
+    let plane = plane_of(words, vec2<f32>(forest.size));
+    if (!plane.flagged) {
+        return false;
+    }
+    let middle = 0.5 * (bounds.low + bounds.high);
+    let entry = min(enters_at(track, bounds, begin), end);
+    let sides = leaves_at(track, bounds, entry);
+    let exit = min(min(sides.x, sides.y), end);
+    return max(behind_by(plane, middle, entry), behind_by(plane, middle, exit)) > 0.0;
+}
+#endif
+
 // Where on its way through a node the ray must be looked at more closely; NOWHERE where it meets nothing in a box.
 fn test_box(image: u32, words: vec2<u32>, place: f32, exit: f32) -> f32 {
     if (is_empty(words)) {
@@ -240,7 +305,17 @@ fn walk_tree(image: u32, first: f32, limit: f32) {
 #ifdef COUNTERS
                 work[1] += 1u;
 #endif
+#ifdef JOINED
+                if (level == 0u && plane_of(words, vec2<f32>(forest.size)).flagged) {
+                    test_joined(image, words, cell, bounds);
+                } else if (level > 0u && is_opened(words, bounds)) {
+                    down = place;
+                } else {
+                    test_plane(image, words, bounds);
+                }
+#else
                 test_plane(image, words, bounds);
+#endif
             } else {
 #ifdef COUNTERS
                 work[2] += 1u;

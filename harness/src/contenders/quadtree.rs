@@ -1,10 +1,13 @@
 //! The room of `quadtree`: two depth layers of the frame, each pixel a small plane, merged by thresholds in the unit cube.
 
+use tracebench_api::Preset;
+
 use super::expectation::{fails, of_huge_triangles, of_plates_along_rows};
-use super::{Column, Expectation, Family, Registration, Remedy, Rule, Shrink, Touch};
+use super::{Ablation, Column, Expectation, Family, Registration, Remedy, Rule, Shrink, Switched, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
+    ablation: Some(&ABLATION),
     ladder: LADDER,
     sweep: &["gamma_norm", "gamma_dist", "layers"],
     tune: Some("gamma_dist"),
@@ -172,6 +175,52 @@ const EXPECTATIONS: Column = &[
     ),
 ];
 
+type Values = &'static [(&'static str, &'static str)];
+
+/// From row to row one thing more: normals of triangles, thresholds in pixels, the flag from smaller steps, planes that end at each other.
+const BY_TRIANGLES: Values = &[("normals", "geometry")];
+const IN_PIXELS: Values = &[("normals", "geometry"), ("gamma_dist", "0.25"), ("gamma_dist_in", "pixels")];
+const FLAGGED: Values =
+    &[("normals", "geometry"), ("gamma_dist", "0.25"), ("gamma_dist_in", "pixels"), ("discontinuity", "0.5")];
+const JOINED: Values = &[
+    ("normals", "geometry"),
+    ("gamma_dist", "0.25"),
+    ("gamma_dist_in", "pixels"),
+    ("discontinuity", "0.5"),
+    ("patches", "joined"),
+];
+
+/// One switch after the other; then the improved form, and single switches of it taken back or turned.
+const ABLATION: Ablation = Ablation {
+    name: "quadtree-ablation",
+    summary: "the switches between the quad-tree as published and its improved form: builds, traces, bytes, accuracy, counters",
+    rays: "stereo,diffuse",
+    rows: &[
+        of(Preset::Published, &[]),
+        of(Preset::Published, BY_TRIANGLES),
+        of(Preset::Published, IN_PIXELS),
+        of(Preset::Published, FLAGGED),
+        of(Preset::Published, JOINED),
+        of(Preset::Improved, &[("layers", "2")]),
+        of(Preset::Improved, &[("layers", "3")]),
+        of(Preset::Improved, &[]),
+        of(Preset::Improved, &[("patches", "squares")]),
+        of(Preset::Improved, &[("normals", "depth")]),
+        of(Preset::Improved, &[("gamma_dist_in", "cube"), ("gamma_dist", "1e-5")]),
+        of(Preset::Improved, &[("gamma_norm", "0"), ("gamma_dist", "0")]),
+        of(Preset::Improved, &[("discontinuity", "2")]),
+        of(Preset::Improved, &[("start_bias", "0")]),
+        of(Preset::Improved, &[("start_bias", "1")]),
+        of(Preset::Improved, &[("occlusion_bias", "1")]),
+        of(Preset::Improved, &[("dilated", "none")]),
+        of(Preset::Improved, &[("next_layer", "always")]),
+    ],
+};
+
+const fn of(preset: Preset, values: Values) -> Switched {
+    Switched { preset, values }
+}
+
 const LADDER: &[Remedy] = &[
     Remedy {
         cause: "outside_of_the_view",
@@ -198,9 +247,15 @@ const LADDER: &[Remedy] = &[
         source: "WKP15, sections 3.2 and 6: more precise normals close cracks",
     },
     Remedy {
+        cause: "planes_over_edges",
+        parameter: "patches",
+        value: "joined",
+        source: "WKP15, section 3.2: each pixel is a small plane, also where an edge crosses it and a surface goes on along another",
+    },
+    Remedy {
         cause: "left_out_at_the_start",
         parameter: "start_bias",
-        value: "0.25",
+        value: "0.1",
         source: "WKP15, section 4, says nothing of rays that start on surfaces: a pixel of their way is left out",
     },
 ];

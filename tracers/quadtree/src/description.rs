@@ -43,6 +43,11 @@ choice! {
 }
 
 choice! {
+    /// What a pixel's plane is taken for where an edge crosses its pixel.
+    pub(crate) enum Patches { Squares = "squares", Joined = "joined" }
+}
+
+choice! {
     /// How the successor of a node is found.
     pub(crate) enum Traversal { Xor = "xor", Stack = "stack" }
 }
@@ -67,6 +72,7 @@ parameters! {
             "depth layers of a view: more know more of what is hidden, take as much more memory, and with one holes are inpainted",
         )
         .unit("layers")
+        .improved(4)
         .sweep([1, 2, 3, 4]),
         capture: Capture = Parameter::choice(
             Build,
@@ -163,6 +169,14 @@ parameters! {
             Dilated::Continuous,
             "which planes reach beyond their nodes: those that no discontinuity lies near, those that one does, all, or none",
         ),
+        patches: Patches = Parameter::choice(
+            Build,
+            Patches::Squares,
+            "where a flagged pixel's plane ends: at the pixel's sides, as the others, or where it meets that of a pixel beside it at an \
+             edge towards the eye, behind which the neighbour's goes on; a trace then reads the four nodes beside every such pixel whose \
+             plane it gets behind, and opens nodes down to it",
+        )
+        .improved(Patches::Joined),
         traversal: Traversal = Parameter::choice(
             Trace,
             Traversal::Xor,
@@ -199,7 +213,7 @@ parameters! {
              misses what lies close to it",
         )
         .unit("pixel heights at that depth")
-        .improved(0.25)
+        .improved(0.1)
         .sweep([0.0, 0.5, 1.0, 2.0, 4.0]),
         secondary_samples: u32 = Parameter::integer(
             Trace,

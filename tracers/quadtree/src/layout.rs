@@ -5,7 +5,7 @@ use tracebench_api::{SharedLayout, TracerError, View, Viewpoint};
 use tracebench_kit::{DrawnBy, MOST_LEVELS, Pyramid, ViewUniform};
 
 use crate::description::{
-    BackFaces, Capture, Dilated, DistanceIn, MOST_TREE_LEVELS, Normals, QuadtreeParameters, Views,
+    BackFaces, Capture, Dilated, DistanceIn, MOST_TREE_LEVELS, Normals, Patches, QuadtreeParameters, Views,
 };
 use crate::layers::{LayerPass, ThinPass};
 use crate::trace::QuadtreeSettings;
@@ -108,6 +108,8 @@ pub(crate) struct Shape {
     /// Pixels.
     pub dilation: f64,
     pub dilated: Dilated,
+    /// Whether planes end at those beside them.
+    pub is_joined: bool,
     /// What draws.
     pub drawn_by: DrawnBy,
 }
@@ -146,6 +148,7 @@ impl Shape {
             growth: parameters.gamma_growth,
             dilation: parameters.dilation,
             dilated: parameters.dilated,
+            is_joined: parameters.patches == Patches::Joined,
             drawn_by: parameters.build,
         })
     }

@@ -23,6 +23,8 @@ mod layer_tests;
 #[cfg(test)]
 mod merge_tests;
 #[cfg(test)]
+mod patch_tests;
+#[cfg(test)]
 mod reference;
 #[cfg(test)]
 mod secondary_tests;

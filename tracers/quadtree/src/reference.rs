@@ -1,6 +1,8 @@
 //! The search as brute force in f64: every leaf of a tree that a ray crosses, one after the other, without boxes, levels or
 //! successors.
 
+mod joined;
+
 use tracebench_api::glam::{DVec2, DVec3, Vec3};
 use tracebench_api::{Ray, Status, View};
 
@@ -8,6 +10,8 @@ use crate::description::{Dilated, NextLayer};
 use crate::images::Images;
 use crate::nodes::{Node, Plane};
 use crate::structure::QuadtreeStructure;
+
+use joined::Passed;
 
 /// What a search does that is not in the structure.
 #[derive(Clone, Copy)]
@@ -46,8 +50,8 @@ pub(crate) struct Reference<'a> {
     structure: &'a QuadtreeStructure,
     view: View,
     leaves: Vec<Vec<Leaf>>,
-    /// z of the pixels of every image that show something.
-    depths: Vec<Vec<Option<f64>>>,
+    /// Planes of the pixels of every image that show something.
+    planes: Vec<Vec<Option<Plane>>>,
 }
 
 /// A ray on the image: pixels, z and t / depth at both ends.
@@ -105,6 +109,18 @@ struct Found {
 
 const NOWHERE: f64 = 2.0;
 
+impl Found {
+    /// A hit on a plane, whose place rounding may move by no more than the way that is given.
+    fn take(&mut self, track: &Track, place: f64, plane: Plane, middle: DVec2, noise: f64, most: f64) {
+        let behind = |place: f64| plane.z_at(track.at(place) - middle) - track.z(place);
+        // How fast the ray passes the plane.
+        let rate = (behind(place + 1e-3) - behind(place - 1e-3)).abs() / 2e-3;
+        let slack = (noise / rate.max(1e-30)).min(most);
+        self.hit = Some((place, plane.z_at(track.at(place) - middle).clamp(0.0, 1.0), slack));
+        self.plane = Some((plane, middle));
+    }
+}
+
 impl<'a> Reference<'a> {
     /// That of a structure of the frame's view.
     pub(crate) fn new(structure: &'a QuadtreeStructure) -> Self {
@@ -113,7 +129,7 @@ impl<'a> Reference<'a> {
         let nodes: Vec<[u32; 2]> =
             bytemuck::cast_slice(&Images::read(structure.gpu(), &structure.images.nodes).unwrap()).to_vec();
         let size = shape.size();
-        let (mut leaves, mut depths) = (Vec::new(), Vec::new());
+        let (mut leaves, mut planes) = (Vec::new(), Vec::new());
         for image in 0..shape.images() as usize {
             let node = |level: u32, x: u32, y: u32| {
                 let first = image * forest.image_nodes as usize + forest.level_offsets[level as usize] as usize;
@@ -139,10 +155,10 @@ impl<'a> Reference<'a> {
             }
             leaves.push(of_image);
             let pixels = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
-            let depth = |(x, y)| if let Node::Plane(plane) = node(0, x, y) { Some(plane.z) } else { None };
-            depths.push(pixels.map(depth).collect());
+            let plane = |(x, y)| if let Node::Plane(plane) = node(0, x, y) { Some(plane) } else { None };
+            planes.push(pixels.map(plane).collect());
         }
-        Self { structure, view: shape.views[0], leaves, depths }
+        Self { structure, view: shape.views[0], leaves, planes }
     }
 
     /// z of so many pixel heights of depth.
@@ -228,6 +244,29 @@ impl<'a> Reference<'a> {
             let (at_first, at_last) = (behind(part[0]), behind(part[1]));
             // A corner that is just touched rounding may leave out.
             let touched = (exit - entry) * pixels < 1e-2 && pixels > 1e-2;
+            if self.structure.shape.is_joined && leaf.plane.flagged {
+                let passed = Passed { entry, exit, touched, out_of_volume: found.volume < entry, before: before_until };
+                let told = self.pass_joined(image, track, asked, leaf, &passed);
+                before_until = told.before_until;
+                found.decided &= told.decided;
+                if told.is_behind {
+                    found.decided &= !touched;
+                    if found.volume == NOWHERE {
+                        found.volume = entry;
+                    }
+                    if asked.inpaints {
+                        found.stopped = true;
+                        self.inpaint(image, track, entry, first, &mut found);
+                        return found;
+                    }
+                }
+                if let Some((place, plane, middle)) = told.hit {
+                    found.decided &= !touched && place < last + 1e-12;
+                    found.take(track, place, plane, middle, noise, exit - entry);
+                    return found;
+                }
+                continue;
+            }
             let close = |values: &[f64]| values.iter().any(|value| value.abs() < noise);
             let crossing = |a: f64, b: f64, at_a: f64, at_b: f64| a + (b - a) * (at_a / (at_a - at_b)).clamp(0.0, 1.0);
             let before = before_until;
@@ -280,11 +319,7 @@ impl<'a> Reference<'a> {
             }
             if let Some(place) = outcome {
                 found.decided &= !touched && place < last + 1e-12;
-                // How fast the ray passes the plane.
-                let rate = (behind(place + 1e-3) - behind(place - 1e-3)).abs() / 2e-3;
-                let slack = (noise / rate.max(1e-30)).min(part[1] - part[0]);
-                found.hit = Some((place, leaf.plane.z_at(track.at(place) - middle).clamp(0.0, 1.0), slack));
-                found.plane = Some((leaf.plane, middle));
+                found.take(track, place, leaf.plane, middle, noise, part[1] - part[0]);
                 return found;
             }
         }
@@ -305,7 +340,7 @@ impl<'a> Reference<'a> {
         let [x, y] = [at.x, at.y].map(f64::floor);
         let x = x.clamp(0.0, f64::from(size[0]) - 1.0) as usize;
         let y = y.clamp(0.0, f64::from(size[1]) - 1.0) as usize;
-        if self.depths[image][y * size[0] as usize + x].is_some() {
+        if self.planes[image][y * size[0] as usize + x].is_some() {
             found.inpainted = true;
             found.hit = Some((before, track.z(before), 1e-5));
         }
@@ -430,7 +465,7 @@ impl<'a> Reference<'a> {
 
     /// z of a pixel of a layer.
     fn z_at(&self, layer: u32, [x, y]: [u32; 2]) -> Option<f64> {
-        self.depths[layer as usize][(y * self.structure.shape.size()[0] + x) as usize]
+        self.planes[layer as usize][(y * self.structure.shape.size()[0] + x) as usize].map(|plane| plane.z)
     }
 }
 

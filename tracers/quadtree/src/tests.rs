@@ -139,6 +139,14 @@ fn structures_are_sound() {
         vec![("build", "compute"), ("layers", "3")],
         vec![("build", "compute"), ("layers", "2"), ("capture", "peeling"), ("views", "six")],
         vec![("build", "compute"), ("minimum_separation", "0.01"), ("back_faces", "culled")],
+        vec![("patches", "joined"), ("normals", "geometry"), ("layers", "4")],
+        vec![
+            ("patches", "joined"),
+            ("views", "six"),
+            ("dilated", "all"),
+            ("gamma_dist", "0.25"),
+            ("gamma_dist_in", "pixels"),
+        ],
     ];
     for settings in all {
         let statistics = built_by(&tracer, &gpu, &geometry, &settings).check(&geometry);

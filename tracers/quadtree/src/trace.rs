@@ -118,6 +118,7 @@ impl QuadtreeStructure {
             surfaces,
             counters: counting.is_some(),
             secondary: parameters.secondary_samples > 0,
+            joined: self.shape.is_joined,
         };
         let pipeline = self.pipelines.traces.of(gpu, variant)?;
         let settings = self.settings(job, &parameters, counting);
@@ -165,7 +166,7 @@ impl QuadtreeStructure {
     pub(crate) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = self.gpu();
         let nodes = self.shape.level_offsets().1 * self.shape.images();
-        let counting = Counting::new(gpu, nodes, job.rays.host.len())?;
+        let counting = Counting::new(gpu, nodes, job.rays.host.len(), self.shape.is_joined)?;
         let mut clock = PhaseClock::new(Some(gpu));
         self.record(job, hits, Some(&counting), &mut clock)?;
         clock.finish()?;

@@ -13,6 +13,9 @@ use super::reference::{Answered, Asked, Reference};
 use super::structure::{Quadtree, QuadtreeStructure};
 use super::tests::{LOSSLESS, answer, built_by, hostile, parameters, rectangle, viewpoint};
 
+/// Planes by the triangles' normals that end at each other.
+pub(crate) const JOINED: [(&str, &str); 3] = [("patches", "joined"), ("normals", "geometry"), ("discontinuity", "0.5")];
+
 pub(crate) const PUBLISHED: Asked =
     Asked { next_layer: NextLayer::Volumes, inpaints: false, occlusion_bias: 1.0, start_bias: 1.0 };
 
@@ -69,6 +72,12 @@ fn rays_are_answered_as_by_brute_force() {
         (
             with(&[("occlusion_bias", "0"), ("start_bias", "4")]),
             Asked { occlusion_bias: 0.0, start_bias: 4.0, ..PUBLISHED },
+        ),
+        (with(&JOINED), PUBLISHED),
+        (with(&[&JOINED[..], &[("layers", "1")]].concat()), Asked { inpaints: true, ..PUBLISHED }),
+        (
+            with(&[&JOINED[..], &[("layers", "4"), ("occlusion_bias", "0.25"), ("start_bias", "0.1")]].concat()),
+            Asked { occlusion_bias: 0.25, start_bias: 0.1, ..PUBLISHED },
         ),
     ];
     for (settings, asked) in all {
@@ -129,16 +138,17 @@ fn through_sides() -> Vec<Ray> {
 }
 
 /// Proves that the way a tree is walked changes no bit: with a stack or without, over as many levels as there are or none, read from
-/// textures, with several rays a lane; of one layer, too, where holes are inpainted. Negative control: merged planes do change some.
+/// textures, with several rays a lane; of one layer, too, where holes are inpainted, and of planes that end at each other. Negative control: merged planes do change some.
 #[test]
 fn ways_to_walk_change_no_hit() {
     let gpu = gpu();
     let geometry = soup(&hostile(), Some(&gpu));
     let tracer = Quadtree::new(Arc::clone(&gpu)).unwrap();
     let rays = [rays(1500), along_borders(), through_sides()].concat();
-    for base in [("views", "frame"), ("views", "six"), ("layers", "1")] {
+    let joined_layers = [&JOINED[..], &[("layers", "1")]].concat();
+    for base in [&[("views", "frame")][..], &[("views", "six")], &[("layers", "1")], &JOINED, &joined_layers] {
         let by = |more: &[(&'static str, &'static str)]| {
-            let settings = [&LOSSLESS[..], &[base], more].concat();
+            let settings = [&LOSSLESS[..], base, more].concat();
             let structure = built_by(&tracer, &gpu, &geometry, &settings);
             answer(&gpu, &structure, &rays, &settings, EndPoint::Surface)
         };
@@ -342,14 +352,19 @@ fn faces_answer_every_direction() {
 }
 
 /// Counters of a trace to hits.
-fn counted(gpu: &Arc<Gpu>, structure: &QuadtreeStructure, rays: &[Ray], settings: &[(&str, &str)]) -> Vec<Counter> {
+pub(crate) fn counted(
+    gpu: &Arc<Gpu>,
+    structure: &QuadtreeStructure,
+    rays: &[Ray],
+    settings: &[(&str, &str)],
+) -> Vec<Counter> {
     let rays = RayBuffer::new(Arc::new(rays.to_vec()), Query::Closest, Some(gpu));
     let mut hits = HitBuffer::new(rays.host.len(), Residency::Device, Some(gpu)).unwrap();
     let parameters = parameters(settings);
     structure.trace_counted(TraceJob { rays: &rays, end: EndPoint::Hit, parameters: &parameters }, &mut hits).unwrap()
 }
 
-fn of(counters: &[Counter], name: &str) -> u64 {
+pub(crate) fn of(counters: &[Counter], name: &str) -> u64 {
     counters.iter().find(|counter| counter.name == name).unwrap().total
 }
 

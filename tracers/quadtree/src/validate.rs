@@ -20,6 +20,9 @@ const ROUNDING: f64 = 4e-6;
 /// what is left of 1, and devices round divisions and roots as they like within a few ulps.
 const SLOPE_ROUNDING: f64 = 1e-6;
 
+/// No plane ends at one beside it.
+const NO_LIMIT: [f64; 2] = [f64::INFINITY; 2];
+
 const BY_LEVEL: [[&str; 2]; 10] = [
     ["plane_leaves_level_0", "empty_leaves_level_0"],
     ["plane_leaves_level_1", "boxes_level_1"],
@@ -171,7 +174,10 @@ impl ReadBack<'_> {
             Node::Empty => {
                 children.iter().any(|(_, child)| *child != Node::Empty).then(|| "hides something".to_owned())
             }
-            Node::Box { least, greatest, holes } => self.wrong_box([least, greatest], holes, &children, edge),
+            Node::Box { least, greatest, holes } => {
+                let joined = if self.shape.is_joined && level == 1 { self.least_joined(image, cell) } else { NO_LIMIT };
+                self.wrong_box([least, greatest], holes, &children, edge, joined)
+            }
         };
         match wrong {
             None => Ok(node),
@@ -215,7 +221,43 @@ impl ReadBack<'_> {
         (flagged != plane.flagged).then(|| "has another flag than those below".to_owned())
     }
 
-    fn wrong_box(&self, stored: [f64; 2], holes: bool, children: &[(DVec2, Node)], edge: f64) -> Option<String> {
+    /// Of four pixels the least z of planes beside them at which theirs end: of those that surely do so, and of all that may.
+    fn least_joined(&self, image: usize, cell: [u32; 2]) -> [f64; 2] {
+        let [width, height] = self.shape.size().map(i64::from);
+        let plane_at = |at: [i64; 2]| {
+            let is_there = (0..width).contains(&at[0]) && (0..height).contains(&at[1]);
+            let node = is_there.then(|| self.node(image, 0, at.map(|at| at as u32)));
+            if let Some(Node::Plane(plane)) = node { Some(plane) } else { None }
+        };
+        let mut least = NO_LIMIT;
+        for pixel in [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]| [2 * cell[0] + x, 2 * cell[1] + y].map(i64::from)) {
+            let Some(own) = plane_at(pixel).filter(|plane| plane.flagged) else { continue };
+            for [x, y] in [[1, 0], [-1, 0], [0, 1], [0, -1]] {
+                let Some(beside) = plane_at([pixel[0] + x, pixel[1] + y]) else { continue };
+                let step = DVec2::new(x as f64, y as f64);
+                let before = (own.z_at(step) - beside.z).min(beside.z_at(-step) - own.z);
+                let change = (own.slope.abs() + beside.slope.abs()).element_sum();
+                let slack = self.rounding(own.z.max(beside.z)) + SLOPE_ROUNDING * change;
+                let there = (beside.z_at(-step) - 0.5 * beside.slope.abs().element_sum()).clamp(0.0, 1.0);
+                if before > slack {
+                    least[0] = least[0].min(there);
+                }
+                if before > -slack {
+                    least[1] = least[1].min(there);
+                }
+            }
+        }
+        least
+    }
+
+    fn wrong_box(
+        &self,
+        stored: [f64; 2],
+        holes: bool,
+        children: &[(DVec2, Node)],
+        edge: f64,
+        joined: [f64; 2],
+    ) -> Option<String> {
         let (mut least, mut greatest, mut has_holes, mut slack) = (f64::INFINITY, f64::NEG_INFINITY, false, 0.0_f64);
         for (_, child) in children {
             let range = match child {
@@ -236,8 +278,12 @@ impl ReadBack<'_> {
             };
             (least, greatest) = (least.min(range[0]), greatest.max(range[1]));
         }
-        let fits = |stored: f64, expected: f64| (stored - expected).abs() <= self.rounding(expected) + slack;
-        if !fits(stored[0], least) || !fits(stored[1], greatest) {
+        // A plane that may or may not end at one beside it, as devices round, lets the box begin at either.
+        let [sure, possible] = joined.map(|joined| least.min(joined));
+        let fits = |stored: f64, [low, high]: [f64; 2]| {
+            stored >= low - self.rounding(low) - slack && stored <= high + self.rounding(high) + slack
+        };
+        if !fits(stored[0], [possible, sure]) || !fits(stored[1], [greatest; 2]) {
             return Some(format!("does not go from {least} to {greatest}"));
         }
         (holes != has_holes).then(|| "says otherwise of holes than those below".to_owned())
