@@ -223,7 +223,9 @@ fn check_lossless(size: Size, scenes: &[LeastOf]) {
         let session = session(&gpu, scene, &SETS, size);
         let lossless = built(&session, Preset::Improved, &LOSSLESS);
         let published = built(&session, Preset::Published, &LOSSLESS);
-        let merged = built(&session, Preset::Improved, &[("gamma_norm", "25"), ("gamma_dist", "64")]);
+        // Joined patches open merged planes where they matter.
+        let merged = [("gamma_norm", "25"), ("gamma_dist", "64"), ("patches", "squares")];
+        let merged = built(&session, Preset::Improved, &merged);
         assert_eq!(session.rays.iter().map(|rays| rays.set.name).collect::<Vec<_>>(), SETS);
         for (rays, least) in session.rays.iter().zip(least) {
             let name = rays.set.name;
