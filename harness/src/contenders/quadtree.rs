@@ -3,10 +3,11 @@
 use tracebench_api::Preset;
 
 use super::expectation::{fails, of_huge_triangles, of_plates_along_rows};
-use super::{Ablation, Column, Expectation, Family, Registration, Remedy, Rule, Shrink, Switched, Touch};
+use super::{Ablation, Column, Expectation, Family, Improved, Registration, Remedy, Rule, Shrink, Switched, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
+    improved: Some(Improved { otherwise: None, expectations: IMPROVED_EXPECTATIONS }),
     ablation: Some(&ABLATION),
     ladder: LADDER,
     sweep: &["gamma_norm", "gamma_dist", "layers"],
@@ -172,6 +173,84 @@ const EXPECTATIONS: Column = &[
             0.01,
             "what a ray passes over is skipped by nodes as large as 512 pixels: its budget of steps lasts",
         ),
+    ),
+];
+
+/// Of the improved form: four layers, thresholds in heights of a pixel at every depth, planes that end at each other, and starts close by.
+const EDGE_ON: &str =
+    "a surface along the line of sight covers few pixel centres or none, so rays that cross it find nothing";
+const CLOSE: &str = "what lies nearer to a start than a tenth of a pixel's height is not looked at, and what is a quarter behind a plane is not told \
+                     from it";
+const CROWDED: &str = "of a crowd of small triangles at all angles four layers are stored, and those seen from their edges cover few pixels, all of \
+                       them near a discontinuity: rays pass between their planes";
+const BEHIND_FOUR: &str = "four layers: what lies behind the fourth surface is not stored";
+const IN_PIXELS_AT_ALL_DEPTHS: &str = "thresholds are in heights of a pixel at every depth: a plane stands for what a ray cannot tell from it, and only \
+                                       what ends between pixels' centres is beside it";
+const ALONG_ROWS: Expectation = few(Rule::Footprint, 0.02, IN_PIXELS_AT_ALL_DEPTHS);
+const AT_RIMS: &str = "planes are met at their own place; wrong are rays at rims, by a pixel more or less";
+
+const IMPROVED_EXPECTATIONS: Column = &[
+    ("edge-on", fails(Rule::HitMiss, 87.0, 0.02, 0.6, EDGE_ON, SAMPLES_SOURCE)),
+    ("wires", fails(Rule::HitMiss, 1.0, 0.12, 0.4, BETWEEN, SAMPLES_SOURCE)),
+    ("leaves", fails(Rule::HitMiss, 1.0, 0.12, 0.3, BETWEEN, SAMPLES_SOURCE)),
+    ("close-sheets", fails(Rule::Footprint, 1e-3, 0.05, 0.4, CLOSE, NEAR_START_SOURCE)),
+    ("voxel-stack", fails(Rule::Footprint, 8.0, 0.23, 0.33, CROWDED, LAYERS_SOURCE)),
+    ("open-mesh", AT_SAMPLES),
+    ("huge-triangle", of_huge_triangles(&AT_SAMPLES)),
+    ("needles", AT_SAMPLES),
+    ("coplanar-copies", AT_SAMPLES),
+    ("eye-inside-object", few(Rule::Footprint, 0.02, AT_RIMS)),
+    ("eye-on-surface", fails(Rule::Footprint, 1e-4, 0.02, 0.4, BEFORE_NEAR, NEAR_SOURCE)),
+    (
+        "plane-through-eye",
+        fails(
+            Rule::Footprint,
+            0.1,
+            0.0,
+            0.6,
+            "rays from beside the view, onto a plane that is at last no more than a line in it",
+            ASIDE_SOURCE,
+        ),
+    ),
+    ("eye-at-vertex", fails(Rule::Footprint, 1e-4, 0.05, 0.35, BEFORE_NEAR, NEAR_SOURCE)),
+    ("before-near", fails(Rule::Footprint, 0.75, 0.02, 0.25, BEFORE_NEAR, NEAR_SOURCE)),
+    (
+        "cube-borders",
+        fails(
+            Rule::HitMiss,
+            0.1,
+            0.2,
+            0.4,
+            "most of the directions between cube faces leave the one view that there is",
+            ASIDE_SOURCE,
+        ),
+    ),
+    ("depth-range", few(Rule::Footprint, 0.01, IN_PIXELS_AT_ALL_DEPTHS)),
+    ("secondary-depth-ratio", few(Rule::Footprint, 0.05, IN_PIXELS_AT_ALL_DEPTHS)),
+    ("coarse-frame", fails(Rule::Footprint, 17.0, 0.06, 0.8, BETWEEN, SAMPLES_SOURCE)),
+    ("wide-frame", of_plates_along_rows(&ALONG_ROWS)),
+    (
+        "surface-starts",
+        few(Rule::HitMiss, 0.02, "small planes by the triangles' normals lie on the surface that a ray starts on"),
+    ),
+    ("cell-borders", few(Rule::HitMiss, 0.04, AT_RIMS)),
+    ("face-cell-borders", few(Rule::HitMiss, 0.04, AT_RIMS)),
+    ("through-view-centre", few(Rule::HitMiss, 0.04, AT_RIMS)),
+    ("flat-tile", few(Rule::Footprint, 0.01, IN_PIXELS_AT_ALL_DEPTHS)),
+    ("equal-triangles", AT_SAMPLES),
+    ("stacked-layers", fails(Rule::Footprint, 32.0, 0.03, 0.35, BEHIND_FOUR, LAYERS_SOURCE)),
+    ("crowded-pixel", fails(Rule::HitMiss, 8.0, 0.05, 0.15, BETWEEN, SAMPLES_SOURCE)),
+    ("thin-walls", few(Rule::HitMiss, 0.02, "what hides a wall's far side is its near one, which is hit")),
+    ("long-scene", AT_SAMPLES),
+    ("behind-foreground", few(Rule::HitMiss, 0.02, "what passes behind a plane asks the next layer")),
+    ("towards-camera", few(Rule::Footprint, 0.02, AT_RIMS)),
+    (
+        "foreground-in-cell",
+        few(Rule::HitMiss, 0.01, "a box that holds more than the ray's way is opened, down to the pixels"),
+    ),
+    (
+        "long-rays",
+        few(Rule::HitMiss, 0.01, "what a ray passes over is skipped by large nodes: its budget of steps lasts"),
     ),
 ];
 
