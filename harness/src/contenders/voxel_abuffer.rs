@@ -173,7 +173,26 @@ const OF_PLANES: Expectation = few(Rule::Footprint, 0.01, PARTS);
 const PARTS: &str = "a fragment is the surface itself within its texel; what is left is its outline, an octagon there, at the rims of open \
                      meshes";
 
-const IMPROVED_EXPECTATIONS: Column = &[];
+const TINY: &str = "what is smaller than a texel is an octagon of the texel's own fineness, so that its outline is off by a part of it";
+
+const IMPROVED_EXPECTATIONS: Column = &[
+    ("leaves", few(Rule::Footprint, 0.03, TINY)),
+    ("voxel-stack", few(Rule::Footprint, 0.05, PARTS)),
+    ("huge-triangle", fails(Rule::Footprint, 1e4, 0.08, 0.5, COARSE, COARSE_SOURCE)),
+    ("coplanar-copies", Expectation::Refusable { from: 16.0, otherwise: &OF_PLANES }),
+    ("eye-at-vertex", fails(Rule::Footprint, 1e-3, 0.05, 0.5, COARSE, COARSE_SOURCE)),
+    ("before-near", fails(Rule::Footprint, 0.01, 0.05, 0.4, COARSE, COARSE_SOURCE)),
+    ("depth-range", fails(Rule::Footprint, 6.0, 0.1, 0.5, COARSE, COARSE_SOURCE)),
+    ("secondary-depth-ratio", fails(Rule::Footprint, 6.0, 0.02, 0.4, COARSE, COARSE_SOURCE)),
+    ("coarse-frame", fails(Rule::Footprint, 5.0, 0.03, 0.08, COARSE, COARSE_SOURCE)),
+    ("wide-frame", few(Rule::Footprint, 0.02, TINY)),
+    ("flat-tile", few(Rule::Footprint, 0.03, PARTS)),
+    ("equal-triangles", Expectation::Refusable { from: 256.0, otherwise: &OF_PLANES }),
+    ("stacked-layers", Expectation::Refusable { from: 256.0, otherwise: &OF_PLANES }),
+    ("crowded-pixel", fails(Rule::Footprint, 8.0, 0.02, 0.1, COARSE, COARSE_SOURCE)),
+    // By a scale an axis thin walls of a long scene face along it, and cover its whole images.
+    ("long-scene", Expectation::Refusable { from: 50.0, otherwise: &OF_PLANES }),
+];
 
 type Values = &'static [(&'static str, &'static str)];
 

@@ -88,10 +88,11 @@ fn check(cases: &[&Case], run: &Run) {
 }
 
 /// Cells with more unexplained answers than is allowed, but for what f32 alone decides: needles by a hierarchy, and DIRT's rays
-/// along borders of its cells.
+/// along borders of its cells; and for planes in texels of a scene that is a million times as large as what is looked at.
 fn beyond_rounding(found: &Stability) -> Vec<String> {
     let mut cells = unexplained(found, "");
-    cells.retain(|cell| !["needles, bvh-", "face-cell-borders, dirt"].iter().any(|known| cell.starts_with(known)));
+    let known = ["needles, bvh-", "face-cell-borders, dirt", "secondary-depth-ratio, voxel-abuffer:improved"];
+    cells.retain(|cell| !known.iter().any(|known| cell.starts_with(known)));
     cells
 }
 

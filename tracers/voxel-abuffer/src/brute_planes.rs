@@ -193,9 +193,10 @@ impl Facing {
         let (margin, slack) = (part_margin(image), place_loss(image));
         let corner = DVec2::new(f64::from(texel[0]), f64::from(texel[1]));
         let corners = self.corners.map(|at| at - corner.extend(0.0));
-        let near = 0.5 * margin + slack;
+        // The turn of a sliver may be rounded either way.
+        let near = 0.5 * margin + 4.0 * slack;
         let flat = |polygon: Vec<DVec3>| polygon.into_iter().map(|at| at.truncate());
-        let grown = flat(clipped(corners, margin + slack)).chain(corners_within(corners, margin + slack, near));
+        let grown = flat(clipped(corners, margin + slack)).chain(corners_within(corners, margin, near));
         let outer = Octagon::of(grown)?;
         // A triangle that is all but a line may round to one, which is not stored.
         let inner = Octagon::of(flat(clipped(corners, margin - slack))).filter(|_| !self.unsure);
