@@ -203,7 +203,8 @@ impl Facing {
         let edge = f64::from(image);
         let noise = self.off > MOST_OFF;
         let slopes = (self.drawn.slope * edge).clamp(DVec2::NEG_ONE, DVec2::ONE);
-        let reach = (slopes.abs().element_sum() * 0.5 + 0.05) / edge;
+        // As the device holds it, which it does where a part lies beside the triangle: at a texel's corner near a sharp tip.
+        let reach = slopes.abs().element_sum() * (0.5 + margin) / edge;
         let at_centre = self.drawn.depth + self.drawn.slope.dot(corner + 0.5 - self.drawn.corners[0]);
         let off = self.drawn.depth_slack + self.off * 4.0 / edge;
         let held = |depth: f64| depth.clamp(self.drawn.least - reach, self.drawn.greatest + reach);
