@@ -1,9 +1,20 @@
 // The geometry passes of the fragment A-buffer (section 3.3), by the rasterizer's own sample rule: the depth bounds of every
-// pixel; of the s-buffer the number of its fragments; the fragments themselves. With COMPUTE by the rule of tracebench::coverage.
+// pixel; of the s-buffer the number of its fragments; the fragments themselves. With COMPUTE by the rule of tracebench::coverage. With
+// CLIPPED of triangles as they are clipped to pixels: fragments that are planes, or that all have which a triangle touches, or both.
 
 #import tracebench::view::{to_eye_space, clip_position}
 #import tracebench::plane_depth::{FlatTriangle, flat_triangle, plane_depth}
+#ifdef CLIPPED
+#import tracebench::plane_depth::facet
+#import tracebench::tile_clip::{DepthRange, tile_margin, tile_frustum, polygon_range, tile_rectangle}
+#ifdef COMPUTE
+#import tracebench::tile_clip::tiles_frustum
+#else
+#import tracebench::tile_clip::rectangle_corner
+#endif
+#else
 #import tracebench::surface::unit_normal
+#endif
 #import tracebench::depth_bounds::{near_code, far_code, depths_of, bucket_of}
 #import tracebench::fragment_layout::{Storage, DrawnView, word_index, BOUNDS_SLACK}
 #ifdef COMPUTE
@@ -32,8 +43,20 @@
 // A triangle as its fragments need it, the same at all of them.
 struct Facing {
     plane: FlatTriangle,
-#ifdef STORE
+#ifdef CLIPPED
+    // The corners in eye space.
+    a: vec3<f32>,
+    b: vec3<f32>,
+    c: vec3<f32>,
+    // 0 of a triangle without area, which conservative coverage leaves out.
     normal: vec3<f32>,
+    // How far the plane lies from the eye along the normal.
+    offset: f32,
+#endif
+#ifdef STORE
+#ifndef CLIPPED
+    normal: vec3<f32>,
+#endif
     material: u32,
 #endif
 }
@@ -50,12 +73,46 @@ fn facing_of(first: u32) -> Facing {
     let c = load_position(first + 2u);
     var facing: Facing;
     facing.plane = flat_triangle(drawn.view, a, b, c);
+#ifdef CLIPPED
+    facing.a = to_eye_space(drawn.view, a);
+    facing.b = to_eye_space(drawn.view, b);
+    facing.c = to_eye_space(drawn.view, c);
+    let plane = facet(a, b, c);
+    let size = max(abs(plane.across.x), max(abs(plane.across.y), abs(plane.across.z)));
+    // Of equal corners it is no number.
+    if (size > 0.0) {
+        facing.normal = normalize(plane.across / size);
+        facing.offset = dot(facing.normal, plane.at - drawn.view.eye);
+    }
+#endif
 #ifdef STORE
+#ifndef CLIPPED
     facing.normal = unit_normal(b - a, c - a);
+#endif
     facing.material = materials[first / 3u];
 #endif
     return facing;
 }
+
+#ifdef CLIPPED
+// By how much depths are held apart that clipping in f32 may be off by, relative.
+const DEPTH_SLACK: f32 = 9.5367431640625e-7;
+
+// The eye depths of a triangle in a pixel, grown by what f32 loses of borders; least > greatest where it has no fragment there.
+fn depths_in(pixel: vec2<u32>, facing: Facing) -> DepthRange {
+    let frustum = tile_frustum(drawn.view, pixel, tile_margin(drawn.view.size));
+    var range = polygon_range(frustum, facing.a, facing.b, facing.c);
+    if (shape.conservative == 1u) {
+        return range;
+    }
+    if (range.least > range.greatest) {
+        // The rule of coverage rounds corners: what covers a centre by it may touch no part of the pixel.
+        let depth = plane_depth(drawn.view, facing.plane, vec2<f32>(pixel) + 0.5);
+        range = DepthRange(depth, depth);
+    }
+    return range;
+}
+#endif
 
 #ifdef STORE
 fn store_payload(at: u32, normal: vec3<f32>, material: u32) {
@@ -69,12 +126,28 @@ fn store_payload(at: u32, normal: vec3<f32>, material: u32) {
     }
 }
 
-fn store_fragment(pixel: u32, depth: f32, facing: Facing) {
+#ifdef CLIPPED
+fn store_plane(node: u32, greatest: f32, facing: Facing) {
+    let at = node * shape.node_words + shape.plane_word;
+    ids[at] = bitcast<u32>(greatest);
+    ids[at + 1u] = bitcast<u32>(facing.offset);
+    for (var axis = 0u; axis < 3u; axis++) {
+        ids[at + 2u + axis] = bitcast<u32>(facing.normal[axis]);
+    }
+}
+#endif
+
+fn store_fragment(pixel: u32, depth: f32, greatest: f32, facing: Facing) {
     // Beyond the capacity nothing is stored and the count goes on: the host sees what is missing.
     if (shape.contiguous == 1u) {
         let begin = atomicLoad(&pixels[word_index(shape, pixel, 0u)]);
         let slot = begin + atomicAdd(&pixels[word_index(shape, pixel, 1u)], 1u);
         if (slot < shape.node_capacity) {
+#ifdef CLIPPED
+            if (shape.plane_word > 0u) {
+                store_plane(slot, greatest, facing);
+            }
+#endif
             ids[slot * shape.node_words] = bitcast<u32>(depth);
 #ifdef DECOUPLED
             ids[slot * shape.node_words + 1u] = slot;
@@ -94,6 +167,11 @@ fn store_fragment(pixel: u32, depth: f32, facing: Facing) {
         let link = atomicExchange(&pixels[word_index(shape, pixel, bucket)], node + 1u);
         ids[node * shape.node_words] = bitcast<u32>(depth);
         ids[node * shape.node_words + 1u] = link;
+#ifdef CLIPPED
+        if (shape.plane_word > 0u) {
+            store_plane(node, greatest, facing);
+        }
+#endif
         store_payload(node * shape.data_words + shape.data_offset, facing.normal, facing.material);
     }
 }
@@ -101,16 +179,33 @@ fn store_fragment(pixel: u32, depth: f32, facing: Facing) {
 
 // What a pass does with a fragment, by its pixel's centre.
 fn put_fragment(centre: vec2<f32>, facing: Facing) {
+    let at = vec2<u32>(centre);
+#ifdef CLIPPED
+    let range = depths_in(at, facing);
+    if (range.least > range.greatest || (shape.conservative == 1u && all(facing.normal == vec3<f32>(0.0)))) {
+        return;
+    }
+#endif
 #ifdef TALLY
     // How many fragments a view has, before there is room for any.
     atomicAdd(&taken[0], 1u);
 #else
-    let at = vec2<u32>(centre);
     let pixel = drawn.first_pixel + at.y * drawn.width + at.x;
-    let depth = plane_depth(drawn.view, facing.plane, centre);
+    var depth = plane_depth(drawn.view, facing.plane, centre);
+#ifdef CLIPPED
+    // A point is the nearest that the triangle comes to the centre, a plane begins and ends with what is clipped.
+    depth = clamp(depth, range.least, range.greatest);
+    var greatest = depth;
+    if (shape.plane_word > 0u) {
+        depth = range.least * (1.0 - DEPTH_SLACK);
+        greatest = range.greatest * (1.0 + DEPTH_SLACK);
+    }
+#else
+    let greatest = depth;
+#endif
 #ifdef BOUNDS
     atomicMax(&pixels[word_index(shape, pixel, shape.bounds_word)], near_code(depth));
-    atomicMax(&pixels[word_index(shape, pixel, shape.bounds_word + 1u)], far_code(depth));
+    atomicMax(&pixels[word_index(shape, pixel, shape.bounds_word + 1u)], far_code(greatest));
 #else
     if (shape.one_layer == 1u) {
         let nearest = bitcast<f32>(~atomicLoad(&pixels[word_index(shape, pixel, shape.bounds_word)]));
@@ -124,13 +219,37 @@ fn put_fragment(centre: vec2<f32>, facing: Facing) {
     atomicAdd(&pixels[word_index(shape, pixel, 0u)], 1u);
 #endif
 #ifdef STORE
-    store_fragment(pixel, depth, facing);
+    store_fragment(pixel, depth, greatest, facing);
 #endif
 #endif
 }
 
 #ifdef COMPUTE
 const WORKGROUP_SIZE: u32 = 64u;
+
+#ifdef CLIPPED
+// Rows with fewer pixels are not asked whether the triangle touches them.
+const SHORT_ROW: i32 = 4;
+
+// Every pixel of a part that a triangle touches.
+fn put_touched(low: vec2<i32>, high: vec2<i32>, facing: Facing) {
+    let touched = tile_rectangle(drawn.view, vec2<u32>(drawn.view.size), facing.a, facing.b, facing.c);
+    let first = max(vec2<i32>(touched.first), low);
+    let last = min(vec2<i32>(touched.last), high);
+    for (var row = first.y; row < last.y; row++) {
+        if (last.x - first.x > SHORT_ROW) {
+            let frustum = tiles_frustum(drawn.view, vec2<i32>(first.x, row), vec2<i32>(last.x, row + 1));
+            let range = polygon_range(frustum, facing.a, facing.b, facing.c);
+            if (range.least > range.greatest) {
+                continue;
+            }
+        }
+        for (var column = first.x; column < last.x; column++) {
+            put_fragment(vec2<f32>(vec2<i32>(column, row)) + 0.5, facing);
+        }
+    }
+}
+#endif
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn draw(
@@ -143,6 +262,12 @@ fn draw(
         return;
     }
     let first = part.triangle * 3u;
+#ifdef CLIPPED
+    if (shape.conservative == 1u) {
+        put_touched(part.low, part.high, facing_of(first));
+        return;
+    }
+#endif
     if (!outline_in_view(drawn.view, load_position(first), load_position(first + 1u), load_position(first + 2u))) {
         return;
     }
@@ -158,14 +283,37 @@ fn draw(
 #else
 struct Corner {
     @builtin(position) position: vec4<f32>,
+#ifdef CLIPPED
+    @location(0) @interpolate(flat) triangle: u32,
+#else
     @location(0) @interpolate(flat) plane: vec4<f32>,
     @location(1) @interpolate(flat) depths: vec2<f32>,
 #ifdef STORE
     @location(2) @interpolate(flat) normal: vec3<f32>,
     @location(3) @interpolate(flat) material: u32,
 #endif
+#endif
 }
 
+#ifdef CLIPPED
+// A triangle as it is, or the rectangle of pixels that it may touch, of two triangles.
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> Corner {
+    if (shape.conservative == 1u) {
+        let facing = facing_of(index / 6u * 3u);
+        let pixels_across = vec2<u32>(drawn.view.size);
+        let rectangle = tile_rectangle(drawn.view, pixels_across, facing.a, facing.b, facing.c);
+        return Corner(rectangle_corner(rectangle, pixels_across, index), index / 6u);
+    }
+    return Corner(clip_position(drawn.view, to_eye_space(drawn.view, load_position(index))), index / 3u);
+}
+
+@fragment
+fn fragment(in: Corner) -> @location(0) vec4<f32> {
+    put_fragment(in.position.xy, facing_of(in.triangle * 3u));
+    return vec4<f32>(0.0);
+}
+#else
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> Corner {
     var corner: Corner;
@@ -194,4 +342,5 @@ fn fragment(in: Corner) -> @location(0) vec4<f32> {
     put_fragment(in.position.xy, facing);
     return vec4<f32>(0.0);
 }
+#endif
 #endif

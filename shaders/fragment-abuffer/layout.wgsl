@@ -9,6 +9,9 @@
 // where its piece of the nodes begins and word 1 how many it has; of lists words 0 to B - 1 are heads and, where they are
 // linked both ways, B to 2B - 1 tails. Node: eye depth; of the s-buffer the index of its data, of lists the next link and,
 // where they are linked both ways, the previous one. A link is one more than a node's index, 0 the end.
+//
+// A fragment that is a plane has its least depth within the pixel for its depth, and words from `plane_word` on: the greatest depth, how far
+// the plane lies from the eye along its normal, and the normal. Where nodes have the data, the data begins with that very normal.
 struct Storage {
     // 1 where there are none.
     buckets: u32,
@@ -28,7 +31,10 @@ struct Storage {
     pixel_count: u32,
     // 1: pieces of the nodes, 0: lists.
     contiguous: u32,
-    padding: vec2<u32>,
+    // Which word of a node the words of a plane begin at; 0 where fragments are points.
+    plane_word: u32,
+    // 1: what a triangle touches of a pixel is its fragment there, 0: what covers the pixel's centre alone has one.
+    conservative: u32,
 }
 
 // Of a view that rays are traced through.

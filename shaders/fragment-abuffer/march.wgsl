@@ -10,6 +10,9 @@
 #import tracebench::reads::word_2
 #import tracebench::fragment_layout::pyramid_index
 #import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, found, found_depth, found_t, capped, steps, open, work, word_of, misses}
+#ifdef PLANES
+#import tracebench::fragment_store::{part, depth_slack}
+#endif
 #import tracebench::fragment_search::search_fragments
 
 const BY_STEPS: u32 = 0u;
@@ -20,16 +23,24 @@ const BY_HI_Z: u32 = 2u;
 fn reached(view: View, depth_begin: f32, depth_end: f32) -> vec2<f32> {
     let least = min(depth_begin, depth_end);
     let most = max(depth_begin, depth_end);
+#ifdef PLANES
+    // Planes have no thickness.
+    return vec2<f32>(least - depth_slack(least), most + depth_slack(most));
+#else
     let width = 2.0 * max(view.tan_half_width / view.size.x, view.tan_half_height / view.size.y);
     let thickness = search.thickness + most * width * search.thickness_in_pixels;
     return vec2<f32>(least - max(thickness, 0.0), most - min(thickness, 0.0));
+#endif
 }
 
 // Looks at a pixel for the part of the ray between two parameters, whose eye depths these are.
-fn look(pixel: vec2<u32>, part: Span, depth_begin: f32, depth_end: f32) {
+fn look(pixel: vec2<u32>, within: Span, depth_begin: f32, depth_end: f32) {
     let view = views[number].view;
     let depths = reached(view, depth_begin, depth_end);
     let forwards = eye_ray.direction.z >= 0.0;
+#ifdef PLANES
+    part = within;
+#endif
 #ifdef COUNTERS
     work[0] += 1u;
     let tested = work[2];
@@ -38,14 +49,16 @@ fn look(pixel: vec2<u32>, part: Span, depth_begin: f32, depth_end: f32) {
 #ifdef COUNTERS
     work[1] += select(0u, 1u, (work[2] > tested));
 #endif
+#ifndef PLANES
     if (found) {
         // The parameter at the fragment's depth, within the part.
-        var t = part.begin;
+        var t = within.begin;
         if (eye_ray.direction.z != 0.0) {
             t = (found_depth - eye_ray.origin.z) / eye_ray.direction.z;
         }
-        found_t = clamp(clamp(t, part.begin, part.end), ray.t_min, ray.t_max);
+        found_t = clamp(clamp(t, within.begin, within.end), ray.t_min, ray.t_max);
     }
+#endif
 }
 
 // Where on its line of the image the search for a ray begins: away from where the ray itself does.
@@ -99,14 +112,14 @@ fn march_steps(view: View, span: Span, starts: bool) {
         let high_t = t_on(line, high, high_depth);
         let at = mix(line.begin, line.end, mix(low, high, jitter));
         let pixel = clamp(vec2<i32>(floor(at)), vec2<i32>(0), last_pixel);
-        var part = Span(low_t, max(low_t, high_t));
+        var within = Span(low_t, max(low_t, high_t));
         var depths = vec2<f32>(low_depth, high_depth);
         if (search.span_by_pixel == 1u) {
-            part = span_in_pixel(view, eye_ray, pixel, part);
-            depths = eye_ray.origin.z + eye_ray.direction.z * vec2<f32>(part.begin, part.end);
+            within = span_in_pixel(view, eye_ray, pixel, within);
+            depths = eye_ray.origin.z + eye_ray.direction.z * vec2<f32>(within.begin, within.end);
         }
-        if (part.begin <= part.end) {
-            look(vec2<u32>(pixel), part, depths.x, depths.y);
+        if (within.begin <= within.end) {
+            look(vec2<u32>(pixel), within, depths.x, depths.y);
         }
         low = high;
         low_depth = high_depth;
@@ -123,7 +136,7 @@ fn walk_pixels(view: View, whole: Span, starts: bool) {
     let origin = eye_ray.origin;
     let direction = eye_ray.direction;
     var span = whole;
-    if (starts) {
+    if (starts && search.start_bias > 0.0) {
         let line = image_line(view, eye_ray, whole);
         let first = first_place(line, starts);
         if (first >= 1.0) {

@@ -82,8 +82,9 @@ fn settle(tie: Tie, next: u32) -> Tie {
     return Tie(tie.first, select(tie.least, next, has_less(next, tie.least)));
 }
 
+// Of planes searches tell equal hits apart themselves: their data goes with the plane.
 fn finish(tie: Tie) {
-    if (tie.least != tie.first) {
+    if (tie.least != tie.first && shape.plane_word == 0u) {
         swap_payloads(tie.first, tie.least);
     }
 }

@@ -4,8 +4,98 @@
 // depths.
 
 #import tracebench::depth_bounds::bucket_share
-#import tracebench::fragment_store::{shape, search, views, number, found, found_depth, open, work, load_id, test_depth, take, word_of, bounds_of, misses}
+#import tracebench::fragment_store::{shape, search, views, number, found, found_depth, open, work, load_id, test_depth, word_of, bounds_of, misses}
+#ifdef PLANES
+#import tracebench::fragment_store::depth_slack
+#import tracebench::fragment_planes::meet
+#else
+#import tracebench::fragment_store::take
+#endif
 
+#ifdef PLANES
+// Whether a fragment of this least depth, and all behind it in its list, lie beyond what the ray may still meet.
+fn is_beyond(depth: f32, most: f32, forwards: bool) -> bool {
+    return depth > most || (forwards && found && depth > found_depth + depth_slack(found_depth));
+}
+
+#ifdef CONTIGUOUS
+// A pixel's piece of the s-buffer, in the order in which planes begin.
+fn search_fragments(pixel: u32, least: f32, most: f32, forwards: bool) {
+#ifdef COUNTERS
+    work[5] += 1u;
+#endif
+    if (search.skip_bounds == 1u && shape.bounds_word > 0u && misses(bounds_of(pixel), least, most)) {
+        return;
+    }
+    var node = word_of(pixel, 0u);
+    let end = min(node + word_of(pixel, 1u), views[number].node_capacity);
+    let leaves = search.skip_lists == 1u;
+    open += 1u;
+    loop {
+        if (node >= end) {
+            open -= 1u;
+            break;
+        }
+        let depth = test_depth(node);
+        if (leaves && is_beyond(depth, most, forwards)) {
+            open -= 1u;
+            break;
+        }
+        meet(node, depth);
+        node += 1u;
+    }
+}
+#else
+// A list from its head, in the order in which planes begin.
+fn search_list(pixel: u32, bucket: u32, most: f32, forwards: bool) {
+#ifdef COUNTERS
+    work[5] += 1u;
+#endif
+    var link = word_of(pixel, bucket);
+    let leaves = search.skip_lists == 1u;
+    open += 1u;
+    loop {
+        if (link == 0u) {
+            open -= 1u;
+            break;
+        }
+        let node = link - 1u;
+        let depth = test_depth(node);
+        if (leaves && is_beyond(depth, most, forwards)) {
+            open -= 1u;
+            break;
+        }
+        meet(node, depth);
+        link = load_id(node * shape.node_words + 1u);
+    }
+}
+
+// The buckets of a pixel up to the last that the ray's depths overlap: a plane is in the one in which it begins, and may reach into others.
+fn search_fragments(pixel: u32, least: f32, most: f32, forwards: bool) {
+    var last = shape.buckets - 1u;
+    if (shape.bounds_word > 0u && (search.skip_bounds == 1u || (search.skip_buckets == 1u && last > 0u))) {
+        let bounds = bounds_of(pixel);
+        if (search.skip_bounds == 1u && misses(bounds, least, most)) {
+            return;
+        }
+        if (search.skip_buckets == 1u) {
+            // A little more than what is asked for: fragments were put into buckets by another shader.
+            last = min(u32(max(bucket_share(most, bounds) * f32(shape.buckets) + 1e-3, 0.0)), last);
+        }
+    }
+    var opened = 0u;
+    open += 1u;
+    loop {
+        if (opened > last) {
+            open -= 1u;
+            break;
+        }
+        search_list(pixel, opened, most, forwards);
+        opened += 1u;
+    }
+}
+#endif
+#else
 #ifdef CONTIGUOUS
 // The first node of a piece with at least this depth, its end if there is none.
 fn first_not_before(begin: u32, end: u32, depth: f32) -> u32 {
@@ -172,4 +262,5 @@ fn search_fragments(pixel: u32, least: f32, most: f32, forwards: bool) {
         }
     }
 }
+#endif
 #endif

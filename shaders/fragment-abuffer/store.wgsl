@@ -4,8 +4,14 @@
 
 #import tracebench::types::Ray
 #import tracebench::image_walk::EyeRay
+#ifdef PLANES
+#import tracebench::image_walk::Span
+#endif
 #import tracebench::depth_bounds::depths_of
 #import tracebench::reads::{word_0, word_1}
+#ifdef SURFACES
+#import tracebench::reads::word_3
+#endif
 #import tracebench::fragment_layout::{Storage, TracedView, BOUNDS_SLACK}
 
 struct MarchSettings {
@@ -64,6 +70,14 @@ struct MarchSettings {
 @group(2) @binding(9) var<storage, read> ids_4: array<u32>;
 @group(2) @binding(10) var<storage, read> ids_5: array<u32>;
 @group(2) @binding(11) var<storage, read> ids_6: array<u32>;
+#ifdef SURFACES
+@group(2) @binding(12) var<storage, read> payloads_1: array<u32>;
+@group(2) @binding(13) var<storage, read> payloads_2: array<u32>;
+@group(2) @binding(14) var<storage, read> payloads_3: array<u32>;
+@group(2) @binding(15) var<storage, read> payloads_4: array<u32>;
+@group(2) @binding(16) var<storage, read> payloads_5: array<u32>;
+@group(2) @binding(17) var<storage, read> payloads_6: array<u32>;
+#endif
 #endif
 
 // The state of this lane's ray.
@@ -74,6 +88,10 @@ var<private> found: bool;
 var<private> found_node: u32;
 var<private> found_depth: f32;
 var<private> found_t: f32;
+#ifdef PLANES
+// The part of the ray that lies in the pixel that is looked at.
+var<private> part: Span;
+#endif
 var<private> capped: bool;
 var<private> steps: u32;
 // Loops that were begun and not ended by themselves. Mesa's software driver ends the loops of eight lanes together after
@@ -153,6 +171,53 @@ fn load_id(index: u32) -> u32 {
 #endif
 }
 
+#ifdef SURFACES
+fn load_payload(index: u32) -> u32 {
+#ifdef SPLIT
+    switch (number) {
+        case 0u: {
+            return word_3(index);
+        }
+        case 1u: {
+            return payloads_1[index];
+        }
+        case 2u: {
+            return payloads_2[index];
+        }
+        case 3u: {
+            return payloads_3[index];
+        }
+        case 4u: {
+            return payloads_4[index];
+        }
+        case 5u: {
+            return payloads_5[index];
+        }
+        default: {
+            return payloads_6[index];
+        }
+    }
+#else
+#ifdef TEXTURES
+    return word_3(views[number].begins.z + index);
+#else
+    return word_3(index);
+#endif
+#endif
+}
+
+// Where what shading needs of a fragment is, among the data.
+fn data_of(node: u32) -> u32 {
+#ifdef CONTIGUOUS
+    // In the s-buffer nodes are put into their order and data stays.
+    if (shape.data_offset == 0u) {
+        return load_id(node * shape.node_words + 1u);
+    }
+#endif
+    return node;
+}
+#endif
+
 // The depth of a fragment that is tested.
 fn test_depth(node: u32) -> f32 {
 #ifdef COUNTERS
@@ -163,11 +228,13 @@ fn test_depth(node: u32) -> f32 {
     return bitcast<f32>(load_id(node * shape.node_words));
 }
 
+#ifndef PLANES
 fn take(node: u32, depth: f32) {
     found = true;
     found_node = node;
     found_depth = depth;
 }
+#endif
 
 fn word_of(pixel: u32, word: u32) -> u32 {
     return load_pixel(word * views[number].pixel_count + pixel);
@@ -176,6 +243,13 @@ fn word_of(pixel: u32, word: u32) -> u32 {
 fn bounds_of(pixel: u32) -> vec2<f32> {
     return depths_of(vec2<u32>(word_of(pixel, shape.bounds_word), word_of(pixel, shape.bounds_word + 1u)));
 }
+
+#ifdef PLANES
+// By how much a depth on the ray may be off: of sums, by f32's precision at the terms.
+fn depth_slack(depth: f32) -> f32 {
+    return BOUNDS_SLACK * max(abs(eye_ray.origin.z), depth);
+}
+#endif
 
 // Whether a ray with these depths passes outside of depth bounds (step a).
 fn misses(bounds: vec2<f32>, least: f32, most: f32) -> bool {

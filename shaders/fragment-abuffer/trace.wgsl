@@ -3,10 +3,9 @@
 
 #import tracebench::types::{Ray, Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, SURFACE_NO_HIT, SURFACE_WRITTEN}
 #import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
-#import tracebench::reads::word_3
 #import tracebench::image_walk::{Span, eye_ray_of, span_in_view}
 #import tracebench::view_walk::{SEAM_SLACK, FAR_SIDE, Crossed, crossed_first, nothing_crossed, side_left}
-#import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, found, found_node, found_t, capped, steps, open, work, counted, load_id}
+#import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, found, found_node, found_t, capped, steps, open, work, counted, data_of, load_payload}
 #import tracebench::fragment_march::{BY_STEPS, march_steps, walk_pixels}
 
 @group(0) @binding(3) var<storage, read> rays: array<Ray>;
@@ -14,56 +13,8 @@
 #ifdef SURFACES
 @group(0) @binding(5) var<storage, read_write> surfaces: array<Surface>;
 #endif
-#ifdef SPLIT
-#ifdef SURFACES
-// Of the further views.
-@group(2) @binding(12) var<storage, read> payloads_1: array<u32>;
-@group(2) @binding(13) var<storage, read> payloads_2: array<u32>;
-@group(2) @binding(14) var<storage, read> payloads_3: array<u32>;
-@group(2) @binding(15) var<storage, read> payloads_4: array<u32>;
-@group(2) @binding(16) var<storage, read> payloads_5: array<u32>;
-@group(2) @binding(17) var<storage, read> payloads_6: array<u32>;
-#endif
-#endif
-
 // Of every ray: pixels looked at, pixels with fragments tested, fragments tested, views entered, views asked for, lists searched.
 const COUNTS: u32 = 6u;
-
-#ifdef SURFACES
-fn load_payload(index: u32) -> u32 {
-#ifdef SPLIT
-    switch (number) {
-        case 0u: {
-            return word_3(index);
-        }
-        case 1u: {
-            return payloads_1[index];
-        }
-        case 2u: {
-            return payloads_2[index];
-        }
-        case 3u: {
-            return payloads_3[index];
-        }
-        case 4u: {
-            return payloads_4[index];
-        }
-        case 5u: {
-            return payloads_5[index];
-        }
-        default: {
-            return payloads_6[index];
-        }
-    }
-#else
-#ifdef TEXTURES
-    return word_3(views[number].begins.z + index);
-#else
-    return word_3(index);
-#endif
-#endif
-}
-#endif
 
 fn span_in(candidate: u32, whole: Span) -> Span {
     let view = views[candidate].view;
@@ -177,15 +128,7 @@ fn answer(index: u32) {
     }
 #ifdef SURFACES
     if (found) {
-#ifdef CONTIGUOUS
-        var data = found_node;
-        // In the s-buffer nodes are put into their order and data stays.
-        if (shape.data_offset == 0u) {
-            data = load_id(found_node * shape.node_words + 1u);
-        }
-#else
-        let data = found_node;
-#endif
+        let data = data_of(found_node);
         let at = data * shape.data_words + shape.data_offset;
         let normal = vec3<u32>(load_payload(at), load_payload(at + 1u), load_payload(at + 2u));
         let position = ray.origin + ray.direction * found_t;

@@ -1,10 +1,16 @@
-//! The room of `fragment-abuffer`: fragments at pixels' centres, every layer, seven views, no thickness.
+//! The room of `fragment-abuffer`: fragments at pixels' centres, every layer, seven views, no thickness; improved, fragments that are planes,
+//! in every pixel that a triangle touches.
+
+use tracebench_api::Preset;
 
 use super::expectation::{fails, of_huge_triangles, of_plates_along_rows};
-use super::{Column, Expectation, Family, Matters, Registration, Rule, Shrink, Touch};
+use super::{Ablation, Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Switched, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
+    improved: Some(Improved { otherwise: None, expectations: IMPROVED_EXPECTATIONS }),
+    ablation: Some(&ABLATION),
+    ladder: LADDER,
     tune: Some("thickness"),
     aside: &["decoupled", "thickness_in", "binary_search_above"],
     shrinks: &[
@@ -193,4 +199,77 @@ const EXPECTATIONS: Column = &[
             "VVP16, section 3.4 and Figure 10, on the number of steps",
         ),
     ),
+];
+
+/// What is expected of planes in every pixel that a triangle touches.
+const IMPROVED_EXPECTATIONS: Column = &[];
+
+type Values = &'static [(&'static str, &'static str)];
+
+const PLANES: Values = &[("fragments", "planes")];
+const TOUCHED: Values = &[("coverage", "conservative")];
+const TOUCHED_PLANES: Values = &[("fragments", "planes"), ("coverage", "conservative")];
+
+/// Each of the two switches that change what is stored alone, and both; then the improved form, and its switches taken back one by one.
+const ABLATION: Ablation = Ablation {
+    name: "fragment-abuffer-ablation",
+    summary: "the switches between the fragment A-buffer as published and its improved form: builds, traces, bytes, fragments, accuracy, \
+              counters",
+    rays: "primary,specular,diffuse",
+    rows: &[
+        published(&[]),
+        published(&[("march", "hi-z")]),
+        published(&[("march", "hi-z"), ("start_bias", "0")]),
+        published(PLANES),
+        published(TOUCHED),
+        published(TOUCHED_PLANES),
+        improved(&[("fragments", "points"), ("coverage", "sample")]),
+        improved(&[("fragments", "points")]),
+        improved(&[("coverage", "sample")]),
+        improved(&[]),
+        improved(&[("storage", "ll")]),
+        improved(&[("storage", "dllb")]),
+        improved(&[("decoupled", "on")]),
+        improved(&[("march", "pixels")]),
+        improved(&[("march", "steps")]),
+        improved(&[("skip_bounds", "off")]),
+        improved(&[("skip_lists", "off")]),
+        improved(&[("start_bias", "1")]),
+        improved(&[("build", "raster")]),
+    ],
+};
+
+const fn published(values: Values) -> Switched {
+    Switched { preset: Preset::Published, values }
+}
+
+const fn improved(values: Values) -> Switched {
+    Switched { preset: Preset::Improved, values }
+}
+
+const LADDER: &[Remedy] = &[
+    Remedy {
+        cause: "pixels_left_out",
+        parameter: "march",
+        value: "hi-z",
+        source: "VVP16, section 3.4 and Figure 10: a fixed number of steps leaves pixels out, each step looks at one",
+    },
+    Remedy {
+        cause: "first_pixel_left_out",
+        parameter: "start_bias",
+        value: "0",
+        source: "McGuire and Mara 2014, listing 1, whose walk begins a part of a stride off; VVP16 does not say",
+    },
+    Remedy {
+        cause: "passed_between_fragments",
+        parameter: "fragments",
+        value: "planes",
+        source: "VVP16, section 4.2, limitations: rays pass between fragments of sparsely sampled triangles",
+    },
+    Remedy {
+        cause: "coverage_by_sample",
+        parameter: "coverage",
+        value: "conservative",
+        source: "VVP16, section 4.2, limitations: what is stored is bounded by resolution and pixel samples",
+    },
 ];

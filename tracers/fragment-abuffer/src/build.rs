@@ -6,7 +6,7 @@ use std::sync::Arc;
 use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, CommandEncoder, ComputePipeline};
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError, View};
 use tracebench_kit::{
-    Canvas, ComputeRaster, DrawnBy, EmptyTarget, PipelinesOnDemand, PrefixSum, RasterImage, RasterWork, TrianglePass,
+    Canvas, ComputeRaster, DrawnBy, EmptyTarget, PipelinesOnDemand, PrefixSum, RasterWork, TrianglePass,
     TrianglePipelines, ViewUniform, bind_group, bind_group_at, compute_pipeline, dispatch_linear, every_variant,
     storage_buffer, uniform_buffer,
 };
@@ -41,7 +41,7 @@ impl Pipelines {
     pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         let (boxes, fill) = (TrianglePipelines::new(), TrianglePipelines::new());
         boxes.raster(&gpu, Boxes::Plain { bound: false })?;
-        for variant in Fill::ALL.iter().filter(|variant| !is_computed(**variant)) {
+        for variant in Fill::ALL.iter().filter(|variant| is_published(**variant)) {
             fill.raster(&gpu, *variant)?;
         }
         Ok(Self {
@@ -59,12 +59,13 @@ impl Pipelines {
     }
 }
 
-/// Whether a variant draws without the rasterizer.
-fn is_computed(variant: Fill) -> bool {
+/// Whether the published form draws by a variant, so that it is made at once.
+fn is_published(variant: Fill) -> bool {
     match variant {
-        Fill::Bounds { compute } | Fill::Count { compute } | Fill::Tally { compute } | Fill::Store { compute, .. } => {
-            compute
-        }
+        Fill::Bounds { clipped, compute }
+        | Fill::Count { clipped, compute }
+        | Fill::Tally { clipped, compute }
+        | Fill::Store { clipped, compute, .. } => !clipped && !compute,
     }
 }
 
@@ -122,7 +123,7 @@ impl Pipelines {
             let resources = resources.map(Buffer::as_entire_binding);
             prepared.boxes = Some((bind_group(gpu, &self.boxes_bound.get_bind_group_layout(0), &resources), triangles));
         }
-        let compute = layout.drawn_by == DrawnBy::Compute;
+        let (clipped, compute) = (layout.is_clipped(), layout.drawn_by == DrawnBy::Compute);
         for part in &parts.parts {
             let storage = layout.storage(part.pixel_count, part.capacity);
             let storage = uniform_buffer(gpu, "storage", &storage)?;
@@ -140,7 +141,7 @@ impl Pipelines {
                 let canvas = |vertices: u32| Canvas::of(work.get(view), parts.target(view), vertices);
                 let draw = |fill: Fill, more: &[(u32, &Buffer)]| {
                     let buffers = [&uniforms[..], &scene[..], more].concat();
-                    self.fill.pass(gpu, fill, &bound(&buffers), canvas(triangles * 3)?)
+                    self.fill.pass(gpu, fill, &bound(&buffers), canvas(layout.vertices(triangles))?)
                 };
                 if layout.has_bounds() {
                     prepared.bounds.push(match objects {
@@ -148,16 +149,17 @@ impl Pipelines {
                             let buffers = [&uniforms[..], &[(2, &objects.boxes), (3, &part.pixels)]].concat();
                             self.by_boxes(&bound(&buffers), canvas(objects.count * 6)?, objects, shape)?
                         }
-                        None => Bounding::Drawn(draw(Fill::Bounds { compute }, &[])?),
+                        None => Bounding::Drawn(draw(Fill::Bounds { clipped, compute }, &[])?),
                     });
                 }
                 let taken = (5, &part.taken);
                 if layout.kind.is_contiguous() {
-                    prepared.count.push(draw(Fill::Count { compute }, &[taken])?);
+                    prepared.count.push(draw(Fill::Count { clipped, compute }, &[taken])?);
                 }
                 let mut stored = vec![taken, (6, &part.ids), (8, &geometry.materials)];
                 stored.extend(part.payloads.as_ref().map(|payloads| (7, payloads)));
-                prepared.store.push(draw(Fill::Store { decoupled: layout.decoupled, compute }, &stored)?);
+                let store = Fill::Store { decoupled: layout.decoupled, clipped, compute };
+                prepared.store.push(draw(store, &stored)?);
             }
             prepared.reorder.push(self.bind_reorder(layout, part, &storage));
             self.prepare_mipmaps(layout, parts, part, &storage, &mut prepared)?;
@@ -186,20 +188,22 @@ impl Pipelines {
     /// could be bound for.
     pub(crate) fn tally(&self, layout: &Layout, geometry: &Geometry) -> Result<Vec<u32>, TracerError> {
         let gpu = &*self.gpu;
-        let compute = layout.drawn_by == DrawnBy::Compute;
+        let (clipped, compute) = (layout.is_clipped(), layout.drawn_by == DrawnBy::Compute);
         let (device, triangles) = (geometry.on_device()?, geometry.triangles.len() as u32);
         let taken = storage_buffer(gpu, "fragments of a view", 4, "nothing")?;
+        let storage = uniform_buffer(gpu, "storage", &layout.storage(0, 0))?;
         let mut counts = Vec::with_capacity(layout.views.len());
         for (view, shape) in layout.views.iter().enumerate() {
             let drawn =
                 DrawnView { view: ViewUniform::from(shape), first_pixel: 0, width: shape.size[0], padding: [0; 2] };
             let drawn = uniform_buffer(gpu, "drawn view", &drawn)?;
-            let image = [RasterImage::of_view(shape)];
+            let image = [layout.image_of(shape)];
             let work = self.raster.prepare_all(gpu, layout.drawn_by, image, device, triangles)?;
             let target = (!compute).then(|| EmptyTarget::new(gpu, "attachment of a count", shape.size)).transpose()?;
-            let canvas = Canvas::of(work.first(), target.as_ref(), triangles * 3)?;
-            let buffers = [(1, &drawn), (2, &device.positions), (3, &device.indices), (5, &taken)];
-            let pass = self.fill.pass(gpu, Fill::Tally { compute }, &bound(&buffers), canvas)?;
+            let canvas = Canvas::of(work.first(), target.as_ref(), layout.vertices(triangles))?;
+            let mut buffers = vec![(1, &drawn), (2, &device.positions), (3, &device.indices), (5, &taken)];
+            buffers.extend(clipped.then_some((0, &storage)));
+            let pass = self.fill.pass(gpu, Fill::Tally { clipped, compute }, &bound(&buffers), canvas)?;
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             encoder.clear_buffer(&taken, 0, None);
             work.iter().for_each(|work| work.record(&mut encoder));
@@ -259,7 +263,7 @@ impl Pipelines {
     ) -> Result<(), TracerError> {
         let triangles = geometry.triangles.len() as u32;
         let device = geometry.on_device()?;
-        let images = layout.views.iter().map(RasterImage::of_view);
+        let images = layout.views.iter().map(|view| layout.image_of(view));
         let work = self.raster.prepare_all(&self.gpu, layout.drawn_by, images, device, triangles)?;
         let prepared = self.prepare(layout, parts, device, objects, &work, triangles)?;
         RasterWork::record_all(&work, clock)?;

@@ -28,6 +28,16 @@ choice! {
 }
 
 choice! {
+    /// What is kept of a triangle in a pixel.
+    pub(crate) enum Fragments { Points = "points", Planes = "planes" }
+}
+
+choice! {
+    /// Which pixels a triangle has fragments in.
+    pub(crate) enum Coverage { Sample = "sample", Conservative = "conservative" }
+}
+
+choice! {
     /// Which views there are.
     pub(crate) enum Views { Seven = "seven", Six = "six", Frame = "frame" }
 }
@@ -65,12 +75,27 @@ choice! {
 parameters! {
     /// What `fragment-abuffer` is told.
     pub(crate) struct FragmentParameters {
+        fragments: Fragments = Parameter::choice(
+            Build,
+            Fragments::Points,
+            "what a pixel keeps of a triangle: the depth at the pixel's centre, which a ray meets where its depths span it (section 3.4), or \
+             the triangle's plane with the depths between which the triangle lies in the pixel, which a ray meets where it meets the \
+             plane",
+        )
+        .improved(Fragments::Planes),
+        coverage: Coverage = Parameter::choice(
+            Build,
+            Coverage::Sample,
+            "which pixels a triangle has fragments in: those whose centres it covers, or all that it touches",
+        )
+        .improved(Coverage::Conservative),
         storage: Kind = Parameter::choice(
             Build,
             Kind::Dllb,
             "how a pixel keeps its fragments (section 4.3): s-buffer, a contiguous piece by count and prefix sum; ll and dll, a \
              list linked one way or both; llb and dllb, such lists in depth buckets",
-        ),
+        )
+        .improved(Kind::SBuffer),
         buckets: u32 = Parameter::integer(
             Build,
             1..=64,
@@ -81,8 +106,10 @@ parameters! {
         decoupled: Switch = Parameter::choice(
             Build,
             Switch::On,
-            "whether what shading needs lies in a buffer of its own (section 3.3), or in the nodes that searches read",
-        ),
+            "whether what shading needs lies in a buffer of its own (section 3.3), or in the nodes that searches read, where planes share \
+             its normal",
+        )
+        .improved(Switch::Off),
         views: Views = Parameter::choice(
             Build,
             Views::Seven,
@@ -110,7 +137,8 @@ parameters! {
             March::Steps,
             "how a ray goes over the pixels of a view: in a fixed number of steps, over each that it crosses, or up and down a \
              pyramid of depth bounds, which is built for it (section 3.4)",
-        ),
+        )
+        .improved(March::HiZ),
         view_steps: u32 = Parameter::integer(
             Trace,
             1..=65_536,
@@ -134,7 +162,7 @@ parameters! {
             Trace,
             Switch::On,
             "whether pixels are skipped whose depth bounds the ray misses (section 3.4, step a; of s-buffer, ll and dll the depths at \
-             their ends, of ll the near one alone); the hits are the same",
+             their ends, of ll the near one alone, none of planes); the hits are the same",
         ),
         skip_buckets: Switch = Parameter::choice(
             Trace,
@@ -153,7 +181,7 @@ parameters! {
             -1e4..=1e4,
             0.0,
             "how far behind its depth a fragment still counts, so that it is a voxel which begins at the surface, or, below 0, how far \
-             before it, so that a ray finds what lies ahead of it: 0 as section 3.4 has it, which lets rays through between fragments; \
+             before it, so that a ray finds what lies ahead of it (of points; planes have none): 0 as section 3.4 has it, which lets rays through between fragments; \
              more on either side closes gaps and invents hits",
         )
         .unit("scene diagonals, or pixels")
@@ -170,13 +198,15 @@ parameters! {
             "pixels along the major axis skipped by rays that start in a view: small finds the surface that a ray starts on, \
              large misses what lies close to it",
         )
+        .improved(0.0)
         .unit("pixels")
         .sweep([0.0, 0.5, 1.0, 2.0, 4.0]),
         binary_search_above: u32 = Parameter::integer(
             Trace,
             0..=1 << 20,
             16,
-            "fragments of a pixel of the s-buffer beyond which they are searched by halving (section 4.3), up to which one by one",
+            "fragments of a pixel of the s-buffer beyond which they are searched by halving (section 4.3), up to which one by one; planes \
+             always are",
         )
         .unit("fragments")
         .sweep([0, 4, 16, 64, 1 << 20]),
@@ -189,7 +219,7 @@ parameters! {
         )
         .unit("pixels")
         .sweep([64, 256, 1024, 4096, 16_384]),
-        build: DrawnBy = build_parameter(),
+        build: DrawnBy = build_parameter().improved(DrawnBy::Compute),
         reads: Reads = reads_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),
     }

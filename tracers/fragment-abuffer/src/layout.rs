@@ -2,9 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::{SharedLayout, View, Viewpoint};
-use tracebench_kit::{DrawnBy, MOST_LEVELS, Pyramid, ViewUniform};
+use tracebench_kit::{DrawnBy, MOST_LEVELS, Pyramid, RasterImage, ViewUniform};
 
-use crate::description::{Bounds, Centre, FragmentParameters, Kind, Layers, March, Switch, Views};
+use crate::description::{Bounds, Centre, Coverage, FragmentParameters, Fragments, Kind, Layers, March, Switch, Views};
 use crate::trace::MarchSettings;
 
 /// Views at most: the camera's and six faces.
@@ -12,6 +12,10 @@ pub(crate) const MOST_VIEWS: usize = 7;
 
 /// Words of what shading needs of a fragment: normal and material.
 pub(crate) const PAYLOAD_WORDS: u32 = 4;
+
+/// Words of a plane before its normal: greatest depth, distance from the eye; and those of the normal, which data begins with.
+const PLANE_WORDS: u32 = 2;
+const NORMAL_WORDS: u32 = 3;
 
 /// `Storage` of shaders/fragment-abuffer/layout.wgsl.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
@@ -37,8 +41,10 @@ pub struct Storage {
     pub pixel_count: u32,
     /// 1: pieces of the nodes, 0: lists.
     pub contiguous: u32,
-    /// Nothing.
-    pub padding: [u32; 2],
+    /// Which word of a node the words of a plane begin at; 0 where fragments are points.
+    pub plane_word: u32,
+    /// 1: all that a triangle touches counts, 0: pixels whose centres it covers.
+    pub conservative: u32,
 }
 
 /// `DrawnView` of shaders/fragment-abuffer/layout.wgsl.
@@ -88,7 +94,7 @@ pub(crate) fn layouts() -> Vec<SharedLayout> {
     tracebench_api::layouts! {
         Storage {
             buckets, double, bounds_word, node_words, data_words, data_offset, node_capacity, one_layer, pixel_count,
-            contiguous, padding,
+            contiguous, plane_word, conservative,
         }
         DrawnView { view, first_pixel, width, padding }
         TracedView {
@@ -143,6 +149,10 @@ pub(crate) struct Layout {
     pub buckets: u32,
     /// Whether what shading needs lies in a buffer of its own.
     pub decoupled: bool,
+    /// Whether fragments are planes.
+    pub planes: bool,
+    /// Whether all pixels have a fragment of a triangle that it touches.
+    pub conservative: bool,
     /// Whether only the nearest fragment of a pixel is kept.
     pub one_layer: bool,
     /// Whether depth bounds are drawn by the bounding boxes of objects.
@@ -174,6 +184,8 @@ impl Layout {
             kind,
             buckets: if kind.is_bucketed() { parameters.buckets } else { 1 },
             decoupled: parameters.decoupled == Switch::On,
+            planes: parameters.fragments == Fragments::Planes,
+            conservative: parameters.coverage == Coverage::Conservative,
             one_layer,
             // Which fragment is the nearest the boxes do not tell.
             by_boxes: parameters.bounds == Bounds::Boxes && !one_layer,
@@ -218,6 +230,11 @@ impl Layout {
     /// Words of a node without what shading needs: m_f of VVP16's Table 2 in words. The s-buffer's is its depth alone where
     /// data lies beside it.
     fn search_words(&self) -> u32 {
+        self.link_words() + if self.planes { PLANE_WORDS } else { 0 }
+    }
+
+    /// Words of a node before those of a plane.
+    fn link_words(&self) -> u32 {
         match self.kind {
             Kind::SBuffer if !self.decoupled => 1,
             Kind::SBuffer | Kind::Ll | Kind::Llb => 2,
@@ -227,7 +244,12 @@ impl Layout {
 
     /// Words of a node.
     pub(crate) fn node_words(&self) -> u32 {
-        self.search_words() + if self.decoupled { 0 } else { PAYLOAD_WORDS }
+        let behind = match (self.decoupled, self.planes) {
+            (true, false) => 0,
+            (true, true) => NORMAL_WORDS,
+            (false, _) => PAYLOAD_WORDS,
+        };
+        self.search_words() + behind
     }
 
     /// Pixels of a view.
@@ -277,8 +299,24 @@ impl Layout {
             one_layer: u32::from(self.one_layer),
             pixel_count,
             contiguous: u32::from(self.kind.is_contiguous()),
-            padding: [0; 2],
+            plane_word: if self.planes { self.link_words() } else { 0 },
+            conservative: u32::from(self.conservative),
         }
+    }
+
+    /// Whether triangles are clipped to pixels.
+    pub(crate) fn is_clipped(&self) -> bool {
+        self.planes || self.conservative
+    }
+
+    /// A view as its triangles are dealt out.
+    pub(crate) fn image_of(&self, view: &View) -> RasterImage {
+        RasterImage::View { view: ViewUniform::from(view), size: view.size, touched: self.conservative }
+    }
+
+    /// Vertices of a pass over so many triangles: conservative coverage draws a rectangle of each.
+    pub(crate) fn vertices(&self, triangles: u32) -> u32 {
+        triangles.saturating_mul(if self.conservative { 6 } else { 3 })
     }
 
     /// The views as the trace takes them, unused ones zero; `placed` is where each lies.

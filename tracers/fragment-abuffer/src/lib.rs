@@ -6,11 +6,14 @@
 
 mod arrays;
 mod build;
+mod clipped;
 mod counting;
 mod description;
 mod layout;
 mod objects;
 mod parts;
+#[cfg(test)]
+mod planes_tests;
 mod structure;
 #[cfg(test)]
 mod tests;

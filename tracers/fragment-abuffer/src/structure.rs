@@ -78,7 +78,8 @@ impl FragmentAbuffer {
 
     /// Whether the device can bind a buffer of a kind for every view at once.
     fn binds_every_view(&self, layout: &Layout) -> bool {
-        let least = Trace::Split { contiguous: layout.kind.is_contiguous(), surfaces: false, counters: false };
+        let (contiguous, planes) = (layout.kind.is_contiguous(), layout.planes);
+        let least = Trace::Split { contiguous, planes, surfaces: false, counters: false };
         check_limits(&self.pipelines.gpu, least.into()).is_ok()
     }
 

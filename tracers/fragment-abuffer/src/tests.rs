@@ -62,7 +62,7 @@ pub(crate) fn answer(
 
 /// Random triangles of many sizes, huge ones, needles, some through and behind the eye, edge-on, without area, before near,
 /// along the planes between faces, and copies of equal depth.
-fn hostile() -> Vec<[[f32; 3]; 3]> {
+pub(crate) fn hostile() -> Vec<[[f32; 3]; 3]> {
     let mut numbers = Numbers::new(31);
     let eye = viewpoint().eye.as_dvec3();
     let mut triangles: Vec<[DVec3; 3]> = Vec::new();

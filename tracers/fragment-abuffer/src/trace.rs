@@ -101,12 +101,13 @@ impl FragmentStructure {
         let pipelines = &*self.pipelines;
         let gpu = &*pipelines.gpu;
         let (parts, count) = (&self.parts, job.rays.host.len());
-        let (contiguous, textures) = (self.layout.kind.is_contiguous(), self.arrays.reads() == Reads::Texture);
+        let (contiguous, planes) = (self.layout.kind.is_contiguous(), self.layout.planes);
+        let textures = self.arrays.reads() == Reads::Texture;
         let (surfaces, counters) = (job.end == EndPoint::Surface, counting.is_some());
         let split = parts.is_by_view() && !textures;
         let variant = match split {
-            true => Trace::Split { contiguous, surfaces, counters },
-            false => Trace::Plain { textures, contiguous, surfaces, counters },
+            true => Trace::Split { contiguous, planes, surfaces, counters },
+            false => Trace::Plain { textures, contiguous, planes, surfaces, counters },
         };
         let pipeline = pipelines.traces.of(gpu, variant)?;
         let search = self.search(job, &FragmentParameters::try_from(job.parameters)?, counting);

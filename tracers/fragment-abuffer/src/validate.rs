@@ -1,9 +1,10 @@
 //! The structure read back: its lists followed from both ends, and the fragments of pixels held against a rasterizer on the host.
 
-use tracebench_api::glam::Vec3;
-use tracebench_api::{Geometry, TracerError};
-use tracebench_kit::{Allowed, Fragment, allowed_fragments};
+use tracebench_api::glam::{DVec3, Vec3};
+use tracebench_api::{Geometry, TracerError, View};
+use tracebench_kit::{Allowed, AllowedFragments, Fragment, allowed_fragments};
 
+use crate::clipped::{self, AllowedParts, Part as ClippedPart};
 use crate::layout::{Layout, Storage};
 use crate::parts::Part;
 use crate::structure::{FragmentStructure, check_order};
@@ -58,9 +59,46 @@ impl ReadBack<'_> {
         std::array::from_fn(|word| self.data.get(at + word).copied().unwrap_or_default())
     }
 
-    fn fragment(&self, node: u32) -> Fragment {
+    /// A node's greatest depth; its depth where it is a point.
+    fn greatest(&self, node: u32) -> f32 {
+        match self.storage.plane_word {
+            0 => self.depth(node),
+            word => f32::from_bits(self.node_word(node, word)),
+        }
+    }
+
+    fn part(&self, node: u32) -> ClippedPart {
         let [x, y, z, material] = self.payload(node);
-        Fragment { depth: self.depth(node), normal: Vec3::from([x, y, z].map(f32::from_bits)), material }
+        let word = self.storage.plane_word;
+        ClippedPart {
+            depths: [self.depth(node), self.greatest(node)],
+            normal: Vec3::from([x, y, z].map(f32::from_bits)),
+            offset: (word > 0).then(|| f32::from_bits(self.node_word(node, word + 1))),
+            material,
+        }
+    }
+
+    /// A node as a fragment at the pixel's centre, along this line of eye depth 1 from the eye: of a plane, where the line meets it within
+    /// its depths.
+    fn fragment(&self, node: u32, line: DVec3) -> Fragment {
+        let ClippedPart { depths: [least, greatest], normal, offset, material } = self.part(node);
+        let depth = match offset.map(|offset| f64::from(offset) / normal.as_dvec3().dot(line)) {
+            // A plane along the line, or beside it.
+            Some(depth) if depth.is_nan() || depth <= 0.0 => greatest,
+            Some(depth) => (depth as f32).clamp(least, greatest),
+            None => least,
+        };
+        Fragment { depth, normal, material }
+    }
+
+    /// A plane's normal is the one that searches read.
+    fn check_plane(&self, node: u32) -> Result<(), TracerError> {
+        let (word, data) = (self.storage.plane_word, self.payload(node));
+        let differs = || (0..3).any(|axis| self.node_word(node, word + 2 + axis) != data[axis as usize]);
+        if word > 0 && (differs() || self.greatest(node) < self.depth(node)) {
+            return fail(format!("node {node} has another plane than its data, or ends before it begins"));
+        }
+        Ok(())
     }
 
     /// The nodes of a list by its next links, each met once; checks the previous links and the tail against them.
@@ -100,7 +138,12 @@ impl ReadBack<'_> {
         Ok((begin..begin + count).collect())
     }
 
-    /// The nodes of a pixel by depth; checks that they stand in that order, of equal depths the least payload first, in the buckets of their depths, within the bounds.
+    /// Whether a node may stand behind the first one of the same depth.
+    fn may_follow(&self, first: u32, node: u32) -> bool {
+        self.storage.plane_word > 0 || self.payload(node) >= self.payload(first)
+    }
+
+    /// The nodes of a pixel by depth; checks that they stand in that order, of points of equal depths the least payload first, in the buckets of their depths, within the bounds.
     fn nodes_of(&mut self, pixel: u32) -> Result<Vec<u32>, TracerError> {
         let mut nodes = Vec::new();
         if self.storage.contiguous == 1 {
@@ -120,13 +163,14 @@ impl ReadBack<'_> {
         for node in &nodes {
             let depth = self.depth(*node).to_bits();
             match first {
-                Some((leader, at)) if depth == at && self.payload(*node) >= self.payload(leader) => {}
+                Some((leader, at)) if depth == at && self.may_follow(leader, *node) => {}
                 Some((_, at)) if depth <= at => {
                     return fail(format!("node {node} of pixel {pixel} is out of the order of depths"));
                 }
                 _ => first = Some((*node, depth)),
             }
         }
+        nodes.iter().try_for_each(|node| self.check_plane(*node))?;
         if self.storage.bounds_word > 0 {
             self.check_bounds(pixel, &nodes)?;
         }
@@ -142,7 +186,8 @@ impl ReadBack<'_> {
         let Some([near, far]) = self.bounds(pixel) else {
             return fail(format!("pixel {pixel} has fragments and no depth bounds"));
         };
-        let (least, greatest) = (self.depth(*first), self.depth(*last));
+        let greatest = nodes.iter().map(|node| self.greatest(*node)).fold(self.depth(*last), f32::max);
+        let least = self.depth(*first);
         let encloses = near <= least * (1.0 + PASS_SLACK) && far >= greatest * (1.0 - PASS_SLACK);
         // Boxes are looser, and a single layer leaves out what is far.
         let tight =
@@ -227,8 +272,7 @@ impl FragmentStructure {
             let [width, height] = self.layout.views[view].size;
             let step = (1..).find(|step| self.layout.pixels_of(view) / (step * step) <= MOST_COMPARED).unwrap_or(1);
             let step = step as u32;
-            let border = self.layout.drawn_by.undecided_border(&self.pipelines.gpu)?;
-            let allowed = allowed_fragments(&self.layout.views[view], geometry, step, border);
+            let expected = Expected::new(self, &self.layout.views[view], geometry, step)?;
             for y in 0..height {
                 for x in 0..width {
                     let nodes = back.nodes_of(first_pixel + y * width + x)?;
@@ -237,10 +281,9 @@ impl FragmentStructure {
                     layers.fragments += nodes.len() as u64;
                     layers.most = layers.most.max(nodes.len());
                     if x % step == 0 && y % step == 0 {
-                        let stored: Vec<Fragment> = nodes.iter().map(|node| back.fragment(*node)).collect();
-                        let here = allowed.of([x, y]);
                         let context = |what| format!("view {view}, pixel {x}, {y}: {what}");
-                        compare(&stored, here, self.layout.one_layer)
+                        expected
+                            .check(back, &nodes, [x, y], self.layout.one_layer)
                             .map_err(|what| TracerError::Failed(context(what)))?;
                         layers.compared += 1;
                     }
@@ -248,6 +291,37 @@ impl FragmentStructure {
             }
         }
         Ok(())
+    }
+}
+
+/// What the pixels of a view are held against.
+enum Expected<'a> {
+    /// By samples, with the view.
+    Sampled(AllowedFragments, &'a View),
+    Clipped(AllowedParts),
+}
+
+impl<'a> Expected<'a> {
+    fn new(of: &FragmentStructure, view: &'a View, geometry: &Geometry, step: u32) -> Result<Self, TracerError> {
+        if of.layout.conservative {
+            return Ok(Self::Clipped(AllowedParts::new(view, geometry, step)));
+        }
+        let border = of.layout.drawn_by.undecided_border(&of.pipelines.gpu)?;
+        Ok(Self::Sampled(allowed_fragments(view, geometry, step, border), view))
+    }
+
+    fn check(&self, back: &ReadBack<'_>, nodes: &[u32], [x, y]: [u32; 2], one_layer: bool) -> Result<(), String> {
+        match self {
+            Self::Sampled(allowed, view) => {
+                let line = view.direction_through(f64::from(x) + 0.5, f64::from(y) + 0.5);
+                let stored: Vec<Fragment> = nodes.iter().map(|node| back.fragment(*node, line)).collect();
+                compare(&stored, allowed.of([x, y]), one_layer)
+            }
+            Self::Clipped(allowed) => {
+                let stored: Vec<ClippedPart> = nodes.iter().map(|node| back.part(*node)).collect();
+                clipped::compare(&stored, allowed.of([x, y]), one_layer)
+            }
+        }
     }
 }
 

@@ -113,7 +113,7 @@ fn the_judge_explains_what_ladders_of_sampled_methods_leave() {
     let context = Context::new(&device, &cache, &quiet, &journal);
     let sampled = |each: &&registry::Registration| each.otherwise.is_none() && !each.ladder.is_empty();
     let names: Vec<&str> = registry::TRACERS.iter().filter(sampled).map(registry::Registration::name).collect();
-    assert_eq!(names, ["voxel-abuffer", "voxel-octree", "quadtree"]);
+    assert_eq!(names, ["fragment-abuffer", "voxel-abuffer", "voxel-octree", "quadtree"]);
     for name in names {
         let request = TracerRequest::of(registry::find(name).unwrap(), Preset::Published);
         let ladder = request.registration.ladder;
