@@ -17,6 +17,12 @@
 #endif
 #import tracebench::depth_bounds::{near_code, far_code, depths_of, bucket_of}
 #import tracebench::fragment_layout::{Storage, DrawnView, word_index, BOUNDS_SLACK}
+#ifdef CLIPPED
+#ifdef STORE
+#import tracebench::tile_clip::{TileRectangle, include_edge}
+#import tracebench::fragment_layout::{OUTLINE_PARTS, WHOLE_OUTLINE, has_outline}
+#endif
+#endif
 #ifdef COMPUTE
 #import tracebench::dispatch::linear_workgroup
 #import tracebench::coverage::{outline_in_view, rows_of_outline, span_of_row}
@@ -127,17 +133,85 @@ fn store_payload(at: u32, normal: vec3<f32>, material: u32) {
 }
 
 #ifdef CLIPPED
-fn store_plane(node: u32, greatest: f32, facing: Facing) {
+// By how much parts of a pixel are grown on every side where an outline is asked whether it touches them, pixels: a hit's place is a sum
+// of coordinates that may be far larger than it.
+const OUTLINE_MARGIN: f32 = 0.015625;
+
+// What f32 loses of a product of two coordinates, relative to their sizes.
+const PRODUCT_LOSS: f32 = 4.76837158e-7;
+
+fn size_of_point(point: vec3<f32>) -> f32 {
+    return max(abs(point.x), max(abs(point.y), abs(point.z)));
+}
+
+// The parts of a pixel that a triangle touches, as bits, and by rounding some more: those that lie on the inner sides of its three edges, in
+// front of the eye or behind it, and within the rectangle about it.
+fn outline_in(pixel: vec2<u32>, facing: Facing) -> u32 {
+    let view = drawn.view;
+    let parts = vec2<f32>(OUTLINE_PARTS);
+    let frustum = tile_frustum(view, pixel, 0.0);
+    let part = (frustum.high - frustum.low) / parts;
+    let half = part * 0.5 + (frustum.high - frustum.low) * OUTLINE_MARGIN;
+    let sides = array<vec3<f32>, 3>(
+        cross(facing.b, facing.c - facing.b), cross(facing.c, facing.a - facing.c), cross(facing.a, facing.b - facing.a),
+    );
+    let losses = PRODUCT_LOSS * vec3<f32>(
+        size_of_point(facing.b) * size_of_point(facing.c - facing.b),
+        size_of_point(facing.c) * size_of_point(facing.a - facing.c),
+        size_of_point(facing.a) * size_of_point(facing.b - facing.a),
+    );
+    var before = WHOLE_OUTLINE;
+    var behind = WHOLE_OUTLINE;
+    for (var edge = 0u; edge < 3u; edge++) {
+        let side = sides[edge];
+        let room = dot(abs(side.xy), half) + losses[edge];
+        // At the middle of the upper left part.
+        let first = dot(side, vec3<f32>(frustum.low.x + 0.5 * part.x, frustum.high.y - 0.5 * part.y, 1.0));
+        let along = side.xy * part;
+        var bit = 1u;
+        for (var row = 0u; row < OUTLINE_PARTS.y; row++) {
+            for (var column = 0u; column < OUTLINE_PARTS.x; column++) {
+                let at = first + along.x * f32(column) - along.y * f32(row);
+                before &= select(WHOLE_OUTLINE, ~bit, (at < -room));
+                behind &= select(WHOLE_OUTLINE, ~bit, (at > room));
+                bit <<= 1u;
+            }
+        }
+    }
+    var rectangle = TileRectangle(vec2<f32>(1e30), vec2<f32>(-1e30));
+    rectangle = include_edge(rectangle, view, facing.a, facing.b);
+    rectangle = include_edge(rectangle, view, facing.b, facing.c);
+    rectangle = include_edge(rectangle, view, facing.c, facing.a);
+    let low = floor((rectangle.first - OUTLINE_MARGIN - vec2<f32>(pixel)) * parts);
+    let high = floor((rectangle.last + OUTLINE_MARGIN - vec2<f32>(pixel)) * parts);
+    var within = 0u;
+    var bit = 1u;
+    for (var row = 0u; row < OUTLINE_PARTS.y; row++) {
+        for (var column = 0u; column < OUTLINE_PARTS.x; column++) {
+            let at = vec2<f32>(vec2<u32>(column, row));
+            within |= select(0u, bit, all(at >= low) && all(at <= high));
+            bit <<= 1u;
+        }
+    }
+    let outline = (before | behind) & within;
+    // Of one that rounding leaves nothing of nothing is known.
+    return select(outline, WHOLE_OUTLINE, (outline == 0u));
+}
+
+fn store_plane(node: u32, place: vec2<u32>, greatest: f32, facing: Facing) {
     let at = node * shape.node_words + shape.plane_word;
     ids[at] = bitcast<u32>(greatest);
     ids[at + 1u] = bitcast<u32>(facing.offset);
+    if (has_outline(shape)) {
+        ids[at + 2u] = outline_in(place, facing);
+    }
     for (var axis = 0u; axis < 3u; axis++) {
-        ids[at + 2u + axis] = bitcast<u32>(facing.normal[axis]);
+        ids[node * shape.node_words + shape.normal_word + axis] = bitcast<u32>(facing.normal[axis]);
     }
 }
 #endif
 
-fn store_fragment(pixel: u32, depth: f32, greatest: f32, facing: Facing) {
+fn store_fragment(pixel: u32, place: vec2<u32>, depth: f32, greatest: f32, facing: Facing) {
     // Beyond the capacity nothing is stored and the count goes on: the host sees what is missing.
     if (shape.contiguous == 1u) {
         let begin = atomicLoad(&pixels[word_index(shape, pixel, 0u)]);
@@ -145,7 +219,7 @@ fn store_fragment(pixel: u32, depth: f32, greatest: f32, facing: Facing) {
         if (slot < shape.node_capacity) {
 #ifdef CLIPPED
             if (shape.plane_word > 0u) {
-                store_plane(slot, greatest, facing);
+                store_plane(slot, place, greatest, facing);
             }
 #endif
             ids[slot * shape.node_words] = bitcast<u32>(depth);
@@ -169,7 +243,7 @@ fn store_fragment(pixel: u32, depth: f32, greatest: f32, facing: Facing) {
         ids[node * shape.node_words + 1u] = link;
 #ifdef CLIPPED
         if (shape.plane_word > 0u) {
-            store_plane(node, greatest, facing);
+            store_plane(node, place, greatest, facing);
         }
 #endif
         store_payload(node * shape.data_words + shape.data_offset, facing.normal, facing.material);
@@ -219,7 +293,7 @@ fn put_fragment(centre: vec2<f32>, facing: Facing) {
     atomicAdd(&pixels[word_index(shape, pixel, 0u)], 1u);
 #endif
 #ifdef STORE
-    store_fragment(pixel, depth, greatest, facing);
+    store_fragment(pixel, at, depth, greatest, facing);
 #endif
 #endif
 }

@@ -11,7 +11,7 @@
 // where they are linked both ways, the previous one. A link is one more than a node's index, 0 the end.
 //
 // A fragment that is a plane has its least depth within the pixel for its depth, and words from `plane_word` on: the greatest depth, how far
-// the plane lies from the eye along its normal, and the normal. Where nodes have the data, the data begins with that very normal.
+// the plane lies from the eye along its normal, a mask of its outline where there is one, and the normal. Where nodes have the data, the data begins with that very normal.
 struct Storage {
     // 1 where there are none.
     buckets: u32,
@@ -35,7 +35,18 @@ struct Storage {
     plane_word: u32,
     // 1: what a triangle touches of a pixel is its fragment there, 0: what covers the pixel's centre alone has one.
     conservative: u32,
+    // Which word of a node a plane's normal begins at; the one before it is the mask of its outline, if there is one.
+    normal_word: u32,
 }
+
+// Parts of a pixel, across and down, that the mask of an outline has bits of, from the upper left one on, row by row.
+const OUTLINE_PARTS: vec2<u32> = vec2<u32>(6u, 5u);
+const WHOLE_OUTLINE: u32 = 0x3fffffffu;
+
+fn has_outline(shape: Storage) -> bool {
+    return shape.normal_word > shape.plane_word + 2u;
+}
+
 
 // Of a view that rays are traced through.
 struct TracedView {

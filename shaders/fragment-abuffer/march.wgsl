@@ -11,7 +11,7 @@
 #import tracebench::fragment_layout::pyramid_index
 #import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, found, found_depth, found_t, capped, steps, open, work, word_of, misses}
 #ifdef PLANES
-#import tracebench::fragment_store::{part, depth_slack}
+#import tracebench::fragment_store::{looked_at, part, depth_slack}
 #endif
 #import tracebench::fragment_search::search_fragments
 
@@ -39,6 +39,7 @@ fn look(pixel: vec2<u32>, within: Span, depth_begin: f32, depth_end: f32) {
     let depths = reached(view, depth_begin, depth_end);
     let forwards = eye_ray.direction.z >= 0.0;
 #ifdef PLANES
+    looked_at = pixel;
     part = within;
 #endif
 #ifdef COUNTERS

@@ -5,7 +5,9 @@
 // rounding moves a hit, and the parts of a ray in the pixels that it crosses join at the very same numbers, so that it slips through nowhere.
 
 #ifdef PLANES
-#import tracebench::fragment_store::{shape, views, ray, eye_ray, number, found, found_node, found_depth, found_t, part, load_id, depth_slack}
+#import tracebench::fragment_store::{shape, views, ray, eye_ray, number, found, found_node, found_depth, found_t, looked_at, part, load_id, depth_slack}
+#import tracebench::fragment_layout::{OUTLINE_PARTS, has_outline}
+#import tracebench::view::pixel_position
 #ifdef SURFACES
 #import tracebench::fragment_store::{data_of, load_payload}
 #endif
@@ -33,10 +35,18 @@ fn has_less(a: u32, b: u32) -> bool {
 }
 #endif
 
+// Whether a point, in eye space, lies in one of the parts of the pixel that a mask has bits of.
+fn is_inside(outline: u32, point: vec3<f32>) -> bool {
+    let place = (pixel_position(views[number].view, point) - vec2<f32>(looked_at)) * vec2<f32>(OUTLINE_PARTS);
+    let at = vec2<u32>(clamp(place, vec2<f32>(0.0), vec2<f32>(OUTLINE_PARTS - 1u)));
+    return ((outline >> (at.y * OUTLINE_PARTS.x + at.x)) & 1u) == 1u;
+}
+
 // Takes a fragment, whose least depth this is, if the ray meets it before what is found.
 fn meet(node: u32, least: f32) {
     let at = node * shape.node_words + shape.plane_word;
-    let normal = vec3<f32>(float_of(at + 2u), float_of(at + 3u), float_of(at + 4u));
+    let across = node * shape.node_words + shape.normal_word;
+    let normal = vec3<f32>(float_of(across), float_of(across + 1u), float_of(across + 2u));
     let slope = dot(normal, ray.direction);
     let t = (float_of(at + 1u) - dot(normal, ray.origin - views[number].view.eye)) / slope;
     let slack = END_SLACK * abs(t);
@@ -48,6 +58,9 @@ fn meet(node: u32, least: f32) {
     let depth = eye_ray.origin.z + eye_ray.direction.z * t;
     let off = depth_slack(depth);
     if (depth < least - off || depth > float_of(at) + off) {
+        return;
+    }
+    if (has_outline(shape) && !is_inside(load_id(at + 2u), eye_ray.origin + eye_ray.direction * t)) {
         return;
     }
     // What differs between equal hits are their surfaces alone.

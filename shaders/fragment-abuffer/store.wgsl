@@ -89,7 +89,8 @@ var<private> found_node: u32;
 var<private> found_depth: f32;
 var<private> found_t: f32;
 #ifdef PLANES
-// The part of the ray that lies in the pixel that is looked at.
+// The pixel that is looked at, and the part of the ray that lies in it.
+var<private> looked_at: vec2<u32>;
 var<private> part: Span;
 #endif
 var<private> capped: bool;

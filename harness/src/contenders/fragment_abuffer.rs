@@ -206,6 +206,7 @@ const IMPROVED_EXPECTATIONS: Column = &[];
 
 type Values = &'static [(&'static str, &'static str)];
 
+/// Planes that fill their pixels.
 const PLANES: Values = &[("fragments", "planes")];
 const TOUCHED: Values = &[("coverage", "conservative")];
 const TOUCHED_PLANES: Values = &[("fragments", "planes"), ("coverage", "conservative")];
@@ -223,9 +224,11 @@ const ABLATION: Ablation = Ablation {
         published(PLANES),
         published(TOUCHED),
         published(TOUCHED_PLANES),
+        published(&[("fragments", "planes"), ("coverage", "conservative"), ("outline", "masked")]),
         improved(&[("fragments", "points"), ("coverage", "sample")]),
         improved(&[("fragments", "points")]),
         improved(&[("coverage", "sample")]),
+        improved(&[("outline", "filled")]),
         improved(&[]),
         improved(&[("storage", "ll")]),
         improved(&[("storage", "dllb")]),
@@ -271,5 +274,11 @@ const LADDER: &[Remedy] = &[
         parameter: "coverage",
         value: "conservative",
         source: "VVP16, section 4.2, limitations: what is stored is bounded by resolution and pixel samples",
+    },
+    Remedy {
+        cause: "filled_pixels",
+        parameter: "outline",
+        value: "masked",
+        source: "VVP16, section 4.2, limitations: a fragment stands for all of its pixel",
     },
 ];

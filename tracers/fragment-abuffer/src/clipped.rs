@@ -4,9 +4,9 @@
 //! one and a half, with what f32 loses of coordinates on either side. A triangle with an edge through a view's eye is let off there: which
 //! pixels it touches is noise.
 
-use tracebench_api::glam::{DVec3, Vec3};
+use tracebench_api::glam::{DVec2, DVec3, Vec3};
 use tracebench_api::{Geometry, View};
-use tracebench_kit::{TileBounds, clipped_depths, eye_space, touched_tiles};
+use tracebench_kit::{TileBounds, clipped_depths, clipped_polygon, eye_space, touched_tiles};
 
 /// As `DEPTH_SLACK` in shaders/fragment-abuffer/fill.wgsl.
 const DEPTH_SLACK: f64 = 9.536_743_164_062_5e-7;
@@ -21,6 +21,13 @@ const NORMAL_LOSS: f64 = 2e-6;
 /// Sines of the angle between edges below which f32 may take a triangle to have no area.
 const NO_AREA: f64 = 1e-6;
 
+/// As `OUTLINE_PARTS` in shaders/fragment-abuffer/layout.wgsl, and all of their bits.
+const PARTS: [u32; 2] = [6, 5];
+const WHOLE: u32 = (1 << (PARTS[0] * PARTS[1])) - 1;
+
+/// Twice `OUTLINE_MARGIN` in shaders/fragment-abuffer/fill.wgsl, pixels.
+const OUTLINE_SLACK: f64 = 1.0 / 32.0;
+
 /// As `tile_margin` in shaders/shared/tile_clip.wgsl, in pixels.
 fn margin(size: [u32; 2]) -> f64 {
     9.765_625e-4 + f64::from(size[0].max(size[1])) * 4.768_371_58e-7
@@ -34,6 +41,8 @@ pub(crate) struct Part {
     pub normal: Vec3,
     /// How far the plane lies from the eye along the normal; none of a point.
     pub offset: Option<f32>,
+    /// Bits of the parts of the pixel that it touches; none of a fragment that fills its pixel.
+    pub outline: Option<u32>,
     pub material: u32,
 }
 
@@ -46,6 +55,8 @@ pub(crate) struct AllowedPart {
     pub outer: [f64; 2],
     /// Eye depths that it must reach to, where that can be told.
     pub inner: Option<[f64; 2]>,
+    /// Bits that an outline must have, and those that it may have.
+    outlines: [u32; 2],
     normal: DVec3,
     normal_slack: f64,
     /// From the eye.
@@ -65,7 +76,9 @@ impl AllowedPart {
         let on_plane = |corner: &DVec3| {
             part.offset.is_none_or(|offset| (normal.dot(*corner) - f64::from(offset)).abs() <= self.offset_slack)
         };
+        let [must, may] = self.outlines;
         is_part
+            && part.outline.is_none_or(|outline| outline & must == must && (outline & !may == 0 || outline == WHOLE))
             && depths[0] >= self.outer[0]
             && depths[1] <= self.outer[1]
             && (normal - self.normal).length() <= self.normal_slack
@@ -136,6 +149,33 @@ impl<'a> Seen<'a> {
         Some(([least - slack(least), greatest + slack(greatest)], inner))
     }
 
+    /// The parts of a pixel that an outline must have, and those that it may have: those within the rectangle about the triangle.
+    fn outlines_in(&self, pixel: [u32; 2], nearest: f64) -> [u32; 2] {
+        let (view, by) = (self.view, self.border_loss(nearest));
+        let size = DVec2::new(f64::from(view.size[0]), f64::from(view.size[1]));
+        // The rectangle is that of all of the triangle between near and far, however far beyond the image.
+        let image = TileBounds { low: DVec2::splat(-1e30), high: DVec2::splat(1e30) };
+        let scale = DVec2::new(0.5 * size.x / view.tan_half_width, -0.5 * size.y / view.tan_half_height);
+        let seen = clipped_polygon(view, image, self.corners);
+        let places = seen.iter().map(|point| 0.5 * size + DVec2::new(point.x, point.y) / point.z * scale);
+        let nothing = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        let (first, last) = places.fold(nothing, |(low, high), at| (low.min(at), high.max(at)));
+        let edges = DVec2::new(f64::from(PARTS[0]), f64::from(PARTS[1]));
+        let slack = OUTLINE_SLACK + by;
+        let mut outlines = [0; 2];
+        for bit in 0..PARTS[0] * PARTS[1] {
+            let part = DVec2::new(f64::from(bit % PARTS[0]), f64::from(bit / PARTS[0]));
+            let low = DVec2::new(f64::from(pixel[0]), f64::from(pixel[1])) + part / edges;
+            let high = low + 1.0 / edges;
+            let may = (low - slack).cmple(last).all() && (high + slack).cmpge(first).all();
+            let shrunk = TileBounds { low: low + by, high: high - by };
+            let must = may && by < 0.05 && clipped_depths(view, shrunk, self.corners).is_some();
+            outlines[0] |= u32::from(must) << bit;
+            outlines[1] |= u32::from(may) << bit;
+        }
+        outlines
+    }
+
     /// By how much, relative, a depth of the triangle's plane in a pixel may be off where corners are off by the loss: the thinner the
     /// triangle, the more its plane turns; the more slanted, the more that moves depths.
     fn turned_by(&self, pixel: [u32; 2]) -> f64 {
@@ -165,12 +205,12 @@ pub(crate) struct AllowedParts {
 }
 
 impl AllowedParts {
-    pub(crate) fn new(view: &View, scene: &Geometry, step: u32) -> Self {
+    pub(crate) fn new(view: &View, scene: &Geometry, step: u32, masked: bool) -> Self {
         let [width, height] = view.size.map(|edge| edge.div_ceil(step));
         let mut all = Self { step, width, pixels: vec![Vec::new(); (width * height) as usize] };
         for (triangle, material) in scene.triangles.iter().zip(scene.triangle_materials.iter()) {
             let corners = triangle.map(|vertex| Vec3::from(scene.positions[vertex as usize]).as_dvec3());
-            all.add(&Seen::new(view, corners), corners, *material);
+            all.add(&Seen::new(view, corners), corners, *material, masked);
         }
         all
     }
@@ -180,7 +220,7 @@ impl AllowedParts {
         &self.pixels[(y / self.step * self.width + x / self.step) as usize]
     }
 
-    fn add(&mut self, seen: &Seen<'_>, corners: [DVec3; 3], material: u32) {
+    fn add(&mut self, seen: &Seen<'_>, corners: [DVec3; 3], material: u32, masked: bool) {
         let view = seen.view;
         let across = across(corners);
         let longest =
@@ -192,6 +232,7 @@ impl AllowedParts {
             must: false,
             outer: [0.0, view.far * 1.01],
             inner: None,
+            outlines: [0, WHOLE],
             normal: across.normalize_or_zero(),
             normal_slack,
             corners: from_eye,
@@ -209,7 +250,9 @@ impl AllowedParts {
                     (true, _) => part,
                     (false, None) => continue,
                     (false, Some((outer, inner))) => {
-                        AllowedPart { must: inner.is_some() && across.length() > NO_AREA, outer, inner, ..part }
+                        let must = inner.is_some() && across.length() > NO_AREA;
+                        let outlines = if masked { seen.outlines_in([x, y], outer[0]) } else { part.outlines };
+                        AllowedPart { must, outer, inner, outlines, ..part }
                     }
                 };
                 self.pixels[(y / self.step * self.width + x / self.step) as usize].push(allowed);

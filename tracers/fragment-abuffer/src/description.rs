@@ -33,6 +33,11 @@ choice! {
 }
 
 choice! {
+    /// What a plane keeps of its triangle's outline.
+    pub(crate) enum Outline { Filled = "filled", Masked = "masked" }
+}
+
+choice! {
     /// Which pixels a triangle has fragments in.
     pub(crate) enum Coverage { Sample = "sample", Conservative = "conservative" }
 }
@@ -89,6 +94,13 @@ parameters! {
             "which pixels a triangle has fragments in: those whose centres it covers, or all that it touches",
         )
         .improved(Coverage::Conservative),
+        outline: Outline = Parameter::choice(
+            Build,
+            Outline::Filled,
+            "what a plane keeps of its triangle's outline in a pixel: nothing, so that it fills the pixel between its depths, or a bit for \
+             each of 30 parts of the pixel that the triangle touches",
+        )
+        .improved(Outline::Masked),
         storage: Kind = Parameter::choice(
             Build,
             Kind::Dllb,

@@ -4,7 +4,9 @@ use bytemuck::{Pod, Zeroable};
 use tracebench_api::{SharedLayout, View, Viewpoint};
 use tracebench_kit::{DrawnBy, MOST_LEVELS, Pyramid, RasterImage, ViewUniform};
 
-use crate::description::{Bounds, Centre, Coverage, FragmentParameters, Fragments, Kind, Layers, March, Switch, Views};
+use crate::description::{
+    Bounds, Centre, Coverage, FragmentParameters, Fragments, Kind, Layers, March, Outline, Switch, Views,
+};
 use crate::trace::MarchSettings;
 
 /// Views at most: the camera's and six faces.
@@ -13,7 +15,8 @@ pub(crate) const MOST_VIEWS: usize = 7;
 /// Words of what shading needs of a fragment: normal and material.
 pub(crate) const PAYLOAD_WORDS: u32 = 4;
 
-/// Words of a plane before its normal: greatest depth, distance from the eye; and those of the normal, which data begins with.
+/// Words of a plane before its normal, and before the mask of its outline: greatest depth, distance from the eye; and those of the normal,
+/// which data begins with.
 const PLANE_WORDS: u32 = 2;
 const NORMAL_WORDS: u32 = 3;
 
@@ -45,6 +48,8 @@ pub struct Storage {
     pub plane_word: u32,
     /// 1: all that a triangle touches counts, 0: pixels whose centres it covers.
     pub conservative: u32,
+    /// Which word of a node a plane's normal begins at, behind the mask of its outline, if there is one.
+    pub normal_word: u32,
 }
 
 /// `DrawnView` of shaders/fragment-abuffer/layout.wgsl.
@@ -94,7 +99,7 @@ pub(crate) fn layouts() -> Vec<SharedLayout> {
     tracebench_api::layouts! {
         Storage {
             buckets, double, bounds_word, node_words, data_words, data_offset, node_capacity, one_layer, pixel_count,
-            contiguous, plane_word, conservative,
+            contiguous, plane_word, conservative, normal_word,
         }
         DrawnView { view, first_pixel, width, padding }
         TracedView {
@@ -151,6 +156,8 @@ pub(crate) struct Layout {
     pub decoupled: bool,
     /// Whether fragments are planes.
     pub planes: bool,
+    /// Whether planes have masks of their outlines.
+    pub masked: bool,
     /// Whether all pixels have a fragment of a triangle that it touches.
     pub conservative: bool,
     /// Whether only the nearest fragment of a pixel is kept.
@@ -185,6 +192,7 @@ impl Layout {
             buckets: if kind.is_bucketed() { parameters.buckets } else { 1 },
             decoupled: parameters.decoupled == Switch::On,
             planes: parameters.fragments == Fragments::Planes,
+            masked: parameters.fragments == Fragments::Planes && parameters.outline == Outline::Masked,
             conservative: parameters.coverage == Coverage::Conservative,
             one_layer,
             // Which fragment is the nearest the boxes do not tell.
@@ -230,7 +238,7 @@ impl Layout {
     /// Words of a node without what shading needs: m_f of VVP16's Table 2 in words. The s-buffer's is its depth alone where
     /// data lies beside it.
     fn search_words(&self) -> u32 {
-        self.link_words() + if self.planes { PLANE_WORDS } else { 0 }
+        self.link_words() + if self.planes { PLANE_WORDS + u32::from(self.masked) } else { 0 }
     }
 
     /// Words of a node before those of a plane.
@@ -301,6 +309,7 @@ impl Layout {
             contiguous: u32::from(self.kind.is_contiguous()),
             plane_word: if self.planes { self.link_words() } else { 0 },
             conservative: u32::from(self.conservative),
+            normal_word: if self.planes { self.search_words() } else { 0 },
         }
     }
 

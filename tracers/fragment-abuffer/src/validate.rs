@@ -74,6 +74,7 @@ impl ReadBack<'_> {
             depths: [self.depth(node), self.greatest(node)],
             normal: Vec3::from([x, y, z].map(f32::from_bits)),
             offset: (word > 0).then(|| f32::from_bits(self.node_word(node, word + 1))),
+            outline: self.layout.masked.then(|| self.node_word(node, word + 2)),
             material,
         }
     }
@@ -81,7 +82,7 @@ impl ReadBack<'_> {
     /// A node as a fragment at the pixel's centre, along this line of eye depth 1 from the eye: of a plane, where the line meets it within
     /// its depths.
     fn fragment(&self, node: u32, line: DVec3) -> Fragment {
-        let ClippedPart { depths: [least, greatest], normal, offset, material } = self.part(node);
+        let ClippedPart { depths: [least, greatest], normal, offset, material, .. } = self.part(node);
         let depth = match offset.map(|offset| f64::from(offset) / normal.as_dvec3().dot(line)) {
             // A plane along the line, or beside it.
             Some(depth) if depth.is_nan() || depth <= 0.0 => greatest,
@@ -94,7 +95,8 @@ impl ReadBack<'_> {
     /// A plane's normal is the one that searches read.
     fn check_plane(&self, node: u32) -> Result<(), TracerError> {
         let (word, data) = (self.storage.plane_word, self.payload(node));
-        let differs = || (0..3).any(|axis| self.node_word(node, word + 2 + axis) != data[axis as usize]);
+        let differs =
+            || (0..3).any(|axis| self.node_word(node, self.storage.normal_word + axis) != data[axis as usize]);
         if word > 0 && (differs() || self.greatest(node) < self.depth(node)) {
             return fail(format!("node {node} has another plane than its data, or ends before it begins"));
         }
@@ -304,7 +306,7 @@ enum Expected<'a> {
 impl<'a> Expected<'a> {
     fn new(of: &FragmentStructure, view: &'a View, geometry: &Geometry, step: u32) -> Result<Self, TracerError> {
         if of.layout.conservative {
-            return Ok(Self::Clipped(AllowedParts::new(view, geometry, step)));
+            return Ok(Self::Clipped(AllowedParts::new(view, geometry, step, of.layout.masked)));
         }
         let border = of.layout.drawn_by.undecided_border(&of.pipelines.gpu)?;
         Ok(Self::Sampled(allowed_fragments(view, geometry, step, border), view))
