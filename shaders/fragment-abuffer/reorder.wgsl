@@ -98,9 +98,23 @@ fn swap(a: u32, b: u32) {
     }
 }
 
+// Whether a piece is in order as it is: of equal triangles the longest ones are, which to sort would take too many rounds.
+fn is_sorted(begin: u32, count: u32) -> bool {
+    var at = 1u;
+    open += 1u;
+    loop {
+        if (at >= count || !in_order(begin + at - 1u, begin + at)) {
+            open -= 1u;
+            break;
+        }
+        at += 1u;
+    }
+    return at >= count;
+}
+
 // Shell sort.
 fn sort_piece(begin: u32, count: u32) {
-    var gap = count / 2u;
+    var gap = select(count / 2u, 0u, is_sorted(begin, count));
     open += 1u;
     loop {
         if (gap == 0u) {
@@ -127,6 +141,9 @@ fn sort_piece(begin: u32, count: u32) {
             next += 1u;
         }
         gap = select(gap * 5u / 11u, 1u, (gap == 2u));
+    }
+    if (shape.plane_word > 0u) {
+        return;
     }
     var tie = Tie(begin, begin);
     var at = 1u;

@@ -6,7 +6,7 @@ use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{EndPoint, Hit, Ray, Surface};
 use tracebench_tests::{Numbers, gpu, gpu_that_binds, ray, soup};
 
-use super::structure::{FragmentAbuffer, FragmentStructure};
+use super::structure::{FragmentAbuffer, FragmentStructure, check_order};
 use super::tests::{SKIPS, STORAGES, answer, built, built_by, hostile, rays, rectangle, viewpoint};
 
 const PLANES: [(&str, &str); 2] = [("fragments", "planes"), ("coverage", "conservative")];
@@ -304,4 +304,11 @@ fn equal_triangles_give_one_surface() {
             assert!(surfaces.iter().all(|surface| surface.material == 7), "{settings:?}");
         }
     }
+    // As many as a driver lets be ordered, though not by comparing each with some others.
+    let crowd: Vec<[[f32; 3]; 3]> = (0..2000).map(|_| wall[0]).collect();
+    let geometry = soup(&crowd, Some(&gpu));
+    let structure = built(&gpu, &geometry, &with(&IMPROVED, &[("views", "frame")]));
+    let taken = structure.parts.taken(&gpu).unwrap();
+    assert!(taken[0].fragments > 100_000, "{taken:?}");
+    check_order(&taken).unwrap();
 }
