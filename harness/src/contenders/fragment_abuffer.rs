@@ -8,7 +8,7 @@ use super::{Ablation, Column, Expectation, Family, Improved, Matters, Registrati
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
-    improved: Some(Improved { otherwise: None, expectations: IMPROVED_EXPECTATIONS }),
+    improved: Some(Improved { otherwise: Some(BEYOND_EDGES), expectations: IMPROVED_EXPECTATIONS }),
     ablation: Some(&ABLATION),
     ladder: LADDER,
     tune: Some("thickness"),
@@ -201,8 +201,44 @@ const EXPECTATIONS: Column = &[
     ),
 ];
 
-/// What is expected of planes in every pixel that a triangle touches.
-const IMPROVED_EXPECTATIONS: Column = &[];
+/// A plane ends with its part of a pixel, not with its triangle.
+const BEYOND_EDGES: Expectation = few(
+    Rule::Footprint,
+    0.01,
+    "a ray meets the plane of a triangle wherever it fills its pixel: at edges, where the triangle ends within a thirtieth of the pixel, the \
+     hit may be the plane's alone",
+);
+
+const AT_RIMS: &str =
+    "rims are as many as surfaces, and at each a plane reaches beyond its triangle by a part of a pixel";
+const COARSE: &str =
+    "a part of a pixel is the smallest thing that there is: what the plane fills of it is wider than the triangle";
+
+/// Hundreds of triangles in a pixel.
+const CROWDS: Expectation = few(Rule::HitMiss, 0.4, COARSE);
+
+/// What is expected of planes in every pixel that a triangle touches, where it is not what their ends let through.
+const IMPROVED_EXPECTATIONS: Column = &[
+    ("leaves", few(Rule::Footprint, 0.03, AT_RIMS)),
+    ("voxel-stack", few(Rule::Footprint, 0.12, AT_RIMS)),
+    ("coplanar-copies", Expectation::Refusable { from: 256.0, otherwise: &BEYOND_EDGES }),
+    ("eye-at-vertex", fails(Rule::Footprint, 1e-4, 0.01, 0.2, COARSE, SAMPLES_SOURCE)),
+    (
+        "before-near",
+        few(
+            Rule::Footprint,
+            0.08,
+            "what is nearer than near lies in the faces alone, which see it at a grazing angle, and coarsely",
+        ),
+    ),
+    ("cube-borders", few(Rule::Footprint, 0.02, AT_RIMS)),
+    ("coarse-frame", fails(Rule::Footprint, 65.0, 0.005, 0.4, COARSE, SAMPLES_SOURCE)),
+    ("wide-frame", few(Rule::Footprint, 0.05, AT_RIMS)),
+    ("equal-triangles", Expectation::Refusable { from: 1024.0, otherwise: &BEYOND_EDGES }),
+    ("stacked-layers", Expectation::Refusable { from: 256.0, otherwise: &BEYOND_EDGES }),
+    ("crowded-pixel", Expectation::Refusable { from: 4096.0, otherwise: &CROWDS }),
+    ("long-scene", Expectation::Refusable { from: 100.0, otherwise: &BEYOND_EDGES }),
+];
 
 type Values = &'static [(&'static str, &'static str)];
 

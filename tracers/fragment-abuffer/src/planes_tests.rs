@@ -304,11 +304,12 @@ fn equal_triangles_give_one_surface() {
             assert!(surfaces.iter().all(|surface| surface.material == 7), "{settings:?}");
         }
     }
+    let small = rectangle(eye + DVec3::new(-0.1, -0.1, -2.0), DVec3::X * 0.2, DVec3::Y * 0.2)[0];
     // As many as a driver lets be ordered, though not by comparing each with some others.
-    let crowd: Vec<[[f32; 3]; 3]> = (0..2000).map(|_| wall[0]).collect();
+    let crowd: Vec<[[f32; 3]; 3]> = (0..2000).map(|_| small).collect();
     let geometry = soup(&crowd, Some(&gpu));
     let structure = built(&gpu, &geometry, &with(&IMPROVED, &[("views", "frame")]));
     let taken = structure.parts.taken(&gpu).unwrap();
-    assert!(taken[0].fragments > 100_000, "{taken:?}");
+    assert!(taken[0].fragments > 10_000, "{taken:?}");
     check_order(&taken).unwrap();
 }
