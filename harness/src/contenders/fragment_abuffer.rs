@@ -4,7 +4,9 @@
 use tracebench_api::Preset;
 
 use super::expectation::{fails, of_huge_triangles, of_plates_along_rows};
-use super::{Ablation, Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Switched, Touch};
+use super::{
+    Ablation, Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Switched, Touch,
+};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
@@ -22,6 +24,8 @@ pub(crate) const ROOM: Registration = Registration {
     matters: &[
         Matters { what: &["buckets", "bounds", "skip_buckets"], by: "storage", values: &["llb", "dllb"] },
         Matters { what: &["view_steps", "jitter", "span"], by: "march", values: &["steps"] },
+        Matters { what: &["thickness", "span"], by: "fragments", values: &["points"] },
+        Matters { what: &["outline"], by: "fragments", values: &["planes"] },
         Matters { what: &["max_steps"], by: "march", values: &["pixels", "hi-z"] },
     ],
     touches: &[
