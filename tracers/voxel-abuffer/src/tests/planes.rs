@@ -455,8 +455,9 @@ fn spoilt_planes_are_noticed() {
     let data = |structure: &VoxelStructure| structure.buffers.lists.as_ref().unwrap().nodes.buffers()[1][0].clone();
     let heads = |structure: &VoxelStructure| structure.buffers.lists.as_ref().unwrap().heads.clone();
     let cells = |structure: &VoxelStructure| structure.buffers.cells.clone();
-    let depth =
-        |by: f32| move |at: usize, word: u32| if at.is_multiple_of(2) { (f32::from_bits(word) + by).to_bits() } else { word };
+    let depth = |by: f32| {
+        move |at: usize, word: u32| if at.is_multiple_of(2) { (f32::from_bits(word) + by).to_bits() } else { word }
+    };
     spoil("another depth", &nodes, &depth(1e-4));
     spoil("another facing", &nodes, &|at, word| if at % 2 == 0 { word ^ 1 } else { word });
     spoil("a list cut off", &nodes, &|at, word| if at % 2 == 1 { 0 } else { word });
