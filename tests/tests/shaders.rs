@@ -183,6 +183,7 @@ fn entry_points_exist() {
             ("dirt/shadow_map.wgsl", _) => compute(&["look_up"], 64),
             ("dirt/mipmap.wgsl" | "fragment-abuffer/mipmap.wgsl", _) => compute(&["mipmap"], 64),
             ("fragment-abuffer/reorder.wgsl", _) => compute(&["reorder"], 64),
+            ("fragment-abuffer/reorder_long.wgsl", _) => compute(&["reorder_long"], 256),
             ("voxel-abuffer/average.wgsl", _) => compute(&["average"], 64),
             ("voxel-abuffer/order.wgsl", _) => compute(&["order"], 64),
             ("voxel-abuffer/voxels.wgsl", _) => compute(&["trace"], 64),

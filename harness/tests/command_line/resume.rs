@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
+use std::io::{BufRead, BufReader};
 use std::process::Stdio;
 use std::thread::sleep;
 use std::time::Duration;
@@ -207,12 +208,16 @@ fn one_timed_process_a_machine() {
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
     let timed = [&SMOKE[..], &["--quiet", "--tracer", "bvh-cpu", "--rays", "primary", "--out", "timed"]].concat();
     let mut child = with_lock(&timed).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-    sleep(Duration::from_millis(700));
-    assert!(child.try_wait().unwrap().is_none(), "it did not wait");
+    let mut said = BufReader::new(child.stderr.take().unwrap()).lines();
+    // It comes to its first word as late as the machine lets it.
+    let first = said.next().unwrap().unwrap();
+    sleep(Duration::from_millis(300));
+    assert!(child.try_wait().unwrap().is_none(), "it did not wait: {first}");
     drop(held);
-    let output = child.wait_with_output().unwrap();
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success() && said.contains("waiting: another tracebench takes times"), "{said}");
+    let rest: Vec<String> = said.map(Result::unwrap).collect();
+    let said = [vec![first], rest].concat().join("\n");
+    let output = child.wait().unwrap();
+    assert!(output.success() && said.contains("waiting: another tracebench takes times"), "{said}");
 }
 
 /// Proves that a run which is gone on with reads and launches its searches as it began, whatever the adapter is told to be by then, and

@@ -12,6 +12,9 @@ const POSITION_ROUNDINGS: f64 = 16.0;
 /// Tolerance of an average of normals, which stands in few bits, and of its length.
 const AVERAGE_TOLERANCE: f64 = 3e-4;
 
+/// Tolerance of the normal of a plane that is stored as two slopes of sixteen bits over an image, in a cube whose edges may be stretched.
+const SLOPES_TOLERANCE: f64 = 2e-4;
+
 /// Tolerance of a normal's direction, over the sine of the angle between the edges that it comes from.
 const NORMAL_TOLERANCE: f64 = 4e-6;
 
@@ -83,8 +86,9 @@ fn wrong(
         let normal = Vec3::from(surface.normal).as_dvec3();
         // Edges are differences of coordinates in f32, exact here; what is left is the cross product's rounding.
         let off = (normal - across.normalize_or_zero()).length();
-        let right_normal =
-            off <= NORMAL_TOLERANCE / across.length().max(1e-30) || (across.length() < 1e-6 && normal == DVec3::ZERO);
+        let stored = if subject.stores_slopes() { SLOPES_TOLERANCE } else { 0.0 };
+        let right_normal = off <= stored + NORMAL_TOLERANCE / across.length().max(1e-30)
+            || (across.length() < 1e-6 && normal == DVec3::ZERO);
         right_normal && surface.material == geometry.triangle_materials[*primitive as usize]
     };
     if let Some(reach) = subject.averages_within(structure) {
@@ -126,6 +130,16 @@ impl Subject {
             Projection::Perspective(_) => None,
         });
         edge.filter(|_| has_voxels).map(|edge| 2.0 * edge)
+    }
+
+    /// Whether its fragments are planes over orthographic images, whose normals are two slopes.
+    fn stores_slopes(&self) -> bool {
+        let is = |name: &str, wanted: &str| {
+            self.parameters
+                .iter()
+                .any(|(each, value)| each == name && (wanted.is_empty() || value.to_string() == wanted))
+        };
+        !self.names_primitives && is("grid", "") && is("fragments", "planes")
     }
 
     /// Whether its way of fetching surfaces is one that may lose some.

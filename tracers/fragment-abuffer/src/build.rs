@@ -3,15 +3,15 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, CommandEncoder, ComputePipeline};
+use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, BufferUsages, CommandEncoder, ComputePipeline};
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError, View};
 use tracebench_kit::{
     Canvas, ComputeRaster, DrawnBy, EmptyTarget, PipelinesOnDemand, PrefixSum, RasterWork, TrianglePass,
-    TrianglePipelines, ViewUniform, bind_group, bind_group_at, compute_pipeline, dispatch_linear, every_variant,
-    storage_buffer, uniform_buffer,
+    TrianglePipelines, ViewUniform, bind_group, bind_group_at, compute_pipeline, dispatch_indirect, dispatch_linear,
+    every_variant, storage_buffer, uniform_buffer,
 };
 use tracebench_shaders::Variant;
-use tracebench_shaders::fragment_abuffer::{Boxes, Fill, MIPMAP, Reorder, Trace};
+use tracebench_shaders::fragment_abuffer::{Boxes, Fill, MIPMAP, Reorder, ReorderLong, Trace};
 
 use crate::layout::{DrawnView, Layout, Storage, TracedView};
 use crate::objects::Objects;
@@ -23,6 +23,12 @@ pub(crate) const WORKGROUP_SIZE: u32 = 64;
 /// As `BAND` in shaders/fragment-abuffer/boxes.wgsl: rows of a box that a workgroup draws.
 const BAND: u32 = 16;
 
+/// As `MOST_ALONE` in shaders/fragment-abuffer/reorder.wgsl: nodes of a piece that an invocation orders alone.
+const MOST_ALONE: u32 = 128;
+
+/// Workgroups of a dispatch along a dimension, which WebGPU grants: so many long pieces are ordered.
+const MOST_LONG_PIECES: u32 = 65_535;
+
 /// Every pipeline; those of traces, and of builds without the rasterizer, are made when they are first asked for.
 pub(crate) struct Pipelines {
     pub gpu: Arc<Gpu>,
@@ -33,6 +39,7 @@ pub(crate) struct Pipelines {
     computed_boxes: PipelinesOnDemand<Boxes>,
     fill: TrianglePipelines<Fill>,
     reorder: BTreeMap<Reorder, ComputePipeline>,
+    reorder_long: PipelinesOnDemand<ReorderLong>,
     mipmap: ComputePipeline,
     pub(crate) traces: PipelinesOnDemand<Trace>,
 }
@@ -52,6 +59,7 @@ impl Pipelines {
             computed_boxes: PipelinesOnDemand::new("draw"),
             fill,
             reorder: every_variant(|variant: Reorder| compute_pipeline(&gpu, variant, "reorder"))?,
+            reorder_long: PipelinesOnDemand::new("reorder_long"),
             mipmap: compute_pipeline(&gpu, MIPMAP, "mipmap")?,
             traces: PipelinesOnDemand::new("trace"),
             gpu,
@@ -93,6 +101,13 @@ fn bound<'a>(buffers: &[(u32, &'a Buffer)]) -> Vec<(u32, BindingResource<'a>)> {
     buffers.iter().map(|(binding, buffer)| (*binding, buffer.as_entire_binding())).collect()
 }
 
+/// Pieces of the s-buffer that a workgroup orders each: as many as a buffer says, which are listed there.
+struct LongPieces {
+    list: Buffer,
+    pipeline: ComputePipeline,
+    bindings: BindGroup,
+}
+
 /// What a fill binds: made before the phases, which only record.
 #[derive(Default)]
 struct Prepared<'a> {
@@ -102,6 +117,7 @@ struct Prepared<'a> {
     store: Vec<TrianglePass<'a>>,
     /// With the number of lists.
     reorder: Vec<(BindGroup, u32)>,
+    reorder_long: Vec<LongPieces>,
     /// With the number of cells.
     mipmaps: Vec<(BindGroup, u32)>,
 }
@@ -161,7 +177,7 @@ impl Pipelines {
                 let store = Fill::Store { decoupled: layout.decoupled, clipped, compute };
                 prepared.store.push(draw(store, &stored)?);
             }
-            prepared.reorder.push(self.bind_reorder(layout, part, &storage));
+            self.prepare_reorder(layout, part, &storage, &mut prepared)?;
             self.prepare_mipmaps(layout, parts, part, &storage, &mut prepared)?;
         }
         Ok(prepared)
@@ -216,12 +232,32 @@ impl Pipelines {
         Ok(counts)
     }
 
-    fn bind_reorder(&self, layout: &Layout, part: &Part, storage: &Buffer) -> (BindGroup, u32) {
-        let pipeline = self.reorder(layout);
-        let buffers = [storage, &part.pixels, &part.ids, &part.taken].into_iter().chain(&part.payloads);
-        let resources: Vec<BindingResource<'_>> = buffers.map(Buffer::as_entire_binding).collect();
-        let bindings = bind_group(&self.gpu, &pipeline.get_bind_group_layout(0), &resources);
-        (bindings, part.pixel_count * layout.buckets)
+    fn prepare_reorder(
+        &self,
+        layout: &Layout,
+        part: &Part,
+        storage: &Buffer,
+        prepared: &mut Prepared<'_>,
+    ) -> Result<(), TracerError> {
+        let gpu = &*self.gpu;
+        let mut buffers = vec![(0, storage), (1, &part.pixels), (2, &part.ids), (3, &part.taken)];
+        buffers.extend(part.payloads.as_ref().map(|payloads| (4, payloads)));
+        let mut long = None;
+        if layout.kind.is_contiguous() {
+            let usages = BufferUsages::STORAGE | BufferUsages::INDIRECT;
+            let bytes = long_pieces_bytes(part.capacity);
+            long = Some(gpu.buffer("long pieces of an s-buffer", bytes, usages, "nothing")?);
+        }
+        buffers.extend(long.as_ref().map(|list| (5, list)));
+        let bindings_for =
+            |pipeline: &ComputePipeline| bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &bound(&buffers));
+        prepared.reorder.push((bindings_for(self.reorder(layout)), part.pixel_count * layout.buckets));
+        if let Some(list) = &long {
+            let pipeline = self.reorder_long.of(gpu, ReorderLong::Contiguous { decoupled: layout.decoupled })?;
+            let bindings = bindings_for(&pipeline);
+            prepared.reorder_long.push(LongPieces { list: list.clone(), pipeline, bindings });
+        }
+        Ok(())
     }
 
     fn reorder(&self, layout: &Layout) -> &ComputePipeline {
@@ -295,20 +331,28 @@ impl Pipelines {
             })?;
         }
         phase(clock, "store", &|encoder| prepared.store.iter().for_each(|pass| pass.record(encoder)))?;
-        let dispatch =
-            |clock: &mut PhaseClock<'_>, name: &str, pipeline: &ComputePipeline, work: &[(BindGroup, u32)]| {
-                clock.device_phase(name, |encoder| {
-                    for (bindings, count) in work {
-                        dispatch_linear(encoder, pipeline, bindings, *count, WORKGROUP_SIZE);
-                    }
-                })
-            };
-        dispatch(clock, "reorder", self.reorder(layout), &prepared.reorder)?;
+        clock.device_phase("reorder", |encoder| {
+            for (bindings, count) in &prepared.reorder {
+                dispatch_linear(encoder, self.reorder(layout), bindings, *count, WORKGROUP_SIZE);
+            }
+            for LongPieces { list, pipeline, bindings } in &prepared.reorder_long {
+                dispatch_indirect(encoder, pipeline, &[bindings], list);
+            }
+        })?;
         if parts.pyramid.is_some() {
-            dispatch(clock, "mipmap depth", &self.mipmap, &prepared.mipmaps)?;
+            clock.device_phase("mipmap depth", |encoder| {
+                for (bindings, count) in &prepared.mipmaps {
+                    dispatch_linear(encoder, &self.mipmap, bindings, *count, WORKGROUP_SIZE);
+                }
+            })?;
         }
         Ok(())
     }
+}
+
+/// Bytes of the list of pieces that are too long for an invocation, which are no more than fit into so many nodes.
+fn long_pieces_bytes(capacity: u32) -> u64 {
+    4 * u64::from(3 + (capacity / MOST_ALONE).clamp(1, MOST_LONG_PIECES))
 }
 
 /// Bytes of the uniforms of a build, and of what deals triangles out, which are kept until it is done.
@@ -317,5 +361,9 @@ pub(crate) fn build_bytes(layout: &Layout, parts: &Parts, triangles: u32) -> u64
     let made = if layout.hi_z { layout.views.len() * size_of::<TracedView>() + levels * 16 } else { 0 };
     let uniforms = parts.parts.len() * size_of::<Storage>() + layout.views.len() * size_of::<DrawnView>() + made;
     let of_view = if layout.drawn_by == DrawnBy::Compute { RasterWork::bytes(triangles, false) } else { 0 };
-    uniforms as u64 + layout.views.len() as u64 * of_view
+    let long_pieces: u64 = match layout.kind.is_contiguous() {
+        true => parts.parts.iter().map(|part| long_pieces_bytes(part.capacity)).sum(),
+        false => 0,
+    };
+    uniforms as u64 + long_pieces + layout.views.len() as u64 * of_view
 }

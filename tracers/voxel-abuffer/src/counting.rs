@@ -24,13 +24,14 @@ impl Counting {
         Ok(Self { buffer, touched_words, rays })
     }
 
-    /// What was counted, by a trace that reads data or one that does not.
-    pub(crate) fn counters(&self, gpu: &Gpu, reads_data: bool) -> Result<Vec<Counter>, TracerError> {
+    /// What was counted, by a trace that reads data or one that does not, and that tells inside from outside or does not.
+    pub(crate) fn counters(&self, gpu: &Gpu, reads_data: bool, has_inside: bool) -> Result<Vec<Counter>, TracerError> {
         let words: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&self.buffer, self.buffer.size())?);
         let (nodes, words) = words.split_at(self.touched_words as usize);
         let (data, counts) = words.split_at(self.touched_words as usize);
         let counts: &[[u32; COUNTERS.len()]] = bytemuck::cast_slice(&counts[..self.rays * COUNTERS.len()]);
         let mut counters = counters_of(counts, COUNTERS);
+        counters.retain(|counter| has_inside || counter.name != "starts_inside");
         counters.push(Counter::of_set("fragments_touched", bits_on(nodes)));
         if reads_data {
             counters.push(Counter::of_set("payloads_touched", bits_on(data)));

@@ -146,7 +146,8 @@ impl VoxelStructure {
         let counting = Counting::new(gpu, lists.nodes.capacity(), job.rays.host.len())?;
         self.record(job, hits, Some(&counting), &mut clock)?;
         clock.finish()?;
-        counting.counters(gpu, self.reads_data(job.end, &VoxelParameters::try_from(job.parameters)?))
+        let reads_data = self.reads_data(job.end, &VoxelParameters::try_from(job.parameters)?);
+        counting.counters(gpu, reads_data, !self.layout.planes)
     }
 }
 

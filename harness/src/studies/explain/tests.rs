@@ -121,6 +121,7 @@ fn the_judge_explains_what_ladders_of_sampled_methods_leave() {
         let found = run.explanation.unwrap();
         assert!(found.judged && found.left_open().is_empty(), "{name}");
         let of_rungs: Vec<&str> = ladder.iter().map(|remedy| remedy.cause).collect();
+        let mut of_all = 0;
         for (set, trace) in found.scenes[0].sets.iter().zip(&run.runs.last().unwrap().traces) {
             let causes = trace.judgement.causes();
             let of_row = causes.get("tight").or_else(|| causes.get("occlusion")).unwrap();
@@ -136,8 +137,11 @@ fn the_judge_explains_what_ladders_of_sampled_methods_leave() {
                 }
             }
             assert_eq!(explained, set.wrong_by_rung[0], "{name}, {}", set.rays);
-            assert!(by_judge > 0 && by_judge < explained, "{name}, {}: {by_judge} of {explained}", set.rays);
+            assert!(by_judge < explained, "{name}, {}: {by_judge} of {explained}", set.rays);
+            of_all += by_judge;
         }
+        // Planes over all three images may leave nothing wrong here that the judge would have to explain.
+        assert!(of_all > 0 || name == "voxel-abuffer", "{name}");
         // Where more than the share is unexplained, or any at all of a method that does not sample, it is told of which set.
         let opened = |judged, unexplained| {
             let mut found = ExplanationRecord { judged, ..found.clone() };
