@@ -94,17 +94,17 @@ fn swap_word(a: u32, b: u32) {
 fn swap(a: u32, b: u32) {
     let words = shape.node_words;
     for (var word = 0u; word < words; word += 4u) {
-        let from = a * words + word;
-        let to = b * words + word;
-        swap_word(from, to);
+        let one = a * words + word;
+        let other = b * words + word;
+        swap_word(one, other);
         if (word + 1u < words) {
-            swap_word(from + 1u, to + 1u);
+            swap_word(one + 1u, other + 1u);
         }
         if (word + 2u < words) {
-            swap_word(from + 2u, to + 2u);
+            swap_word(one + 2u, other + 2u);
         }
         if (word + 3u < words) {
-            swap_word(from + 3u, to + 3u);
+            swap_word(one + 3u, other + 3u);
         }
     }
 }
