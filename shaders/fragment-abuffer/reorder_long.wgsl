@@ -11,7 +11,7 @@
 @group(0) @binding(3) var<storage, read_write> taken: array<atomic<u32>>;
 // Binding 4: payloads.
 // As many workgroups as there are long pieces, along three dimensions; then those pieces.
-@group(0) @binding(5) var<storage, read_write> long_pieces: array<u32>;
+@group(0) @binding(5) var<storage, read> long_pieces: array<u32>;
 
 const WORKGROUP_SIZE: u32 = 256u;
 

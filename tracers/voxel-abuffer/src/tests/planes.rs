@@ -427,7 +427,9 @@ fn planes_are_counted_and_grow() {
     let met = hits.iter().filter(|hit| hit.is_hit()).count() as u64;
     let [tested, read, touched] = ["depth_comparisons", "layers_tested", "payloads_touched"].map(count);
     assert!(tested >= met && read >= tested && touched <= tested && touched > 0, "{met} {tested} {read} {touched}");
-    assert!(total(&of_any, "voxels_opened") <= opened && count("starts_inside") == 0);
+    assert!(total(&of_any, "voxels_opened") <= opened);
+    // Nothing is told inside from outside.
+    assert!(counters.iter().all(|counter| counter.name != "starts_inside"), "{counters:?}");
     let report = structure.memory();
     assert!(report.structure.iter().all(|entry| !entry.name.contains("sums of normals")), "{report:?}");
 }
