@@ -7,7 +7,7 @@ use super::markdown;
 use super::read::{Names, Read};
 use crate::report::format::{NONE, significant};
 use crate::report::markdown::{Table, inline};
-use crate::report::pareto::page::{asked, right, with_cost};
+use crate::report::pareto::page::{asked, right, too_few, with_cost};
 use crate::report::pareto::{as_read, cost_name};
 use crate::report::verdict::{self, Verdict};
 use crate::report::{format, metrics};
@@ -54,9 +54,13 @@ fn every_method() -> String {
 fn sentences(places: &[Place<'_>], machines: &[String]) -> String {
     let mut text = String::new();
     for machine in 1..=machines.len() {
-        let own: Vec<&Place<'_>> = places.iter().filter(|place| place.read.machine == machine).collect();
+        let mut own: Vec<&Place<'_>> = places.iter().filter(|place| place.read.machine == machine).collect();
         if own.is_empty() {
             continue;
+        }
+        // Smoke runs count where there is nothing else.
+        if own.iter().any(|place| !is_smoke(&place.read.run)) {
+            own.retain(|place| !is_smoke(&place.read.run));
         }
         let winners = Aim::ALL.map(|aim| {
             let mut won: Vec<(&str, usize)> = Vec::new();
@@ -139,7 +143,7 @@ fn needs(places: &[Place<'_>], level: f64) -> String {
                 place.field.rays.to_owned(),
                 place.field.scene.scene.name.clone(),
                 place.read.machine.to_string(),
-                format!("{} by {}", asked(level), place.by.name()),
+                format!("{} by {}{}", asked(level), place.by.name(), too_few(level, place.field)),
                 aim.name().to_owned(),
                 take,
                 cost,

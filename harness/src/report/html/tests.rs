@@ -218,6 +218,25 @@ fn kinds_have_their_sections() {
     assert!(!html.contains("<section id=\"fronts\"") && !html.contains("<section id=\"matrix\""));
 }
 
+/// Proves that smoke runs are no cases of the sentence that says who to take, but where there is nothing else.
+#[test]
+fn smoke_runs_are_no_cases_beside_others() {
+    let smoke = || {
+        let mut run = planted();
+        run.preset = "smoke".to_owned();
+        run
+    };
+    let answer = |records: &[(&str, Run)]| {
+        let html = page_of(records, MOST_BYTES).html;
+        part(&html, "<section id=\"answer\"", "<section id=").to_owned()
+    };
+    let both = answer(&[("whole", planted()), ("smoke", smoke())]);
+    assert!(both.contains("fastest: <strong>fair</strong> (in 2 of 2)"), "{both}");
+    let twice = answer(&[("whole", planted()), ("again", planted())]);
+    assert!(twice.contains("(in 4 of 4)"), "{twice}");
+    assert!(answer(&[("smoke", smoke())]).contains("(in 2 of 2)"));
+}
+
 /// Proves that the first screen names few of many doubtful records, and that each still says below what speaks against it.
 #[test]
 fn many_doubtful_records_do_not_fill_the_first_screen() {

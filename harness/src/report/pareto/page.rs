@@ -67,7 +67,7 @@ fn in_short(scene: &Shown<'_>) -> String {
                 }
                 None => "nobody".to_owned(),
             });
-            let asked = format!("{} by {}", asked(level), by.name());
+            let asked = format!("{} by {}{}", asked(level), by.name(), too_few(level, field));
             table.row(&[vec![field.rays.to_owned(), asked], cells.to_vec()].concat());
         }
     }
@@ -146,7 +146,7 @@ pub(in crate::report) fn operating_points(scene: &Shown<'_>, field: &Field<'_>, 
             if cells.iter().any(Option::is_some) {
                 any = true;
                 let cells = cells.map(|cell| cell.unwrap_or_else(|| NONE.to_owned()));
-                table.row(&[vec![asked(level), who.to_owned()], cells.to_vec()].concat());
+                table.row(&[vec![asked(level) + &too_few(level, field), who.to_owned()], cells.to_vec()].concat());
             }
         }
     }
@@ -160,6 +160,13 @@ pub(in crate::report) fn operating_points(scene: &Shown<'_>, field: &Field<'_>, 
 /// A level as people read it.
 pub(in crate::report) fn asked(level: f64) -> String {
     format!("{} %", percent(level, 10_000))
+}
+
+/// What follows a level where a ray set is too small to tell it: that none of N rays is wrong tells no more than that fewer than three of N
+/// are.
+pub(in crate::report) fn too_few(level: f64, field: &Field<'_>) -> String {
+    let tells = field.count as f64 * (1.0 - level) >= 3.0 - 1e-9;
+    if tells { String::new() } else { format!(" (**{} rays are too few to tell**)", thousands(field.count)) }
 }
 
 fn operating_point(scene: &Shown<'_>, field: &Field<'_>, by: By, level: f64, aim: Aim, found: &Entry<'_>) -> String {

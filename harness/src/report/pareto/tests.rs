@@ -76,6 +76,22 @@ fn fronts_have_their_files() {
     }
 }
 
+/// Proves that a page tells which level so few rays cannot tell, and of no other level; of many rays it says so of none.
+#[test]
+fn levels_that_few_rays_cannot_tell_are_named() {
+    let page_of = |count: u64| {
+        let mut run = several();
+        run.runs.iter_mut().flat_map(|row| &mut row.traces).for_each(|trace| trace.count = count);
+        let folder = TempDir::new().unwrap();
+        write_run(&run, folder.path(), fixture::tables).unwrap();
+        std::fs::read_to_string(folder.path().join("pareto.md")).unwrap()
+    };
+    let page = page_of(29_999);
+    assert!(page.contains("| diffuse | 99.99 % by footprint (**29,999 rays are too few to tell**) |"), "{page}");
+    assert!(page.contains("| diffuse | 99.90 % by footprint |"), "{page}");
+    assert!(!page_of(30_000).contains("too few to tell"));
+}
+
 /// Proves that tables tell the standings of the planted points: who is on the front, and what an operating point loses elsewhere; that
 /// no control is among the points; and that the page says the same.
 #[test]
