@@ -194,7 +194,8 @@ struct Clipping {
     corner_y: vec4<f32>,
     to_the_left: vec4<bool>,
     to_the_right: vec4<bool>,
-    // Products of two lengths within the polygon and round it, off by 4 u of them.
+    // A product of an edge's length with one within the polygon or round it is off by 4 u of it; twice that, of an edge of length 1. By the
+    // edge's own length no corner counts that lies farther from it than from others: it would where parts are stored, and not in a row.
     edge_loss: f32,
     part: Part,
 }
@@ -203,7 +204,6 @@ fn begin_clipping(state: PolygonState, tile: vec2<f32>, margin: f32) -> Clipping
     let low = tile - margin;
     let high = tile + 1.0 + margin;
     let extent = state.high - state.low;
-    let across = dot(extent.xy, extent.xy);
     return Clipping(
         low,
         high,
@@ -211,7 +211,7 @@ fn begin_clipping(state: PolygonState, tile: vec2<f32>, margin: f32) -> Clipping
         vec4<f32>(low.y, low.y, high.y, high.y),
         vec4<bool>(true),
         vec4<bool>(true),
-        (across + 4.0) * 4.76837158203125e-7,
+        (max(extent.x, extent.y) + 2.0) * 4.76837158203125e-7,
         NO_PART,
     );
 }
@@ -222,8 +222,9 @@ fn with_edge(before: Clipping, begin: vec3<f32>, end: vec3<f32>) -> Clipping {
     var clipping = before;
     let along = end - begin;
     let sides = along.x * (clipping.corner_y - begin.y) - along.y * (clipping.corner_x - begin.x);
-    clipping.to_the_left = clipping.to_the_left & (sides >= vec4<f32>(-clipping.edge_loss));
-    clipping.to_the_right = clipping.to_the_right & (sides <= vec4<f32>(clipping.edge_loss));
+    let loss = clipping.edge_loss * (abs(along.x) + abs(along.y));
+    clipping.to_the_left = clipping.to_the_left & (sides >= vec4<f32>(-loss));
+    clipping.to_the_right = clipping.to_the_right & (sides <= vec4<f32>(loss));
     let inverse = 1.0 / select(along.xy, vec2<f32>(1e-12), (abs(along.xy) < vec2<f32>(1e-12)));
     let to_low = (clipping.low - begin.xy) * inverse;
     let to_high = (clipping.high - begin.xy) * inverse;

@@ -10,6 +10,9 @@ use crate::description::Lists;
 /// What is turned down where they are too large.
 pub(super) const TURN_DOWN: &str = "dirt.face_tiles or the scene's triangle count";
 
+/// As in shaders/dirt/part_trees.wgsl: more parts in a tile are not built.
+const MOST_PARTS: u32 = 2_097_152;
+
 /// Bytes of a node, of a list.
 const NODE_BYTES: u64 = 48;
 const LIST_BYTES: u64 = 4;
@@ -136,9 +139,11 @@ impl Rooms {
         let read = gpu.read(&self.totals.buffer, 12)?;
         let [parts, nodes, misplaced] = bytemuck::pod_collect_to_vec::<u8, [u32; 3]>(&read)[0];
         if misplaced > 0 {
-            return Err(TracerError::Failed(format!(
-                "{misplaced} parts had no place of their own, or one tile has so many: turn dirt.face_tiles up"
-            )));
+            let what = match misplaced > MOST_PARTS {
+                true => format!("a tile has {misplaced} parts: turn dirt.face_tiles up"),
+                false => format!("{misplaced} parts had no place of their own: choose other dirt.face_tiles"),
+            };
+            return Err(TracerError::Failed(what));
         }
         Ok([parts, nodes])
     }

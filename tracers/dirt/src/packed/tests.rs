@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use tracebench_api::glam::Vec3;
 use tracebench_api::{Geometry, Gpu, PhaseClock, Structure, TracerError, Update, Viewpoint};
-use tracebench_tests::{gpu, gpu_that_binds, soup};
+use tracebench_tests::{Numbers, gpu, gpu_that_binds, soup};
 
 use super::PackedStructure;
 use crate::structure::Dirt;
@@ -214,6 +214,27 @@ fn builds_are_the_same_bit_for_bit() {
         };
         let [one, other] = [0, 1].map(|_| words(&built(&gpu, &geometry, settings)));
         assert!(one == other, "{settings:?}");
+    }
+}
+
+/// Proves that every part has a place that was counted for it: of large triangles whose tips reach just beyond a face, so that what is left of
+/// them there has an edge far shorter than the others, in tiles as small as they may be.
+#[test]
+fn parts_of_cut_triangles_have_places() {
+    let (gpu, eye) = (gpu(), viewpoint().eye);
+    let mut numbers = Numbers::new(23);
+    let cut = |numbers: &mut Numbers| {
+        let mut within = || 2.0 * numbers.unit() as f32 - 1.0;
+        let corners = [[1.0, within()], [within(), within()], [within(), within()]];
+        let beyond = 10.0_f32.powf(-1.0 - 3.0 * numbers.unit() as f32);
+        let depth = 1.0 + numbers.unit() as f32;
+        corners.map(|[x, y]| (eye + Vec3::new(if x == 1.0 { 1.0 + beyond } else { x }, y, -1.0) * depth).to_array())
+    };
+    let all: Vec<_> = (0..60).map(|_| cut(&mut numbers)).collect();
+    let geometry = soup(&all, Some(&gpu));
+    for settings in [[("lists", "trees"), ("face_tiles", "256")], [("lists", "trees"), ("face_tiles", "200")]] {
+        let mut structure = built(&gpu, &geometry, &settings);
+        structure.make_room().unwrap();
     }
 }
 
