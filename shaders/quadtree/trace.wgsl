@@ -211,7 +211,8 @@ fn answer(index: u32) {
             break;
         }
     }
-    let hit = best_place <= 1.0;
+    // The pixel takes part where no surface is asked for, too: else compilers make other sums of the place that both it and t come from.
+    let hit = best_place <= 1.0 && all(best_pixel < vec2<u32>(65536u));
 #ifdef SECONDARY
     var weight = 0.0;
     if (hit && !best_inpainted) {

@@ -218,8 +218,7 @@ const AT_RIMS: &str =
 const COARSE: &str =
     "a part of a pixel is the smallest thing that there is: what the plane fills of it is wider than the triangle";
 
-/// What is expected of planes in every pixel that a triangle touches. Of `stacked-layers`, `crowded-pixel` and `long-scene` nothing is: at their
-/// hardest, pieces are too long to be ordered within a driver's limit of loops.
+/// What is expected of planes in every pixel that a triangle touches.
 const IMPROVED_EXPECTATIONS: Column = &[
     ("edge-on", BEYOND_EDGES),
     ("wires", BEYOND_EDGES),
@@ -244,6 +243,9 @@ const IMPROVED_EXPECTATIONS: Column = &[
     ("long-rays", BEYOND_EDGES),
     ("leaves", few(Rule::Footprint, 0.03, AT_RIMS)),
     ("voxel-stack", few(Rule::Footprint, 0.12, AT_RIMS)),
+    ("long-scene", few(Rule::Footprint, 0.02, AT_RIMS)),
+    ("stacked-layers", Expectation::Refusable { from: 2048.0, otherwise: &BEYOND_EDGES }),
+    ("crowded-pixel", fails(Rule::Footprint, 8.0, 0.1, 0.4, COARSE, SAMPLES_SOURCE)),
     ("coplanar-copies", Expectation::Refusable { from: 256.0, otherwise: &BEYOND_EDGES }),
     ("eye-at-vertex", fails(Rule::Footprint, 1e-4, 0.01, 0.2, COARSE, SAMPLES_SOURCE)),
     (
