@@ -245,7 +245,7 @@ const IMPROVED_EXPECTATIONS: Column = &[
     ("voxel-stack", few(Rule::Footprint, 0.12, AT_RIMS)),
     ("long-scene", few(Rule::Footprint, 0.02, AT_RIMS)),
     ("stacked-layers", Expectation::Refusable { from: 2048.0, otherwise: &BEYOND_EDGES }),
-    ("crowded-pixel", fails(Rule::Footprint, 8.0, 0.1, 0.4, COARSE, SAMPLES_SOURCE)),
+    ("crowded-pixel", fails(Rule::Footprint, 8.0, 0.1, 0.15, COARSE, SAMPLES_SOURCE)),
     ("coplanar-copies", Expectation::Refusable { from: 256.0, otherwise: &BEYOND_EDGES }),
     ("eye-at-vertex", fails(Rule::Footprint, 1e-4, 0.01, 0.2, COARSE, SAMPLES_SOURCE)),
     (
