@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# How fast tracers are beside the program of an earlier commit, on this machine: that commit is built beside the tree, then its process and today's take
+# turns, and of every pair the ratio of speeds is told. Diffuse rays of every scene, with the agreement of the same traces.
+# A table goes to results/software-against/against.csv, or to the file that OUT names.
+#     tests/against.sh 2e0b5b4 dirt dirt:improved       # COMMIT, its tracer, today's tracer
+#     ROUNDS=5 SCENES=room,candy tests/against.sh COMMIT THEN NOW
+set -euo pipefail
+[ $# -eq 3 ] || { echo 'against: tell a commit, its tracer and the tracer of today, as 2e0b5b4 dirt dirt:improved' >&2; exit 1; }
+root=$(cd "$(dirname "$0")/.." && pwd)
+commit=$1 then=$2 now=$3
+out=$(realpath -m "${OUT:-$root/results/software-against/against.csv}")
+program=${PROGRAM:-$root/target/release/tracebench}
+[ -x "$program" ] || (cd "$root" && cargo build --release --bin tracebench)
+command -v jq > /dev/null || { echo 'against: jq is missing: install it (Debian: apt-get install jq), then run this again' >&2; exit 1; }
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+earlier=${EARLIER:-}
+if [ -z "$earlier" ]; then
+    git -C "$root" worktree add --detach "$scratch/tree" "$commit" > /dev/null
+    trap 'git -C "$root" worktree remove --force "$scratch/tree"; rm -rf "$scratch"' EXIT
+    (cd "$scratch/tree" && cargo build --release --bin tracebench --target-dir "$scratch/target")
+    earlier=$scratch/target/release/tracebench
+fi
+
+# The speed of one process, Mrays/s, and its agreement under `tight`.
+trace() {
+    rm -rf "$scratch/run"
+    "$1" run --tracer "$2" --scene "$3" --rays diffuse --preset quick --quiet --out "$scratch/run" > /dev/null
+    jq -r '.runs[0].traces[0] | "\(.mrays_per_s),\(.judgement.agreement.tight)"' "$scratch/run/run.json"
+}
+
+table=$scratch/against.csv
+echo 'scene,round,then_mrays_per_s,then_tight_share,now_mrays_per_s,now_tight_share,now_over_then,commit' > "$table"
+for ((round = 1; round <= ${ROUNDS:-3}; round++)); do
+    for scene in $(tr ',' ' ' <<< "${SCENES:-room,solids,cloth,hangar,candy,atrium,foliage,smithy}"); do
+        before=$(trace "$earlier" "$then" "$scene")
+        after=$(trace "$program" "$now" "$scene")
+        echo "against: round $round, $scene: then $before, now $after" >&2
+        echo "$scene,$round,$before,$after" | awk -F, -v OFS=, -v commit="$commit" '{ print $0, $5 / $3, commit }' >> "$table"
+    done
+done
+mkdir -p "$(dirname "$out")"
+mv "$table" "$out"

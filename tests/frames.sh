@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# What a frame costs that rebuilds its structure and traces one diffuse ray a pixel at 512x256: the improved form of DIRT, with tiles as they are
+# and with a quarter as many along an edge, beside every hierarchy at its best and at its quickest build. All scenes in one run, times
+# by the host's clock until work is done. A table goes to results/software-frames/frames.csv, or to the file that OUT names.
+#     tests/frames.sh
+set -euo pipefail
+root=$(cd "$(dirname "$0")/.." && pwd)
+out=$(realpath -m "${OUT:-$root/results/software-frames/frames.csv}")
+program=${PROGRAM:-$root/target/release/tracebench}
+[ -x "$program" ] || (cd "$root" && cargo build --release --bin tracebench)
+command -v jq > /dev/null || { echo 'frames: jq is missing: install it (Debian: apt-get install jq), then run this again' >&2; exit 1; }
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+
+"$program" run --preset quick --scene "${SCENES:-all}" --rays diffuse --size 512x256 --time-limit 2 --out "$scratch/run" \
+    --tracer bvh-cpu,bvh-cpu@build=fastest,bvh-gpu,bvh-gpu@build=fastest,lbvh-gpu:improved,dirt:improved,dirt:improved@face_tiles=16 > /dev/null
+# On the host's tracers the host's own clock tells; of the others it tells from submission until done. `over_fastest` is how many times the frame of the
+# fastest hierarchy a frame takes, `build_over_bvh_cpu` how many times as long as `bvh-cpu` builds.
+jq -r '
+    def ms: .submit_to_done_median_ms // .median_ms;
+    .commit as $commit
+    | [.runs[] | {scene: .scene.name, tracer: .tracer.name, preset: .tracer.preset, parameters: .tracer.parameters,
+        build: (.build | ms), trace: (.traces[0] | ms), right: .traces[0].judgement.agreement.tight}]
+    | group_by(.scene)[]
+    | (map(select(.tracer != "dirt") | .build + .trace) | min) as $fastest
+    | (map(select(.tracer == "bvh-cpu" and .parameters.build != "fastest") | .build) | first) as $cpu
+    | .[] | [.scene, .tracer, .preset, (if .tracer == "dirt" then .parameters.face_tiles else .parameters.build end), .build, .trace, .build + .trace,
+        (.build + .trace) / $fastest, .build / $cpu, .right, $commit]
+    | @csv' "$scratch/run/run.json" | tr -d '"' > "$scratch/frames.csv"
+mkdir -p "$(dirname "$out")"
+{ echo 'scene,tracer,preset,point,build_ms,trace_ms,frame_ms,over_fastest,build_over_bvh_cpu,tight_share,commit'; cat "$scratch/frames.csv"; } > "$out"
