@@ -25,26 +25,29 @@ try() {
     jq -r '.commit as $commit | .runs[] | .scene as $scene | .viewpoint.name as $view | .tracer as $tracer | .traces[]
         | .judgement as $judged | ($judged.classes.tight // $judged.occlusion) as $class
         | [$scene.name, $scene.triangles, $view, $tracer.name, $tracer.preset, .rays, .count,
-           ([$class | .false_hit, .false_miss, .early, .late, .false_occluded, .false_free | numbers] | add), $judged.ties, $commit]
+           ([$class | .false_hit, .false_miss, .early, .late, .false_occluded, .false_free | numbers] | if . == [] then error("no classes") else add end), $judged.ties, $commit]
         | @csv' \
         "$folder/run.json" | tr -d '"' >> "$table"
     awk -F, '{ rays += $7; wrong += $8 } END { printf "exact: %d rays, %d wrong\n", rays, wrong }' "$table" >&2
 }
 
 echo 'scene,triangles,viewpoint,tracer,preset,rays,count,wrong_tight,ties,commit' > "$table"
+views=$("$program" list scenes --json | jq -r '.[] | .name as $scene | .viewpoints[:5][] | "\($scene) \(.)"')
+[ -n "$views" ] || { echo 'exact: no scene is listed' >&2; exit 1; }
 while read -r scene view; do
     echo "exact: $scene from $view" >&2
     try "$scene" "$view"
-done < <("$program" list scenes --json | jq -r '.[] | .name as $scene | .viewpoints[:5][] | "\($scene) \(.)"')
+done <<< "$views"
 
 for file in "$@"; do
     echo "exact: $file" >&2
     try "$file" ''
     # Four more eyes on the circle through the viewpoint that the rule finds, about what lies half a diagonal before it.
-    mapfile -t poses < <(jq -r '.runs[0] | (.scene.diagonal / 2) as $r | .viewpoint as $v
+    found=$(jq -r '.runs[0] | (.scene.diagonal / 2) as $r | .viewpoint as $v
         | [range(3) | $v.eye[.] + $r * $v.forward[.]] as $c | ([range(3) | $v.eye[.] - $c[.]]) as $d | (range(1; 5) * 1.2566) as $a
         | [$c[0] + ($a | cos) * $d[0] + ($a | sin) * $d[2], $v.eye[1], $c[2] + ($a | cos) * $d[2] - ($a | sin) * $d[0]]
         | "\(.[0]),\(.[1]),\(.[2]):\($c[0]),\($c[1]),\($c[2])"' "$scratch/run/run.json")
+    mapfile -t poses <<< "$found"
     for pose in "${poses[@]}"; do
         try "$file" "$pose"
     done

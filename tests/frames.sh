@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # What a frame costs that rebuilds its structure and traces one diffuse ray a pixel at 512x256: the improved form of DIRT, with tiles as they are
-# and with a quarter as many along an edge, beside every hierarchy at its best and at its quickest build. All scenes in one run, times
+# and with half as many along an edge, beside every hierarchy at its best and at its quickest build. All scenes in one run, times
 # by the host's clock until work is done. A table goes to results/software-frames/frames.csv, or to the file that OUT names.
 #     tests/frames.sh
 set -euo pipefail

@@ -5,7 +5,7 @@
 #import tracebench::view::{to_eye_space, clip_position}
 #import tracebench::plane_depth::{FlatTriangle, flat_triangle, plane_depth}
 #ifdef CLIPPED
-#import tracebench::plane_depth::facet
+#import tracebench::plane_depth::{facet, size_of}
 #import tracebench::tile_clip::{DepthRange, tile_margin, tile_frustum, polygon_range, tile_rectangle}
 #ifdef COMPUTE
 #import tracebench::tile_clip::tiles_frustum
@@ -140,8 +140,10 @@ const OUTLINE_MARGIN: f32 = 0.015625;
 // What f32 loses of a product of two coordinates, relative to their sizes.
 const PRODUCT_LOSS: f32 = 4.76837158e-7;
 
-fn size_of_point(point: vec3<f32>) -> f32 {
-    return max(abs(point.x), max(abs(point.y), abs(point.z)));
+// The greater of both along x and along y, added.
+fn greatest_of_pair(a: vec2<f32>, b: vec2<f32>) -> f32 {
+    let greater = max(a, b);
+    return greater.x + greater.y;
 }
 
 // The parts of a pixel that a triangle touches, as bits, and by rounding some more: those that lie on the inner sides of its three edges, in
@@ -156,15 +158,17 @@ fn outline_in(pixel: vec2<u32>, facing: Facing) -> u32 {
         cross(facing.b, facing.c - facing.b), cross(facing.c, facing.a - facing.c), cross(facing.a, facing.b - facing.a),
     );
     let losses = PRODUCT_LOSS * vec3<f32>(
-        size_of_point(facing.b) * size_of_point(facing.c - facing.b),
-        size_of_point(facing.c) * size_of_point(facing.a - facing.c),
-        size_of_point(facing.a) * size_of_point(facing.b - facing.a),
+        size_of(facing.b) * size_of(facing.c - facing.b),
+        size_of(facing.c) * size_of(facing.a - facing.c),
+        size_of(facing.a) * size_of(facing.b - facing.a),
     );
+    // A side is a sum over three components, each off by its loss times how far the pixel lies across, upward, and along.
+    let reach = 1.0 + greatest_of_pair(abs(frustum.low), abs(frustum.high));
     var before = WHOLE_OUTLINE;
     var behind = WHOLE_OUTLINE;
     for (var edge = 0u; edge < 3u; edge++) {
         let side = sides[edge];
-        let room = dot(abs(side.xy), half) + losses[edge];
+        let room = dot(abs(side.xy), half) + reach * losses[edge];
         // At the middle of the upper left part.
         let first = dot(side, vec3<f32>(frustum.low.x + 0.5 * part.x, frustum.high.y - 0.5 * part.y, 1.0));
         let along = side.xy * part;

@@ -47,7 +47,6 @@ fn has_outline(shape: Storage) -> bool {
     return shape.normal_word > shape.plane_word + 2u;
 }
 
-
 // Of a view that rays are traced through.
 struct TracedView {
     view: View,

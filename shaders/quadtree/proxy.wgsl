@@ -99,7 +99,12 @@ fn merged(forest: Forest, children: array<vec2<u32>, 4>, there: u32, level: u32)
             }
         }
     }
-    if (planes == there) {
+    var may_join = planes == there;
+#ifdef JOINED
+    // What may end at a plane beside it stays a pixel: boxes above a plane of several would not know how far those beside them go.
+    may_join = may_join && !flagged;
+#endif
+    if (may_join) {
         let proxy = proxy_of(forest, children, there, edge);
         if (proxy.fits) {
             return plane_words(proxy.z, proxy.normal, flagged);

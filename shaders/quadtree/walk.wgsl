@@ -207,19 +207,6 @@ fn test_joined(image: u32, words: vec2<u32>, cell: vec2<i32>, bounds: Bounds) {
         take_patch(passage.leaves, passage.left);
     }
 }
-
-// Whether a plane over several pixels must be looked at pixel by pixel: where the ray gets behind it, it may end at one beside it.
-fn is_opened(words: vec2<u32>, bounds: Bounds) -> bool {
-    let plane = plane_of(words, vec2<f32>(forest.size));
-    if (!plane.flagged) {
-        return false;
-    }
-    let middle = 0.5 * (bounds.low + bounds.high);
-    let entry = min(enters_at(track, bounds, begin), end);
-    let sides = leaves_at(track, bounds, entry);
-    let exit = min(min(sides.x, sides.y), end);
-    return max(behind_by(plane, middle, entry), behind_by(plane, middle, exit)) > 0.0;
-}
 #endif
 
 // Where on its way through a node the ray must be looked at more closely; NOWHERE where it meets nothing in a box.
@@ -306,10 +293,9 @@ fn walk_tree(image: u32, first: f32, limit: f32) {
                 work[1] += 1u;
 #endif
 #ifdef JOINED
-                if (level == 0u && plane_of(words, vec2<f32>(forest.size)).flagged) {
+                // Above pixels no plane is flagged.
+                if (plane_of(words, vec2<f32>(forest.size)).flagged) {
                     test_joined(image, words, cell, bounds);
-                } else if (level > 0u && is_opened(words, bounds)) {
-                    down = place;
                 } else {
                     test_plane(image, words, bounds);
                 }

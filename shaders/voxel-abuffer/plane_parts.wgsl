@@ -75,7 +75,7 @@ fn cross_of(a: vec2<f32>, b: vec2<f32>) -> f32 {
     return a.x * b.y - a.y * b.x;
 }
 
-// An edge as a line: its unit direction and its begin.
+// How far a place lies to the left of an edge's line, texels.
 fn side_of_line(begin: vec2<f32>, end: vec2<f32>, at: vec2<f32>) -> f32 {
     let along = end - begin;
     return cross_of(along / max(length(along), 1e-30), at - begin);

@@ -290,6 +290,7 @@ fn check_halved(size: Size, scenes: &[&str]) {
     let gpu = gpu();
     for scene in scenes {
         let session = session(&gpu, scene, &SETS, size);
+        let mut tells = false;
         let [published, improved] = Preset::ALL.map(|preset| built(&session, preset, &[]));
         for rays in &session.rays {
             let [before, after] = [&published, &improved].map(|contender| outcome(&session, contender, rays));
@@ -305,9 +306,10 @@ fn check_halved(size: Size, scenes: &[&str]) {
             let halved = |wrong: u32| 2 * wrong <= before.sure.wrong() + SLACK;
             assert!(halved(after.sure.wrong()), "{scene} {}: {:?} {:?}", rays.set.name, before.sure, after.sure);
             assert!(after.all.right >= before.all.right, "{scene} {}: {:?} {:?}", rays.set.name, before.all, after.all);
-            // Negative control: the published form does not halve its own errors.
-            assert!(before.sure.wrong() <= SLACK || !halved(before.sure.wrong()));
+            tells |= !halved(before.sure.wrong());
         }
+        // Negative control: of some ray set the published form's own errors are too many to pass.
+        assert!(tells, "{scene}: published gets too few rays wrong to tell");
     }
 }
 

@@ -22,9 +22,9 @@ pub(crate) const ROOM: Registration = Registration {
         Shrink { axis: "views", steps: &["seven", "six", "frame"] },
     ],
     matters: &[
-        Matters { what: &["buckets", "bounds", "skip_buckets"], by: "storage", values: &["llb", "dllb"] },
+        Matters { what: &["buckets", "skip_buckets"], by: "storage", values: &["llb", "dllb"] },
         Matters { what: &["view_steps", "jitter", "span"], by: "march", values: &["steps"] },
-        Matters { what: &["thickness", "span"], by: "fragments", values: &["points"] },
+        Matters { what: &["thickness"], by: "fragments", values: &["points"] },
         Matters { what: &["outline"], by: "fragments", values: &["planes"] },
         Matters { what: &["max_steps"], by: "march", values: &["pixels", "hi-z"] },
     ],

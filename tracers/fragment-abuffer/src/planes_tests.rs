@@ -221,9 +221,10 @@ fn no_ray_leaves_a_closed_surface() {
     let rays: Vec<Ray> = (0..6000)
         .map(|index| match index % 6 {
             0 => ray(eye, numbers.direction()),
-            1 => {
-                ray(eye + numbers.point() * 0.7, [DVec3::X, DVec3::Y, DVec3::Z][index % 3] * numbers.signed().signum())
-            }
+            1 => ray(
+                eye + numbers.point() * 0.7,
+                [DVec3::X, DVec3::Y, DVec3::Z][index / 6 % 3] * numbers.signed().signum(),
+            ),
             2 => {
                 let from = eye + numbers.direction() * 0.7;
                 ray(from, eye - from)
@@ -239,7 +240,13 @@ fn no_ray_leaves_a_closed_surface() {
     }
     let points = with(&IMPROVED, &[("fragments", "points"), ("coverage", "sample")]);
     let (hits, _) = answer(&gpu, &built(&gpu, &geometry, &points), &rays, &points, EndPoint::Hit);
-    println!("points {}", hits.iter().filter(|hit| hit.is_hit()).count());
+    assert!(hits.iter().any(|hit| !hit.is_hit()), "nothing slips past points");
+    let filled = with(&IMPROVED, &[("outline", "filled")]);
+    let [kept, filled] = [&IMPROVED[..], &filled[..]].map(|settings| {
+        let structure = built(&gpu, &geometry, settings);
+        share_right(&structure, &triangles, &rays, settings)
+    });
+    assert!(filled < kept, "{filled} {kept}");
 }
 
 /// Rays along the borders between pixels, and through pixels' corners, meet a slanted wall where f64 has it: of two pixels that share a

@@ -173,8 +173,8 @@ parameters! {
             Build,
             Patches::Squares,
             "where a flagged pixel's plane ends: at the pixel's sides, as the others, or where it meets that of a pixel beside it at an \
-             edge towards the eye, behind which the neighbour's goes on; a trace then reads the four nodes beside every such pixel whose \
-             plane it gets behind, and opens nodes down to it",
+             edge towards the eye, behind which the neighbour's goes on; flagged pixels are then not merged and reach beyond nothing, and \
+             a trace reads the four nodes beside every such pixel whose plane it gets behind",
         )
         .improved(Patches::Joined),
         traversal: Traversal = Parameter::choice(

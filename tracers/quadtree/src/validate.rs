@@ -170,6 +170,7 @@ impl ReadBack<'_> {
             })
             .collect();
         let wrong = match node {
+            Node::Plane(plane) if self.shape.is_joined && plane.flagged => Some("is flagged and no pixel".to_owned()),
             Node::Plane(plane) => self.wrong_plane(&plane, &children, edge),
             Node::Empty => {
                 children.iter().any(|(_, child)| *child != Node::Empty).then(|| "hides something".to_owned())

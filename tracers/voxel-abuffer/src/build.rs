@@ -227,7 +227,7 @@ fn draw<'a, V: Variant>(
 
 /// Vertices of a pass by the rasterizer: of planes two triangles a triangle, the rectangle of texels that it may touch.
 fn vertices(layout: &Layout, geometry: &Geometry) -> u32 {
-    geometry.triangles.len() as u32 * if layout.planes { 6 } else { 3 }
+    (geometry.triangles.len() as u32).saturating_mul(if layout.planes { 6 } else { 3 })
 }
 
 /// Bytes of the uniforms of a build, and of what deals triangles out, which are kept until it is done.

@@ -18,7 +18,7 @@ struct Statistics {
     compared: u64,
 }
 
-/// An axis' lists, and the axes that voxels may be marked with by what has been followed.
+/// An axis' lists, and which of their nodes have been met.
 struct Followed<'a> {
     axis: usize,
     heads: &'a [u32],

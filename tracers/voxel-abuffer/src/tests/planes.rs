@@ -320,7 +320,10 @@ fn large_plates_are_met_by_both_builds() {
     let rays: Vec<Ray> = (0..6000).map(|_| ray(numbers.point() * 8.5, numbers.direction())).collect();
     let of = |build: &'static str| {
         let settings = planes(&[("abuffer", "500"), ("build", build)]);
-        let structure = try_built(&gpu, &geometry, &settings).ok()?;
+        let structure = match try_built(&gpu, &geometry, &settings) {
+            Err(TracerError::Unavailable(_)) if build == "compute" => return None,
+            built => built.unwrap(),
+        };
         let hits = closest(&gpu, &structure, &rays, &settings);
         let met = check_hits(&structure, &triangles, &rays, &hits, 0.05);
         assert!(met > 2000, "{met}");
