@@ -69,8 +69,9 @@ fn merge(
             there |= 1u << child;
         }
     }
-    var words = merged(forest, children, there, level - 1u);
 #ifdef JOINED
+    // What may end at a plane beside it stays a pixel: boxes above a plane of several would not know how far those beside them go.
+    var words = merged(forest, children, there, level - 1u, true);
     if (level == 1u && !is_plane(words)) {
         var box = box_of(words);
         for (var child = 0u; child < 4u; child++) {
@@ -82,6 +83,8 @@ fn merge(
         // Of a box without anything that is shown nothing changed.
         words = box_words(box);
     }
+#else
+    let words = merged(forest, children, there, level - 1u, false);
 #endif
     nodes[node_index(forest, image, level, cell)] = words;
 }

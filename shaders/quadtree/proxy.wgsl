@@ -72,8 +72,8 @@ fn proxy_of(forest: Forest, children: array<vec2<u32>, 4>, there: u32, edge: f32
     return Proxy(z, stored, fits);
 }
 
-// The node over children of a level; bit i of `there` says that child i exists.
-fn merged(forest: Forest, children: array<vec2<u32>, 4>, there: u32, level: u32) -> vec2<u32> {
+// The node over children of a level; bit i of `there` says that child i exists. Flagged planes are merged with others, or kept as they are.
+fn merged(forest: Forest, children: array<vec2<u32>, 4>, there: u32, level: u32, keeps_flagged: bool) -> vec2<u32> {
     let edge = f32(1u << level);
     var planes = 0u;
     var flagged = false;
@@ -99,12 +99,7 @@ fn merged(forest: Forest, children: array<vec2<u32>, 4>, there: u32, level: u32)
             }
         }
     }
-    var may_join = planes == there;
-#ifdef JOINED
-    // What may end at a plane beside it stays a pixel: boxes above a plane of several would not know how far those beside them go.
-    may_join = may_join && !flagged;
-#endif
-    if (may_join) {
+    if (planes == there && !(flagged && keeps_flagged)) {
         let proxy = proxy_of(forest, children, there, edge);
         if (proxy.fits) {
             return plane_words(proxy.z, proxy.normal, flagged);
