@@ -4,16 +4,9 @@
 # A table goes to results/software-against/against.csv, or to the file that OUT names.
 #     tests/against.sh 2e0b5b4 dirt dirt:improved       # COMMIT, its tracer, today's tracer
 #     ROUNDS=5 SCENES=room,candy tests/against.sh COMMIT THEN NOW
-set -euo pipefail
 [ $# -eq 3 ] || { echo 'against: tell a commit, its tracer and the tracer of today, as 2e0b5b4 dirt dirt:improved' >&2; exit 1; }
-root=$(cd "$(dirname "$0")/.." && pwd)
 commit=$1 then=$2 now=$3
-out=$(realpath -m "${OUT:-$root/results/software-against/against.csv}")
-program=${PROGRAM:-$root/target/release/tracebench}
-[ -x "$program" ] || (cd "$root" && cargo build --release --bin tracebench)
-command -v jq > /dev/null || { echo 'against: jq is missing: install it (Debian: apt-get install jq), then run this again' >&2; exit 1; }
-scratch=$(mktemp -d)
-trap 'rm -rf "$scratch"' EXIT
+. "$(dirname "$0")/study.sh" software-against/against.csv
 earlier=${EARLIER:-}
 if [ -z "$earlier" ]; then
     git -C "$root" worktree add --detach "$scratch/tree" "$commit" > /dev/null
@@ -21,6 +14,9 @@ if [ -z "$earlier" ]; then
     (cd "$scratch/tree" && cargo build --release --bin tracebench --target-dir "$scratch/target")
     earlier=$scratch/target/release/tracebench
 fi
+
+# Mesa's device-select layer complains where there is no display, of which earlier programs tell nothing.
+export NODEVICE_SELECT=1
 
 # The speed of one process, Mrays/s, and its agreement under `tight`.
 trace() {

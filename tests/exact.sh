@@ -4,15 +4,8 @@
 # the file that OUT names. Ends well if no ray is wrong under `tight` but for ties.
 #     tests/exact.sh [scene.glb...]
 #     TRACER=bvh-gpu OUT=mine.csv tests/exact.sh
-set -euo pipefail
-root=$(cd "$(dirname "$0")/.." && pwd)
-out=$(realpath -m "${OUT:-$root/results/software-exact/exact.csv}")
+. "$(dirname "$0")/study.sh" software-exact/exact.csv
 tracer=${TRACER:-dirt:improved}
-program=${PROGRAM:-$root/target/release/tracebench}
-[ -x "$program" ] || (cd "$root" && cargo build --release --bin tracebench)
-command -v jq > /dev/null || { echo 'exact: jq is missing: install it (Debian: apt-get install jq), then run this again' >&2; exit 1; }
-scratch=$(mktemp -d)
-trap 'rm -rf "$scratch"' EXIT
 table=$scratch/exact.csv
 
 # One scene from one viewpoint: `pixel-random` has two rays a pixel here, so that no set outweighs the others.

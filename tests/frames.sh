@@ -3,14 +3,7 @@
 # and with half as many along an edge, beside every hierarchy at its best and at its quickest build. All scenes in one run, times
 # by the host's clock until work is done. A table goes to results/software-frames/frames.csv, or to the file that OUT names.
 #     tests/frames.sh
-set -euo pipefail
-root=$(cd "$(dirname "$0")/.." && pwd)
-out=$(realpath -m "${OUT:-$root/results/software-frames/frames.csv}")
-program=${PROGRAM:-$root/target/release/tracebench}
-[ -x "$program" ] || (cd "$root" && cargo build --release --bin tracebench)
-command -v jq > /dev/null || { echo 'frames: jq is missing: install it (Debian: apt-get install jq), then run this again' >&2; exit 1; }
-scratch=$(mktemp -d)
-trap 'rm -rf "$scratch"' EXIT
+. "$(dirname "$0")/study.sh" software-frames/frames.csv
 
 "$program" run --preset quick --scene "${SCENES:-all}" --rays diffuse --size 512x256 --time-limit 2 --out "$scratch/run" \
     --tracer bvh-cpu,bvh-cpu@build=fastest,bvh-gpu,bvh-gpu@build=fastest,lbvh-gpu:improved,dirt:improved,dirt:improved@face_tiles=16 > /dev/null

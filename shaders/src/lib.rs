@@ -31,6 +31,20 @@ pub struct Shader {
     pub entries: &'static [EntryPoint],
 }
 
+impl Shader {
+    /// The value of one of its `u32` constants, by the name that its module gives it: for tests that hold sizes of the host and of the device
+    /// together. Composed, a name has its module's behind it.
+    #[must_use]
+    pub fn constant(&self, name: &str) -> Option<u32> {
+        let of = |line: &str| {
+            let (found, value) = line.strip_prefix("const ")?.split_once(": u32 = ")?;
+            let plain = found.split("X_naga_oil").next()?;
+            (plain == name).then(|| value.trim_end_matches("u;").parse().ok())?
+        };
+        self.source.lines().find_map(of)
+    }
+}
+
 /// An entry point of a shader, and what it needs of a device.
 #[derive(Clone, Copy, Debug)]
 pub struct EntryPoint {

@@ -36,7 +36,7 @@
 const LEAST_SINE: f32 = 1.9073486328125e-6;
 
 // A triangle as its fragments need it, the same at all of them.
-struct FlatTriangle {
+struct AxisTriangle {
     // Corners in the image, texels.
     first_two: vec4<f32>,
     // The third one, and how the depth changes by place across and down.
@@ -55,11 +55,11 @@ fn load_position(corner: u32) -> vec3<f32> {
 }
 
 // By its first of three corners.
-fn flat_triangle(first: u32) -> FlatTriangle {
+fn axis_triangle(first: u32) -> AxisTriangle {
     let a = load_position(first);
     let b = load_position(first + 1u);
     let c = load_position(first + 2u);
-    var flat_one: FlatTriangle;
+    var flat_one: AxisTriangle;
     flat_one.words = vec3<u32>(0u);
     // Of corners in a line there is no plane, and no ray meets them.
     if (!(min(size_of(b - a), min(size_of(c - b), size_of(a - c))) > 0.0)) {
@@ -102,7 +102,7 @@ fn flat_triangle(first: u32) -> FlatTriangle {
 }
 
 // The texels that it may touch: first, and one behind the last.
-fn touched_by(triangle: FlatTriangle) -> vec4<f32> {
+fn touched_by(triangle: AxisTriangle) -> vec4<f32> {
     let margin = part_margin(drawn.space.image);
     let low = min(triangle.first_two.xy, min(triangle.first_two.zw, triangle.third.xy)) - margin;
     let high = max(triangle.first_two.xy, max(triangle.first_two.zw, triangle.third.xy)) + margin;
@@ -151,7 +151,7 @@ fn mark_voxels(texel: vec2<u32>, depths: vec2<f32>) {
 #endif
 
 // What a pass does with a triangle and a texel that it may touch.
-fn put_fragment(texel: vec2<f32>, triangle: FlatTriangle) {
+fn put_fragment(texel: vec2<f32>, triangle: AxisTriangle) {
     let image = drawn.space.image;
     let margin = part_margin(image);
     let part = part_in_texel(texel, triangle.first_two.xy, triangle.first_two.zw, triangle.third.xy, margin);
@@ -196,7 +196,7 @@ fn draw(
     if (any(part.high <= part.low)) {
         return;
     }
-    let triangle = flat_triangle(part.triangle * 3u);
+    let triangle = axis_triangle(part.triangle * 3u);
     if (triangle.words.z == 0u) {
         return;
     }
@@ -224,7 +224,7 @@ struct Corner {
 // Two triangles a triangle: the rectangle of texels that it may touch; outside of the image where another axis has it.
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> Corner {
-    let triangle = flat_triangle(index / 6u * 3u);
+    let triangle = axis_triangle(index / 6u * 3u);
     var corner: Corner;
     corner.position = vec4<f32>(2.0, 2.0, 0.5, 1.0);
     if (triangle.words.z == 0u) {
@@ -244,7 +244,7 @@ fn vertex(@builtin(vertex_index) index: u32) -> Corner {
 
 @fragment
 fn fragment(in: Corner) -> @location(0) vec4<f32> {
-    var triangle: FlatTriangle;
+    var triangle: AxisTriangle;
     triangle.first_two = in.first_two;
     triangle.third = in.third;
 #ifdef STORE

@@ -21,5 +21,18 @@ pub struct Switched {
     /// From which preset.
     pub preset: Preset,
     /// Parameters with their values.
-    pub values: &'static [(&'static str, &'static str)],
+    pub values: Values,
+}
+
+/// Parameters with their values.
+pub type Values = &'static [(&'static str, &'static str)];
+
+/// A row of the published preset with other values.
+pub(super) const fn published(values: Values) -> Switched {
+    Switched { preset: Preset::Published, values }
+}
+
+/// A row of the improved preset with other values.
+pub(super) const fn improved(values: Values) -> Switched {
+    Switched { preset: Preset::Improved, values }
 }

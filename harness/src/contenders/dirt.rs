@@ -1,11 +1,8 @@
 //! The room of `dirt`: analytic hits on every triangle that touches a tile of six views, found bucket by bucket; improved, by a tree in
 //! every tile.
 
-use tracebench_api::Preset;
-
-use super::{
-    Ablation, Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Switched, Touch,
-};
+use super::ablation::{Values, improved, published};
+use super::{Ablation, Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
@@ -108,8 +105,6 @@ const IMPROVED_EXPECTATIONS: Column = &[
     ("equal-triangles", Expectation::Refusable { from: 1024.0, otherwise: &Expectation::Exact }),
 ];
 
-type Values = &'static [(&'static str, &'static str)];
-
 /// From row to row one thing more: hits by their distance, no near plane, rays split near the eye, drawn in compute.
 const BY_DISTANCE: Values = &[("accept", "distance"), ("searched", "all")];
 const NO_NEAR: Values = &[("accept", "distance"), ("searched", "all"), ("centre", "eye"), ("near", "none")];
@@ -150,14 +145,6 @@ const ABLATION: Ablation = Ablation {
         improved(&[("centre_rays", "whole")]),
     ],
 };
-
-const fn published(values: Values) -> Switched {
-    Switched { preset: Preset::Published, values }
-}
-
-const fn improved(values: Values) -> Switched {
-    Switched { preset: Preset::Improved, values }
-}
 
 const LADDER: &[Remedy] = &[
     Remedy {

@@ -1,12 +1,9 @@
 //! The room of `fragment-abuffer`: fragments at pixels' centres, every layer, seven views, no thickness; improved, fragments that are planes,
 //! in every pixel that a triangle touches.
 
-use tracebench_api::Preset;
-
+use super::ablation::{Values, improved, published};
 use super::expectation::{fails, of_huge_triangles, of_plates_along_rows};
-use super::{
-    Ablation, Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Switched, Touch,
-};
+use super::{Ablation, Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
@@ -262,8 +259,6 @@ const IMPROVED_EXPECTATIONS: Column = &[
     ("equal-triangles", Expectation::Refusable { from: 1024.0, otherwise: &BEYOND_EDGES }),
 ];
 
-type Values = &'static [(&'static str, &'static str)];
-
 /// Planes that fill their pixels.
 const PLANES: Values = &[("fragments", "planes")];
 const TOUCHED: Values = &[("coverage", "conservative")];
@@ -299,14 +294,6 @@ const ABLATION: Ablation = Ablation {
         improved(&[("build", "raster")]),
     ],
 };
-
-const fn published(values: Values) -> Switched {
-    Switched { preset: Preset::Published, values }
-}
-
-const fn improved(values: Values) -> Switched {
-    Switched { preset: Preset::Improved, values }
-}
 
 const LADDER: &[Remedy] = &[
     Remedy {

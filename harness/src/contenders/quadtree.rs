@@ -1,9 +1,8 @@
 //! The room of `quadtree`: two depth layers of the frame, each pixel a small plane, merged by thresholds in the unit cube.
 
-use tracebench_api::Preset;
-
+use super::ablation::{Values, improved, published};
 use super::expectation::{fails, of_huge_triangles, of_plates_along_rows};
-use super::{Ablation, Column, Expectation, Family, Improved, Registration, Remedy, Rule, Shrink, Switched, Touch};
+use super::{Ablation, Column, Expectation, Family, Improved, Registration, Remedy, Rule, Shrink, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
@@ -254,8 +253,6 @@ const IMPROVED_EXPECTATIONS: Column = &[
     ),
 ];
 
-type Values = &'static [(&'static str, &'static str)];
-
 /// From row to row one thing more: normals of triangles, thresholds in pixels, the flag from smaller steps, planes that end at each other.
 const BY_TRIANGLES: Values = &[("normals", "geometry")];
 const IN_PIXELS: Values = &[("normals", "geometry"), ("gamma_dist", "0.25"), ("gamma_dist_in", "pixels")];
@@ -275,30 +272,26 @@ const ABLATION: Ablation = Ablation {
     summary: "the switches between the quad-tree as published and its improved form: builds, traces, bytes, accuracy, counters",
     rays: "stereo,diffuse",
     rows: &[
-        of(Preset::Published, &[]),
-        of(Preset::Published, BY_TRIANGLES),
-        of(Preset::Published, IN_PIXELS),
-        of(Preset::Published, FLAGGED),
-        of(Preset::Published, JOINED),
-        of(Preset::Improved, &[("layers", "2")]),
-        of(Preset::Improved, &[("layers", "3")]),
-        of(Preset::Improved, &[]),
-        of(Preset::Improved, &[("patches", "squares")]),
-        of(Preset::Improved, &[("normals", "depth")]),
-        of(Preset::Improved, &[("gamma_dist_in", "cube"), ("gamma_dist", "1e-5")]),
-        of(Preset::Improved, &[("gamma_norm", "0"), ("gamma_dist", "0")]),
-        of(Preset::Improved, &[("discontinuity", "2")]),
-        of(Preset::Improved, &[("start_bias", "0")]),
-        of(Preset::Improved, &[("start_bias", "1")]),
-        of(Preset::Improved, &[("occlusion_bias", "1")]),
-        of(Preset::Improved, &[("dilated", "none")]),
-        of(Preset::Improved, &[("next_layer", "always")]),
+        published(&[]),
+        published(BY_TRIANGLES),
+        published(IN_PIXELS),
+        published(FLAGGED),
+        published(JOINED),
+        improved(&[("layers", "2")]),
+        improved(&[("layers", "3")]),
+        improved(&[]),
+        improved(&[("patches", "squares")]),
+        improved(&[("normals", "depth")]),
+        improved(&[("gamma_dist_in", "cube"), ("gamma_dist", "1e-5")]),
+        improved(&[("gamma_norm", "0"), ("gamma_dist", "0")]),
+        improved(&[("discontinuity", "2")]),
+        improved(&[("start_bias", "0")]),
+        improved(&[("start_bias", "1")]),
+        improved(&[("occlusion_bias", "1")]),
+        improved(&[("dilated", "none")]),
+        improved(&[("next_layer", "always")]),
     ],
 };
-
-const fn of(preset: Preset, values: Values) -> Switched {
-    Switched { preset, values }
-}
 
 const LADDER: &[Remedy] = &[
     Remedy {

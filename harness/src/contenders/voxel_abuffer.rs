@@ -1,12 +1,9 @@
 //! The room of `voxel-abuffer`: layers at texels' centres along three axes of the scene's bounds, inside told from outside;
 //! improved, planes that are clipped to texels, each a part of the surface itself.
 
-use tracebench_api::Preset;
-
+use super::ablation::{Values, improved, published};
 use super::expectation::fails;
-use super::{
-    Ablation, Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Switched, Touch,
-};
+use super::{Ablation, Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: EXPECTATIONS,
@@ -194,8 +191,6 @@ const IMPROVED_EXPECTATIONS: Column = &[
     ("long-scene", Expectation::Refusable { from: 50.0, otherwise: &OF_PLANES }),
 ];
 
-type Values = &'static [(&'static str, &'static str)];
-
 /// The best that is known of points.
 const BEST_POINTS: Values = &[("fit", "box"), ("average", "lines"), ("depths", "plane"), ("start_bias", "1")];
 
@@ -219,14 +214,6 @@ const ABLATION: Ablation = Ablation {
         improved(&[("grid", "128")]),
     ],
 };
-
-const fn published(values: Values) -> Switched {
-    Switched { preset: Preset::Published, values }
-}
-
-const fn improved(values: Values) -> Switched {
-    Switched { preset: Preset::Improved, values }
-}
 
 const LADDER: &[Remedy] = &[
     Remedy {

@@ -21,10 +21,10 @@ use crate::parts::{Part, Parts, check_nodes, view_suffix};
 pub(crate) const WORKGROUP_SIZE: u32 = 64;
 
 /// As `BAND` in shaders/fragment-abuffer/boxes.wgsl: rows of a box that a workgroup draws.
-const BAND: u32 = 16;
+pub(crate) const BAND: u32 = 16;
 
 /// As `MOST_ALONE` in shaders/fragment-abuffer/reorder.wgsl: nodes of a piece that an invocation orders alone.
-const MOST_ALONE: u32 = 128;
+pub(crate) const MOST_ALONE: u32 = 128;
 
 /// Workgroups of a dispatch along a dimension, which WebGPU grants: so many long pieces are ordered.
 const MOST_LONG_PIECES: u32 = 65_535;

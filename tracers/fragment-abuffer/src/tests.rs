@@ -9,11 +9,32 @@ use tracebench_api::{
 };
 use tracebench_tests::{Numbers, answers, gpu, gpu_that_binds, ray, rectangle as rectangle_of, soup};
 
+use tracebench_shaders::fragment_abuffer::{Boxes, Reorder};
+use tracebench_shaders::{Shader, Variant};
+
+use super::build::{BAND, MOST_ALONE, WORKGROUP_SIZE};
 use super::description;
 use super::structure::{FragmentAbuffer, FragmentStructure};
 
 pub(crate) const STORAGES: [&str; 5] = ["s-buffer", "ll", "dll", "llb", "dllb"];
 pub(crate) const SKIPS: [&str; 3] = ["skip_bounds", "skip_buckets", "skip_lists"];
+
+/// Sizes that the host knows are those of the shaders.
+#[test]
+fn constants_are_those_of_the_shaders() {
+    for (name, expected, shaders) in [
+        ("WORKGROUP_SIZE", WORKGROUP_SIZE, all::<Reorder>()),
+        ("MOST_ALONE", MOST_ALONE, all::<Reorder>()),
+        ("BAND", BAND, all::<Boxes>()),
+    ] {
+        let found: Vec<u32> = shaders.iter().filter_map(|shader| shader.constant(name)).collect();
+        assert!(!found.is_empty() && found.iter().all(|value| *value == expected), "{name}: {found:?}");
+    }
+}
+
+fn all<V: Variant>() -> Vec<Shader> {
+    V::ALL.iter().map(|variant| (*variant).into()).collect()
+}
 
 /// Round the origin, 40 pixels along a face's edge, a frame of odd edges.
 pub(crate) fn viewpoint() -> Viewpoint {

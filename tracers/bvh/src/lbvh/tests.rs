@@ -34,16 +34,6 @@ fn unsound_hierarchies_are_noticed() {
     }
 }
 
-/// The value of a u32 constant in a composed shader, to whose name naga_oil appends its module's.
-fn constant(shader: Shader, name: &str) -> Option<usize> {
-    let of = |line: &str| {
-        let (found, value) = line.strip_prefix("const ")?.split_once(": u32 = ")?;
-        let plain = found.split("X_naga_oil").next()?;
-        (plain == name).then(|| value.trim_end_matches("u;").parse().ok())?
-    };
-    shader.source.lines().find_map(of)
-}
-
 /// Places and sizes that the host knows are those of the shaders.
 #[test]
 fn constants_are_those_of_the_shaders() {
@@ -58,13 +48,13 @@ fn constants_are_those_of_the_shaders() {
         (cluster, "LAST_CLUSTERS", LAST_CLUSTERS as usize),
         (cluster, "MOST_LEVELS", BINARY_STACK),
     ] {
-        assert_eq!(constant(shader, name), Some(expected), "{name}");
+        assert_eq!(shader.constant(name), Some(expected as u32), "{name}");
     }
     // The words of all iterations end before those that follow: searches, then pairings of what they may leave.
-    let searches = constant(cluster, "MOST_SEARCHES").unwrap();
+    let searches = cluster.constant("MOST_SEARCHES").unwrap() as usize;
     assert!(FINISHED + searches + (LAST_CLUSTERS.ilog2() as usize) < TAKEN_SLOTS);
     // Negative control: a name that is only the beginning of one is not found.
-    assert_eq!(constant(cluster, "FINISH"), None);
+    assert_eq!(cluster.constant("FINISH"), None);
 }
 
 /// Proves that the nodes and references counted as touched by a set of rays are those whose boxes the rays meet by brute

@@ -11,9 +11,9 @@ use crate::description::Lists;
 use crate::layout::MipmapLevel;
 
 /// As `WORKGROUP_SIZE` in shaders/dirt/part_lists.wgsl and part_trees.wgsl.
-const WORKGROUP_SIZE: u32 = 64;
+pub(super) const WORKGROUP_SIZE: u32 = 64;
 /// As `LARGE_WORKGROUPS` in shaders/dirt/part_lists.wgsl.
-const LARGE_WORKGROUPS: u32 = 256;
+pub(super) const LARGE_WORKGROUPS: u32 = 256;
 
 /// How far a build goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,7 +11,7 @@ use crate::description::Lists;
 pub(super) const TURN_DOWN: &str = "dirt.face_tiles or the scene's triangle count";
 
 /// As in shaders/dirt/part_trees.wgsl: more parts in a tile are not built.
-const MOST_PARTS: u32 = 2_097_152;
+pub(super) const MOST_PARTS: u32 = 2_097_152;
 
 /// Bytes of a node, of a list.
 const NODE_BYTES: u64 = 48;

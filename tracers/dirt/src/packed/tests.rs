@@ -6,9 +6,14 @@ use std::sync::Arc;
 
 use tracebench_api::glam::Vec3;
 use tracebench_api::{Geometry, Gpu, PhaseClock, Structure, TracerError, Update, Viewpoint};
+use tracebench_shaders::dirt::{PackedTrace, PartLists, PartTrees};
+use tracebench_shaders::{Shader, Variant};
 use tracebench_tests::{Numbers, gpu, gpu_that_binds, soup};
 
 use super::PackedStructure;
+use super::build::{LARGE_WORKGROUPS, WORKGROUP_SIZE};
+use super::layout::{FACES, FIRST_NEAR, MISPLACED};
+use super::rooms::MOST_PARTS;
 use crate::structure::Dirt;
 use crate::tests::{hostile, parameters, viewpoint};
 
@@ -22,6 +27,27 @@ pub(super) const FORMS: [&[(&str, &str)]; 7] = [
     &[("lists", "packed"), ("slices", "1")],
     &[("lists", "packed"), ("face_tiles", "1")],
 ];
+
+/// Places and sizes that the host knows are those of the shaders.
+#[test]
+fn constants_are_those_of_the_shaders() {
+    let shaders: Vec<Shader> = [all::<PartLists>(), all::<PartTrees>(), all::<PackedTrace>()].concat();
+    for (name, expected) in [
+        ("WORKGROUP_SIZE", WORKGROUP_SIZE),
+        ("LARGE_WORKGROUPS", LARGE_WORKGROUPS),
+        ("FACES", FACES),
+        ("FIRST_NEAR", FIRST_NEAR),
+        ("MISPLACED", MISPLACED),
+        ("MOST_PARTS", MOST_PARTS),
+    ] {
+        let found: Vec<u32> = shaders.iter().filter_map(|shader| shader.constant(name)).collect();
+        assert!(!found.is_empty() && found.iter().all(|value| *value == expected), "{name}: {found:?}");
+    }
+}
+
+fn all<V: Variant>() -> Vec<Shader> {
+    V::ALL.iter().map(|variant| (*variant).into()).collect()
+}
 
 /// One of each device, so that drivers compile its pipelines once.
 fn tracer(gpu: &Arc<Gpu>) -> Result<Rc<Dirt>, TracerError> {
@@ -148,7 +174,7 @@ fn a_spoilt_structure_is_noticed() {
         let tile = (0..structure.layout.tile_count() as usize).max_by_key(|tile| quads[*tile][1]).unwrap();
         let [first, count, node, _] = quads[tile].map(u64::from);
         assert!(count > 8, "{count}");
-        let head = u64::from(super::layout::FIRST_NEAR + rooms.triangle_count);
+        let head = u64::from(FIRST_NEAR + rooms.triangle_count);
         let top = u64::from(structure.layout.cells()) - 1;
         let mut spoils = vec![
             ("no triangle", &rooms.words.buffer, (head + first) * 4, 1 << 30),
@@ -207,7 +233,7 @@ fn builds_are_the_same_bit_for_bit() {
     for settings in [FORMS[0], FORMS[3]] {
         let words = |structure: &PackedStructure| {
             let rooms = &structure.rooms;
-            let head = u64::from(super::layout::FIRST_NEAR + rooms.triangle_count) as usize * 4;
+            let head = u64::from(FIRST_NEAR + rooms.triangle_count) as usize * 4;
             let references = gpu.read(&rooms.words.buffer, rooms.words.used_bytes).unwrap();
             let nodes = gpu.read(&rooms.nodes.buffer, rooms.nodes.used_bytes).unwrap();
             (references[head..].to_vec(), nodes, gpu.read(&rooms.masks.buffer, rooms.masks.used_bytes).unwrap())

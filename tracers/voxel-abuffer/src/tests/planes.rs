@@ -2,7 +2,7 @@
 
 use super::*;
 use tracebench_api::wgpu::Buffer;
-use tracebench_api::{SurfaceStatus, Update};
+use tracebench_api::{Status, SurfaceStatus, Update};
 
 const PLANES: (&str, &str) = ("fragments", "planes");
 
@@ -52,26 +52,50 @@ fn texel(structure: &VoxelStructure) -> f64 {
     1.0 / (f64::from(least) * f64::from(space.image))
 }
 
-/// Holds hits against the triangles: no ray passes one, and where it ends it is within `near` texels of one.
+/// What is wrong with a hit: the ray passed a triangle, or it ends `near` or further from all of them.
+fn fault(triangles: &[[[f32; 3]; 3]], ray: &Ray, hit: &Hit, truth: Option<f64>, near: f64) -> Option<String> {
+    let (origin, direction) = (Vec3::from(ray.origin).as_dvec3(), Vec3::from(ray.direction).as_dvec3());
+    // A ray along a plane is met where rounding has it.
+    let passed = |t: f64| !(hit.is_hit() && (f64::from(hit.t) - t) * direction.length() < near);
+    if truth.is_some_and(passed) {
+        return Some(format!("goes through {truth:?}"));
+    }
+    let point = origin + direction * f64::from(hit.t);
+    let nearest = triangles.iter().map(|triangle| distance_to(triangle, point)).fold(f64::INFINITY, f64::min);
+    let close = nearest < near;
+    (hit.is_hit() && !close).then(|| format!("ends {} of what it may off", nearest / near))
+}
+
+/// Holds hits against the triangles, within `near` texels; how many rays truly meet one.
 fn check_hits(structure: &VoxelStructure, triangles: &[[[f32; 3]; 3]], rays: &[Ray], hits: &[Hit], near: f64) -> usize {
     let near = near * texel(structure);
     let mut true_hits = 0;
     for (index, (ray, hit)) in rays.iter().zip(hits).enumerate() {
         let truth = true_hit(triangles, ray);
         true_hits += usize::from(truth.is_some());
-        let (origin, direction) = (Vec3::from(ray.origin).as_dvec3(), Vec3::from(ray.direction).as_dvec3());
-        if let Some(t) = truth {
-            let behind = (f64::from(hit.t) - t) * direction.length();
-            // A ray along a plane is met where rounding has it.
-            assert!(hit.is_hit() && behind < near, "ray {index} {ray:?} goes through {t}: {hit:?}");
-        }
-        if hit.is_hit() {
-            let point = origin + direction * f64::from(hit.t);
-            let distance = triangles.iter().map(|triangle| distance_to(triangle, point)).fold(f64::INFINITY, f64::min);
-            assert!(distance < near, "ray {index} {ray:?} ends {} texels off: {hit:?}", distance / texel(structure));
+        if let Some(fault) = fault(triangles, ray, hit, truth, near) {
+            panic!("ray {index} {ray:?} {fault}: {hit:?}");
         }
     }
     true_hits
+}
+
+/// Negative control of what holds hits: one at the truth passes, with what f32 takes from it; a miss, one behind the truth, one before it
+/// in empty space and one where nothing is are noticed.
+#[test]
+fn wrong_hits_are_noticed() {
+    let triangles = [
+        [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]],
+        [[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [0.0, 1.0, 1.0]],
+    ];
+    let (through, past) = (ray(DVec3::new(0.1, 0.0, -2.0), DVec3::Z), ray(DVec3::new(9.0, 0.0, -2.0), DVec3::Z));
+    let miss = Hit::miss(Status::Miss);
+    let at = |t: f32| Hit { t, status: Status::Hit as u32, ..miss };
+    let noticed = |ray: &Ray, hit: Hit| fault(&triangles, ray, &hit, true_hit(&triangles, ray), 0.01).is_some();
+    assert_eq!([&through, &past].map(|ray| true_hit(&triangles, ray)), [Some(2.0), None]);
+    assert!(!noticed(&through, at(2.0)) && !noticed(&through, at(2.000_001)) && !noticed(&past, miss));
+    assert!(noticed(&through, miss) && noticed(&through, at(3.0)) && noticed(&through, at(1.9)));
+    assert!(noticed(&through, at(f32::NAN)) && noticed(&past, at(2.0)));
 }
 
 /// A ball of slanted triangles without a gap, each face of an octahedron divided so often.
