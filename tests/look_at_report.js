@@ -56,6 +56,35 @@ function fronts() {
   next.blur();
 }
 
+function budgets() {
+  const form = document.getElementById("budget");
+  if (!form) { told.push("nothing of budgets"); return; }
+  const rows = () => all("#within tbody tr").map((row) => [...row.cells].map((cell) => cell.textContent));
+  const put = (name, value) => { form.elements[name].value = value; form.dispatchEvent(new Event("input", { bubbles: true })); };
+  const needs = all("#answer table").find((table) => table.id !== "within" && table.tHead.textContent.includes("need"));
+  for (const [value, need] of [["trace", "fastest"], ["mib", "smallest"], ["build", "quickest to build"]]) {
+    put("aim", value);
+    const said = [...needs.tBodies[0].rows].map((row) => [...row.cells].map((cell) => cell.textContent)).filter((cells) => cells[4] === need);
+    check(`whom it takes as ${need} is whom the program takes`, said.length === rows().length && rows().length > 0
+      && rows().every((row, index) => row[3].startsWith(said[index][5])));
+  }
+  check("the address has it", location.hash.includes("budget-aim=build"));
+  put("aim", "trace");
+  const free = rows();
+  const mib = (row) => Number(row[5].replaceAll(",", ""));
+  const half = Math.min(...free.map(mib)) / 2;
+  put("mib", half);
+  check("fewer bytes leave others, or nobody", rows().every((row, index) => row[3].startsWith("nobody") || (mib(row) <= half && row[3] !== free[index][3])));
+  put("mib", 0);
+  check("no bytes leave nobody", rows().every((row) => row[3] === "nobody"));
+  put("mib", "");
+  check("and all is as before", JSON.stringify(rows()) === JSON.stringify(free) && !location.hash.includes("budget"));
+  const [name] = free[0][3].split(/[ :]/);
+  boxOf("tracer", name).click();
+  check(`without ${name} another one is taken`, !rows()[0][3].startsWith(name));
+  boxOf("tracer", name).click();
+}
+
 function sorting() {
   const table = all("table").find((each) => each.tBodies[0].rows.length > 2 && seen(each));
   const head = all("thead th", table)[0];
@@ -93,7 +122,7 @@ function words() {
   check("nothing is wider than the page", document.documentElement.scrollWidth <= innerWidth);
 }
 
-for (const part of [filters, fronts, sorting, pictures, words]) part();
+for (const part of [filters, fronts, budgets, sorting, pictures, words]) part();
 told.push("ok all");
 const pre = document.createElement("pre");
 pre.id = "probe";

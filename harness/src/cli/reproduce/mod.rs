@@ -100,6 +100,9 @@ const ANSWER: &str = "report.html";
 const REPORT_SHARE: f64 = 0.05;
 const MOST_REPORT: Duration = Duration::from_secs(15);
 
+/// How long pages may be behind what was measured: whoever breaks off has those of the steps until then.
+const PAGES_EVERY: Duration = Duration::from_secs(120);
+
 /// How often it is asked whether a step has ended.
 const PATIENCE: Duration = Duration::from_millis(50);
 
@@ -128,6 +131,7 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
     let all = with_preset(steps::steps(whole), preset.as_deref());
     let before = earlier.map_or_else(Vec::new, |earlier| earlier.steps);
     let mut found = Reproduction { preset, steps: Vec::new() };
+    let mut pages_written: Option<Instant> = None;
     // There from the start: what is broken off in the first step can be gone on with.
     write(&out.path, &Reproduction { preset: found.preset.clone(), steps: rest_of(&all, &before) })?;
     for (index, step) in all.iter().enumerate() {
@@ -156,18 +160,31 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
         found.steps.push(taken);
         // What was not reached yet is kept as it was left.
         let steps = found.steps.iter().cloned().chain(rest_of(&all[index + 1..], &before)).collect();
-        write(&out.path, &Reproduction { preset: found.preset.clone(), steps })?;
+        let so_far = Reproduction { preset: found.preset.clone(), steps };
+        write(&out.path, &so_far)?;
+        let is_over = ends.is_some_and(|ends| Instant::now() >= ends);
+        if !is_over && pages_written.is_none_or(|written| written.elapsed() >= PAGES_EVERY) {
+            pages(&so_far, &out.path, begun.elapsed(), &Progress::new(true))?;
+            pages_written = Some(Instant::now());
+        }
     }
-    let list = page::write(&found, &out.path, begun.elapsed())?;
-    print(&format!("{}\n", list.display()))?;
-    let measured = |one: &&Taken| report::read_run(&out.path.join(&one.name)).is_ok();
-    let records: Vec<PathBuf> = found.steps.iter().filter(measured).map(|one| out.path.join(&one.name)).collect();
-    if !records.is_empty() {
-        let answer = out.path.join(ANSWER);
-        html::write(&answer, &records, progress)?;
-        print(&format!("{}\n", answer.display()))?;
+    for path in pages(&found, &out.path, begun.elapsed(), progress)? {
+        print(&format!("{}\n", path.display()))?;
     }
     outcome(&found)
+}
+
+/// Writes the list of steps, and the one page of what was measured of them, if anything was.
+fn pages(found: &Reproduction, out: &Path, passed: Duration, progress: &Progress) -> Result<Vec<PathBuf>, CliError> {
+    let mut written = vec![page::write(found, out, passed)?];
+    let folders = found.steps.iter().map(|one| out.join(&one.name));
+    let records: Vec<PathBuf> = folders.filter(|folder| report::read_run(folder).is_ok()).collect();
+    if !records.is_empty() {
+        let answer = out.join(ANSWER);
+        html::write(&answer, &records, progress)?;
+        written.push(answer);
+    }
+    Ok(written)
 }
 
 /// The preset of all steps: the one that the folder was begun with, where it is gone on with.

@@ -2,9 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::Place;
-use super::markdown;
 use super::read::{Names, Read};
+use super::{Place, budget, markdown};
 use crate::report::format::{NONE, significant};
 use crate::report::markdown::{Table, inline};
 use crate::report::pareto::page::{asked, right, too_few, with_cost};
@@ -27,6 +26,7 @@ pub(super) fn section(places: &[Place<'_>], records: &[Read<'_>], machines: &[St
     if places.is_empty() {
         return html;
     }
+    html += &budget::section(places);
     let _ = write!(
         html,
         "{}<details><summary>At {} and {} agreement</summary>{}</details>\n{}",

@@ -5,6 +5,7 @@
 //! while axes stay.
 
 mod answer;
+mod budget;
 mod causes;
 mod fronts;
 mod markdown;

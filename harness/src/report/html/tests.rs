@@ -47,6 +47,35 @@ fn part<'a>(html: &'a str, begin: &str, end: &str) -> &'a str {
     &html[from..behind + html[behind..].find(end).unwrap_or_else(|| panic!("no {end} behind {begin}"))]
 }
 
+/// Proves that what a budget is held against is every point that was timed, with what it costs in the units of the fields: without a
+/// limit the cheapest of those that are right often enough is whom the program takes, for each aim.
+#[test]
+fn a_budget_has_every_point() {
+    let run = planted();
+    let Page { html, .. } = page_of(&[("fronts", run)], MOST_BYTES);
+    let text = part(&html, "id=\"budget-points\">", "</script>").trim_start_matches("id=\"budget-points\">");
+    let cases: Vec<serde_json::Value> = serde_json::from_str(text).unwrap();
+    assert_eq!(cases.iter().map(|case| case["rays"].as_str().unwrap()).collect::<Vec<_>>(), ["diffuse", "ao"]);
+    let needs = part(&html, "Which to take, and why", "</table>");
+    for case in &cases {
+        let points = case["points"].as_array().unwrap();
+        assert_eq!(points.len(), 5);
+        let mib: Vec<f64> = points.iter().map(|point| point[6].as_f64().unwrap()).collect();
+        assert!(mib.iter().all(|mib| (8.0..=51.0).contains(mib)), "{mib:?}");
+        for (cost, need) in [(4, "fastest"), (6, "smallest"), (5, "quickest to build")] {
+            let of = |point: &&serde_json::Value| point[cost].as_f64().unwrap();
+            let taken = |least: f64| {
+                let enough = points.iter().filter(|point| point[2].as_f64().unwrap() >= least);
+                enough.min_by(|one, other| of(one).total_cmp(&of(other))).unwrap()[1].as_str().unwrap()
+            };
+            let row = format!("<td>{need}</td><td>{}</td>", escape(taken(0.999)));
+            assert!(needs.contains(&row), "no {row} in {needs}");
+            // Negative control: with other answers another one is taken.
+            assert_ne!(taken(0.999), taken(0.5), "{need}");
+        }
+    }
+}
+
 /// Proves that a page of fronts needs nothing else, is under the limit, tells who to take for each need and why, names the machine at every
 /// chart, and has the command. A page with a picture of elsewhere is found out.
 #[test]
