@@ -29,7 +29,7 @@ const CAPTION_LINE: f64 = 15.0;
 /// Size of tick labels.
 pub(super) const TICK_SIZE: f64 = 10.5;
 /// Size of axes' names.
-pub(super) const AXIS_SIZE: f64 = 11.5;
+const AXIS_SIZE: f64 = 11.5;
 
 /// What stands before a legend's text.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -231,19 +231,28 @@ impl Rect {
         canvas.text(&text, (self.left, self.top - 14.0), Align::Start, 13.0, INK)
     }
 
-    /// The names of the axes.
-    pub(super) fn axis_names<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, x: &str, y: &str) -> Drawn {
+    /// The names of the axes, below so many lines of labels.
+    pub(super) fn axis_names<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, x: &str, y: &str, lines: usize) -> Drawn {
         let middle = (self.left + self.right) / 2.0;
-        canvas.text(x, (middle, self.bottom + 35.0), Align::Middle, AXIS_SIZE, INK)?;
+        let drop = if lines > 1 { 42.0 } else { 35.0 };
+        let x = shorten(x, AXIS_SIZE, self.right - self.left + LEFT);
+        canvas.text(&x, (middle, self.bottom + drop), Align::Middle, AXIS_SIZE, INK)?;
         canvas.text_upwards(y, (self.left - 57.0, (self.top + self.bottom) / 2.0), AXIS_SIZE, INK)
     }
 
-    /// A tick of the lower axis with its grid line.
-    pub(super) fn tick_below<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, x: f64, label: Option<&str>) -> Drawn {
+    /// A tick of the lower axis with its grid line, its label on a line of several.
+    pub(super) fn tick_below<DB: DrawingBackend>(
+        &self,
+        canvas: &Canvas<DB>,
+        x: f64,
+        label: Option<&str>,
+        line: usize,
+    ) -> Drawn {
         if let Some(label) = label {
             canvas.path(&[(x, self.top), (x, self.bottom)], GRID, 1.0)?;
             canvas.path(&[(x, self.bottom), (x, self.bottom + 5.0)], GREY, 1.0)?;
-            canvas.text(label, (x, self.bottom + 15.0), Align::Middle, TICK_SIZE, GREY)
+            let drop = 15.0 + TICK_SIZE * line as f64;
+            canvas.text(label, (x, self.bottom + drop), Align::Middle, TICK_SIZE, GREY)
         } else {
             canvas.path(&[(x, self.bottom), (x, self.bottom + 3.0)], GREY, 0.5)
         }

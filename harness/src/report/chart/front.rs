@@ -212,7 +212,7 @@ fn panel<'a>(field: &Field<'a>, by: By, asked: &PanelOf<'a>, styles: &FrontStyle
     }
     let mut controls = Vec::new();
     for (row, trace) in &field.controls {
-        controls.extend(Wrong::of(trace, by).map(|wrong| (row.label(), vec![(0.0, wrong.drawn())])));
+        controls.extend(Wrong::of(trace, by).map(|wrong| panel::level(row.label(), wrong.drawn())));
     }
     let x_range = log_range(marks.iter().flat_map(|mark| mark.x.interval.into_iter().chain([mark.x.value])));
     let query = if by == By::BalancedAccuracy { Query::Any } else { Query::Closest };

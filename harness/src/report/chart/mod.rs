@@ -2,12 +2,13 @@
 
 mod axis;
 mod canvas;
+mod curves;
 mod frame;
 mod front;
 mod overtaking;
 mod palette;
 mod panel;
-mod plot;
+mod scale;
 pub(crate) mod series;
 mod speed;
 mod strength;
@@ -82,7 +83,7 @@ pub(super) fn strength_charts(stability: &Stability) -> Result<Vec<ChartFile>, R
 pub(super) fn sweep_charts(run: &Run, views: &[View<'_>]) -> Result<Vec<ChartFile>, ReportError> {
     let mut files = Vec::new();
     for view in views {
-        draw(&view.stem(), &sweep::SweepFigure::new(run, view), &mut files)?;
+        draw(&view.stem(), &sweep::chart(run, view), &mut files)?;
     }
     Ok(files)
 }
@@ -91,7 +92,7 @@ pub(super) fn sweep_charts(run: &Run, views: &[View<'_>]) -> Result<Vec<ChartFil
 pub(super) fn tune_charts(tuning: &Tuning, stems: &[String]) -> Result<Vec<ChartFile>, ReportError> {
     let mut files = Vec::new();
     for (scene, stem) in tuning.scenes.iter().zip(stems) {
-        draw(stem, &tune::TuneFigure::new(tuning, scene), &mut files)?;
+        draw(stem, &tune::chart(tuning, scene), &mut files)?;
     }
     Ok(files)
 }

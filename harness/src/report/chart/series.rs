@@ -2,15 +2,13 @@
 
 use super::axis::log_range;
 use super::canvas::{register, to_svg};
+use super::curves::{Curve, Measured, Values, measured};
 use super::frame::{Entry, Frame, Sample};
 use super::palette::{GREY, Shape, Style, Styles};
-use super::panel::{self, Aside, Axis, Chart, Mark, Place, Scale, between};
+use super::panel::{self, Aside, Axis, Chart, Scale};
 use super::{ChartFile, LONGEST_TRACER, cut, draw, made, untimed_caption};
 use crate::report::ReportError;
 use crate::results::Run;
-
-const FILLED: f64 = 4.0;
-const HOLLOW: f64 = 6.0;
 
 /// A line of a panel.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,28 +89,18 @@ fn figure(run: &Run, chart: &SeriesChart) -> Chart {
 
 fn panel(panel: &Panel, styles: &Styles) -> panel::Panel {
     // A logarithm never gets to zero.
-    let usable = |value: &Option<f64>| value.filter(|value| value.is_finite() && *value > 0.0);
-    let range = log_range(panel.series.iter().flat_map(|series| series.values.iter().filter_map(usable)));
-    let mut lines = Vec::new();
-    let mut markers = Vec::new();
-    for series in &panel.series {
-        let (style, dashed, aside) = (styles.get(&series.label), series.dashed, Aside::default());
-        let at = |(step, value): (usize, &Option<f64>)| Some((step as f64, usable(value)?));
-        let places: Vec<Option<Place>> = series.values.iter().enumerate().map(at).collect();
-        lines.extend(between(&places, style.colour, if dashed { 1.5 } else { 2.0 }, dashed, aside));
-        let radius = if dashed { HOLLOW } else { FILLED };
-        let marker = |place| Mark::Marker { place, radius, style, hollow: dashed, aside };
-        markers.extend(places.into_iter().flatten().map(marker));
-    }
+    let usable = |value: &Option<f64>| value.filter(|value| value.is_finite() && *value > 0.0).map(Measured::exact);
+    let curve = |Series { label, values, dashed }: &Series| Curve {
+        style: styles.get(label),
+        hollow: *dashed,
+        aside: Aside::default(),
+        at: values.iter().map(usable).collect(),
+    };
+    let curves: Vec<Curve> = panel.series.iter().map(curve).collect();
+    let scale = Scale::Log(log_range(measured(&curves).map(|one| one.value)), 6);
+    let values = Values::steps(panel.setting.clone(), panel.steps.clone(), None);
+    let y = Axis { name: panel.quantity.clone(), scale };
+    let drawn = values.panel(panel.title.clone(), y, &curves, Vec::new());
     let zero = panel.series.iter().flat_map(|series| &series.values).any(|value| *value == Some(0.0));
-    let note = if zero { "0 throughout" } else { "nothing was measured" };
-    panel::Panel {
-        title: panel.title.clone(),
-        x: Axis { name: panel.setting.clone(), scale: Scale::Steps(panel.steps.clone()) },
-        y: Axis { name: panel.quantity.clone(), scale: Scale::Log(range, 6) },
-        controls: Vec::new(),
-        note: markers.is_empty().then_some(note),
-        // All lines before all markers: a line over a marker would hide which kind it is.
-        marks: lines.into_iter().chain(markers).collect(),
-    }
+    panel::Panel { note: drawn.note.map(|note| if zero { "0 throughout" } else { note }), ..drawn }
 }

@@ -6,15 +6,13 @@ use super::axis::log_range;
 use super::canvas::register;
 use super::frame::{Entry, Frame, Sample};
 use super::palette::{GREY, Shape, Style, Styles};
-use super::panel::{Aside, Axis, Chart, Mark, Panel, Scale, ZERO_ROW};
+use super::panel::{Aside, Axis, Chart, Mark, Panel, Scale, level};
 use super::{caption, clocks, error_name, legend_label, panel_title, titles};
 use crate::report::group::{Group, RaySet, Role};
 use crate::report::metrics;
 use crate::report::sheet::Accuracy;
 use crate::results::{Run, TraceRecord};
 
-/// The most decades of error shown: beyond it shares hang on single rays of impossible sets.
-const DEEPEST: f64 = -9.0;
 const FILLED: f64 = 4.5;
 const HOLLOW: f64 = 6.5;
 
@@ -49,8 +47,6 @@ pub(super) fn chart(run: &Run, group: &Group<'_>, styles: &Styles) -> Chart {
     let speeds = log_range(points().flat_map(|point| point.speed_interval.into_iter().chain([point.speed])));
     let one_ray = group.ray_sets.iter().map(|set| 1.0 / set.count.max(1) as f64);
     let errors = points().flat_map(|point| [Some(point.filled), point.hollow]).flatten().map(|error| error.share);
-    let least = one_ray.chain(errors).filter(|share| *share > 0.0).fold(0.1, f64::min);
-    let floor = least.log10().floor().max(DEEPEST);
     let grey = Style { colour: GREY, shape: Shape::Circle };
     let has = |query| group.ray_sets.iter().any(|set| set.query == query);
     let filled = match (has(Query::Closest), has(Query::Any)) {
@@ -72,11 +68,7 @@ pub(super) fn chart(run: &Run, group: &Group<'_>, styles: &Styles) -> Chart {
         .map(|one| Entry { sample: Sample::Filled(styles.get(&one.label())), label: legend_label(one, &clocks) });
     let titles = titles("Error against speed", run, group);
     let frame = Frame::new(shown.len(), titles, &caption(run, group), key, legend.collect());
-    let scales = [
-        Scale::Log(speeds, 8),
-        // A little above 100 %, so that markers there are whole.
-        Scale::Shares((floor, 0.3), ZERO_ROW),
-    ];
+    let scales = [Scale::Log(speeds, 8), Scale::down_to(one_ray.chain(errors))];
     let panels = group.ray_sets.iter().zip(shown).map(|(set, shown)| panel(set, shown, &scales)).collect();
     Chart { frame, panels }
 }
@@ -106,8 +98,10 @@ fn panel(set: &RaySet<'_>, (points, controls): Shown, [x, y]: &[Scale; 2]) -> Pa
     let bars = points.iter().flat_map(|point| {
         [Some(point.filled), point.hollow].into_iter().flatten().map(|error| Mark::Bars {
             place: (point.speed, error.share),
-            intervals: [point.speed_interval, error.interval],
+            across: Some(point.speed_interval),
+            up: error.interval,
             colour: point.style.colour,
+            aside: Aside::default(),
         })
     });
     let marker = |point: &Point, error: Error, radius: f64, hollow: bool| Mark::Marker {
@@ -124,7 +118,7 @@ fn panel(set: &RaySet<'_>, (points, controls): Shown, [x, y]: &[Scale; 2]) -> Pa
         title: panel_title(set),
         x: Axis { name: metrics::SPEED.axis(), scale: x.clone() },
         y: Axis { name: error_name(set.query), scale: y.clone() },
-        controls: controls.into_iter().map(|(name, share)| (name, vec![(0.0, share)])).collect(),
+        controls: controls.into_iter().map(|(name, share)| level(name, share)).collect(),
         marks: bars.chain(hollow).chain(filled).collect(),
         note: points.is_empty().then_some("no contender was timed on these rays"),
     }

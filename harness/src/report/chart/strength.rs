@@ -1,9 +1,11 @@
 //! Wrong rays over the strength of cases, a panel a case.
 
 use super::canvas::register;
+use super::curves::{Curve, Measured, Values};
 use super::frame::{Entry, Frame, Sample};
 use super::palette::{GREY, Shape, Style, Styles};
-use super::panel::{Aside, Axis, Chart, Mark, Panel, Place, Scale, ZERO_ROW, between};
+use super::panel::{Aside, Axis, Chart, Panel, Scale};
+use super::scale::ZERO_ROW;
 use super::{LONGEST_TRACER, cut};
 use crate::cases;
 use crate::report::format;
@@ -13,8 +15,6 @@ use crate::studies::stability::{CaseMatrix, Cell, Stability};
 
 /// Decimal logarithm of the least share shown: a case has a thousand rays or so.
 const FLOOR: f64 = -3.5;
-const FILLED: f64 = 4.0;
-const HOLLOW: f64 = 6.0;
 
 /// The chart of a run of cases.
 pub(super) fn chart(stability: &Stability) -> Chart {
@@ -52,34 +52,22 @@ pub(super) fn chart(stability: &Stability) -> Chart {
 }
 
 fn panel(CaseMatrix { case, cells }: &CaseMatrix, styles: &Styles) -> Panel {
-    let curves: Vec<&Cell> = cells.iter().filter(|cell| !cell.measured.is_empty()).collect();
-    let of = |cell: &Cell, share: fn(&Wrong) -> f64| -> Vec<Option<Place>> {
-        let shares = cell.measured.iter().map(|measured| measured.wrong.as_ref().map(share)).enumerate();
-        shares.map(|(step, share)| Some((step as f64, share?))).collect()
-    };
-    let mut lines = Vec::new();
-    let mut markers = Vec::new();
-    for (order, cell) in curves.iter().enumerate() {
-        // Tracers that coincide stand side by side.
-        let (style, aside) = (styles.get(&cell.tracer), Aside(order, curves.len()));
-        let (tight, footprint) = (of(cell, |wrong| wrong.tight), of(cell, |wrong| wrong.footprint));
-        lines.extend(between(&tight, style.colour, 1.0, true, aside));
-        lines.extend(between(&footprint, style.colour, 2.0, false, aside));
-        let marker = |place, radius, hollow| Mark::Marker { place, radius, style, hollow, aside };
-        // Hollow ones first: they are larger, and where both rules agree the filled one sits inside.
-        markers.extend(tight.into_iter().flatten().map(|place| marker(place, HOLLOW, true)));
-        markers.extend(footprint.into_iter().flatten().map(|place| marker(place, FILLED, false)));
+    let shown: Vec<&Cell> = cells.iter().filter(|cell| !cell.measured.is_empty()).collect();
+    let mut curves = Vec::new();
+    for (order, cell) in shown.iter().enumerate() {
+        let mut add = |hollow: bool, share: fn(&Wrong) -> f64| {
+            let at = cell.measured.iter().map(|one| one.wrong.as_ref().map(|wrong| Measured::exact(share(wrong))));
+            // Tracers that coincide stand side by side.
+            let (style, aside) = (styles.get(&cell.tracer), Aside(order, shown.len()));
+            curves.push(Curve { style, hollow, aside, at: at.collect() });
+        };
+        add(true, |wrong| wrong.tight);
+        add(false, |wrong| wrong.footprint);
     }
     let rays = case.strengths.first().map_or(0, |strength| strength.rays);
-    let values = case.knob.values.iter().map(|value| knob_value(*value)).collect();
-    Panel {
-        title: format!("{}: {} rays", case.name, format::thousands(rays)),
-        x: Axis { name: cases::label(&case.knob.name, &case.knob.unit), scale: Scale::Steps(values) },
-        // A little above 100 %, so that markers there are whole.
-        y: Axis { name: "wrong rays (%)".to_owned(), scale: Scale::Shares((FLOOR, 0.15), ZERO_ROW) },
-        controls: Vec::new(),
-        // All lines before all markers: a line over a marker would hide which kind it is.
-        marks: lines.into_iter().chain(markers).collect(),
-        note: None,
-    }
+    let steps = case.knob.values.iter().map(|value| knob_value(*value)).collect();
+    let values = Values::steps(cases::label(&case.knob.name, &case.knob.unit), steps, None);
+    // A little above 100 %, so that markers there are whole.
+    let y = Axis { name: "wrong rays (%)".to_owned(), scale: Scale::Shares((FLOOR, 0.15), ZERO_ROW) };
+    values.panel(format!("{}: {} rays", case.name, format::thousands(rays)), y, &curves, Vec::new())
 }

@@ -1,13 +1,13 @@
 //! A tuned parameter: a row of panels a ray set. Wrong rays by class over the parameter's values from either viewpoint, and the
 //! share of right ones from both, with the values that would have been chosen.
 
-use plotters::prelude::DrawingBackend;
 use plotters::style::RGBColor;
 
-use super::canvas::{Canvas, Drawn, Figure, register};
+use super::canvas::register;
+use super::curves::{Curve, Measured, Values, measured};
 use super::frame::{Entry, Frame, Sample};
-use super::palette::{GREY, INK, Shape, Style, Styles};
-use super::plot::{Mark, Panel, Places, Scale, Series, Values, draw_panel, share_scale};
+use super::palette::{INK, Shape, Style, Styles};
+use super::panel::{Aside, Axis, Chart, Control, Mark, Panel, Place, Scale, level};
 use super::{LONGEST_NAME, LONGEST_SET, LONGEST_VALUE, cut, name_with_unit, untimed_caption};
 use crate::report::format;
 use crate::report::tune::{Errors, score_name, trials};
@@ -18,8 +18,10 @@ use crate::studies::tune::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, 
 const PLOT_HEIGHT: f64 = 220.0;
 /// The most characters of a viewpoint's name in a panel's title.
 const LONGEST_VIEW: usize = 20;
-/// Radius of the marks of chosen values, and the distance from one to the next.
+/// Radius of the marks of chosen values, how far the first is from the top or from its curve, and the next from it.
 const CHOSEN: f64 = 4.5;
+const FROM_TOP: f64 = 9.0;
+const FROM_CURVE: f64 = 12.0;
 const CHOSEN_STEP: f64 = 13.0;
 /// The share of the span of agreements that is left free above and below, for the marks of chosen values.
 const AIR: f64 = 0.16;
@@ -35,24 +37,6 @@ const CLASSES: [Class; 4] = [
 /// The curves of the scores, by viewpoint.
 const VIEWPOINTS: [&str; 2] = ["own viewpoint", "other viewpoint"];
 
-/// A chosen value in a panel.
-#[derive(Debug)]
-struct Chosen {
-    label: Label,
-    /// Its place along the axis.
-    place: usize,
-    /// Its height on a curve, and whether it stands above that or below; none in a panel that has them all at the top.
-    on: Option<(f64, bool)>,
-    colour: RGBColor,
-}
-
-/// The chart of a scene.
-#[derive(Debug)]
-pub(super) struct TuneFigure {
-    frame: Frame,
-    panels: Vec<(Panel, Values, Vec<Chosen>)>,
-}
-
 fn shape(label: Label) -> Shape {
     match label {
         Label::Default => Shape::Polygon(4, 45),
@@ -62,37 +46,32 @@ fn shape(label: Label) -> Shape {
     }
 }
 
-impl TuneFigure {
-    /// Takes what it shows from a scene of a tuning.
-    pub(super) fn new(tuning: &Tuning, scene: &SceneTuned) -> Self {
-        // Texts are measured while the figure is laid out; a font that fails is reported when it is drawn.
-        let _ = register();
-        let names = CLASSES.iter().map(|(name, _)| *name).chain(VIEWPOINTS);
-        let styles = Styles::of_labels(names.clone().map(str::to_owned));
-        let mut sets: Vec<&str> = Vec::new();
-        for set in scene.views.iter().flat_map(|view| &view.sets) {
-            if !sets.contains(&set.rays.as_str()) {
-                sets.push(&set.rays);
-            }
+/// The chart of a scene.
+pub(super) fn chart(tuning: &Tuning, scene: &SceneTuned) -> Chart {
+    // Texts are measured while the figure is laid out; a font that fails is reported when it is drawn.
+    let _ = register();
+    let names = CLASSES.iter().map(|(name, _)| *name).chain(VIEWPOINTS);
+    let styles = Styles::of_labels(names.clone().map(str::to_owned));
+    let mut sets: Vec<&str> = Vec::new();
+    for set in scene.views.iter().flat_map(|view| &view.sets) {
+        if !sets.contains(&set.rays.as_str()) {
+            sets.push(&set.rays);
         }
-        let mut panels = Vec::new();
-        for rays in sets {
-            let of_views: Vec<_> =
-                scene.views.iter().take(VIEWPOINTS.len()).map(|view| (view, set_of(view, rays))).collect();
-            panels.extend(
-                of_views
-                    .iter()
-                    .zip(VIEWPOINTS)
-                    .map(|((view, set), whose)| error_panel(tuning, rays, (view, *set), whose, &styles)),
-            );
-            panels.push(score_panel(tuning, rays, &of_views, &styles));
-        }
-        let legend = names.map(|name| Entry { sample: Sample::Line(styles.get(name)), label: name.to_owned() });
-        let columns = scene.views.len().min(VIEWPOINTS.len()) + 1;
-        let frame = frame(tuning, scene, columns, panels.len(), legend.collect());
-        Self { frame, panels }
     }
+    let mut panels = Vec::new();
+    for rays in sets {
+        let of_views: Vec<OfView<'_>> =
+            scene.views.iter().zip(VIEWPOINTS).map(|(view, whose)| (view, set_of(view, rays), whose)).collect();
+        panels.extend(of_views.iter().map(|of_view| error_panel(tuning, rays, *of_view, &styles)));
+        panels.push(score_panel(tuning, rays, &of_views, &styles));
+    }
+    let legend = names.map(|name| Entry { sample: Sample::Line(styles.get(name)), label: name.to_owned() });
+    let columns = scene.views.len().min(VIEWPOINTS.len()) + 1;
+    Chart { frame: frame(tuning, scene, columns, panels.len(), legend.collect()), panels }
 }
+
+/// A viewpoint with its rays of a set, and whose it is.
+type OfView<'a> = (&'a ViewTuned, Option<&'a SetTuned>, &'static str);
 
 fn set_of<'a>(view: &'a ViewTuned, rays: &str) -> Option<&'a SetTuned> {
     view.sets.iter().find(|set| set.rays == rays)
@@ -132,152 +111,114 @@ fn frame(tuning: &Tuning, scene: &SceneTuned, columns: usize, panels: usize, leg
 
 fn values(tuning: &Tuning, sets: &[&SetTuned]) -> Values {
     let axis = &tuning.axis;
-    let labels = axis.values.iter().map(|value| cut(value, LONGEST_VALUE)).collect();
     let skipped = |value: &String| !sets.is_empty() && sets.iter().all(|set| set.judged(value).is_none());
-    let skipped = axis.values.iter().map(skipped).collect();
-    Values::logarithmic(name_with_unit(&axis.name, &axis.unit), &axis.values, labels, skipped)
+    let values = Values::logarithmic(name_with_unit(&axis.name, &axis.unit), &axis.values);
+    values.skipping(axis.values.iter().map(skipped))
 }
 
-/// Marks in the order of the axis.
-fn marks(
+/// A figure of a set in the order of the axis.
+fn curve(
     tuning: &Tuning,
     set: Option<&SetTuned>,
-    mark: impl Fn(&SetTuned, &Judged) -> Option<Mark>,
-) -> Vec<Option<Mark>> {
-    let of = |value: &String| set.and_then(|set| mark(set, set.judged(value)?));
-    let whole = |mark: &Mark| mark.value.is_finite() && mark.interval.iter().all(|end| end.is_finite());
-    tuning.axis.values.iter().map(|value| of(value).filter(whole)).collect()
+    style: Style,
+    aside: Aside,
+    figure: impl Fn(&SetTuned, &Judged) -> Option<Measured>,
+) -> Curve {
+    let of = |value: &String| set.and_then(|set| figure(set, set.judged(value)?)).filter(Measured::is_finite);
+    Curve { style, hollow: false, aside, at: tuning.axis.values.iter().map(of).collect() }
 }
 
-/// The chosen values of a set; `height` tells where each stands.
+/// The marks of the values that would have been chosen on a set; `stands` tells of a value's place in the order where and how
+/// far above it the first stands, others of the same value beyond it.
 fn chosen(
     tuning: &Tuning,
     set: Option<&SetTuned>,
     colour: RGBColor,
-    height: impl Fn(usize) -> Option<(f64, bool)>,
-) -> Vec<Chosen> {
+    stands: impl Fn(usize) -> Option<(Place, f64)>,
+) -> Vec<Mark> {
+    let mut taken: Vec<usize> = Vec::new();
     let of = |choice: &Choice| {
         let value = choice.value.as_ref()?;
-        let place = tuning.axis.values.iter().position(|each| each == value)?;
-        Some(Chosen { label: choice.label, place, on: height(place), colour })
+        let at = tuning.axis.values.iter().position(|each| each == value)?;
+        let (place, first) = stands(at)?;
+        let before = taken.iter().filter(|each| **each == at).count();
+        taken.push(at);
+        let by = first + CHOSEN_STEP.copysign(first) * before as f64;
+        Some(Mark::Above { place, by, radius: CHOSEN, style: Style { colour, shape: shape(choice.label) } })
     };
-    set.into_iter().flat_map(|set| set.choices.iter().filter_map(of)).collect()
+    set.into_iter().flat_map(|set| &set.choices).filter_map(of).collect()
 }
 
-fn error_panel(
-    tuning: &Tuning,
-    rays: &str,
-    (view, set): (&ViewTuned, Option<&SetTuned>),
-    whose: &str,
-    styles: &Styles,
-) -> (Panel, Values, Vec<Chosen>) {
-    let mark = |of: fn(&Errors) -> Option<u64>| {
+fn error_panel(tuning: &Tuning, rays: &str, (view, set, whose): OfView<'_>, styles: &Styles) -> Panel {
+    let share = |of: fn(&Errors) -> Option<u64>| {
         move |set: &SetTuned, judged: &Judged| {
             let wrong = of(&Errors::of(&judged.judgement, tuning.rule))?;
             let trials = trials(set, &judged.judgement);
-            Some(Mark { value: wrong as f64 / trials as f64, interval: wilson(wrong, trials)? })
+            Some(Measured { value: wrong as f64 / trials as f64, interval: wilson(wrong, trials)? })
         }
     };
-    let series: Vec<Series> = CLASSES
+    let curves: Vec<Curve> = CLASSES
         .iter()
-        .map(|(name, of)| Series { style: styles.get(name), hollow: false, marks: marks(tuning, set, mark(*of)) })
+        .enumerate()
+        .map(|(order, (name, of))| curve(tuning, set, styles.get(name), Aside(order, CLASSES.len()), share(*of)))
         .collect();
-    let shares = series.iter().flat_map(|series| series.marks.iter().flatten()).map(|mark| mark.value);
     let count = set.map_or(0, |set| set.count);
-    let scale = share_scale(count, shares);
+    let one_ray = 1.0 / count.max(1) as f64;
+    let scale = Scale::down_to(measured(&curves).map(|one| one.value).chain([one_ray]));
     let name = cut(&view.viewpoint.name, LONGEST_VIEW);
     let title = format!("{}: {whose} {name}, {} rays", cut(rays, LONGEST_SET), format::thousands(count));
-    let panel = Panel { title, y_name: "rays (%), log".to_owned(), scale, series, controls: Vec::new() };
-    (panel, values(tuning, &set.into_iter().collect::<Vec<_>>()), chosen(tuning, set, INK, |_| None))
+    let values = values(tuning, set.as_slice());
+    // From the top on, on lines of their own.
+    let chosen = chosen(tuning, set, INK, |at| Some(((*values.places.get(at)?, f64::INFINITY), -FROM_TOP)));
+    let mut panel = values.panel(title, Axis { name: "rays (%), log".to_owned(), scale }, &curves, Vec::new());
+    let rule = |mark: &Mark| if let Mark::Above { place, .. } = mark { Some(Mark::Rule(place.0)) } else { None };
+    panel.marks.splice(0..0, chosen.iter().filter_map(rule).collect::<Vec<_>>());
+    panel.marks.extend(chosen);
+    panel
 }
 
-fn score_panel(
-    tuning: &Tuning,
-    rays: &str,
-    views: &[(&ViewTuned, Option<&SetTuned>)],
-    styles: &Styles,
-) -> (Panel, Values, Vec<Chosen>) {
-    let mark = |_: &SetTuned, judged: &Judged| {
+fn score_panel(tuning: &Tuning, rays: &str, views: &[OfView<'_>], styles: &Styles) -> Panel {
+    let percent = |_: &SetTuned, judged: &Judged| {
         let share = score(&judged.judgement, tuning.rule)?;
         let interval = interval(&judged.judgement, tuning.rule).unwrap_or([share; 2]);
-        Some(Mark { value: share * 100.0, interval: interval.map(|end| end * 100.0) })
+        Some(Measured { value: share * 100.0, interval: interval.map(|end| end * 100.0) })
     };
-    let of = |((_, set), name): (&(&ViewTuned, Option<&SetTuned>), &str)| Series {
-        style: styles.get(name),
-        hollow: false,
-        marks: marks(tuning, *set, mark),
+    let of = |(order, (_, set, whose)): (usize, &OfView<'_>)| {
+        curve(tuning, *set, styles.get(whose), Aside(order, views.len()), percent)
     };
-    let series: Vec<Series> = views.iter().zip(VIEWPOINTS).map(of).collect();
-    let found = series.iter().flat_map(|series| series.marks.iter().flatten()).map(|mark| mark.value);
-    let least = found.fold(100.0, f64::min);
+    let curves: Vec<Curve> = views.iter().enumerate().map(of).collect();
+    let least = measured(&curves).map(|one| one.value).fold(100.0, f64::min);
     // Up to the oracle; room below it, for marks.
     let air = AIR * (100.0 - least).max(0.01);
     let scale = Scale::Span([(least - air).max(-5.0), 100.0 + air]);
-    let mut controls: Vec<(String, f64)> = Vec::new();
-    for (view, _) in views {
-        for control in &view.controls {
-            for trace in control.traces.iter().filter(|trace| trace.rays == rays) {
-                let Some(share) = score(&trace.judgement, tuning.rule) else { continue };
-                let named = (control.tracer.label(), share * 100.0);
-                if !controls.contains(&named) {
-                    controls.push(named);
-                }
+    let mut controls: Vec<Control> = Vec::new();
+    for control in views.iter().flat_map(|(view, ..)| &view.controls) {
+        for trace in control.traces.iter().filter(|trace| trace.rays == rays) {
+            let Some(share) = score(&trace.judgement, tuning.rule) else { continue };
+            let named = level(control.tracer.label(), share * 100.0);
+            if !controls.contains(&named) {
+                controls.push(named);
             }
         }
     }
-    let sets: Vec<&SetTuned> = views.iter().filter_map(|(_, set)| *set).collect();
+    let sets: Vec<&SetTuned> = views.iter().filter_map(|(_, set, _)| *set).collect();
     let name = sets.first().map_or_else(|| tuning.rule.name().to_owned(), |set| score_name(set, tuning.rule));
-    let title = format!("{}: {name}", cut(rays, LONGEST_SET));
-    let at = |curve: usize, place: usize| series.get(curve)?.marks.get(place)?.map(|mark| mark.value);
+    let values = values(tuning, &sets);
+    let score_at = |order: usize, at: usize| Some((*curves.get(order)?.at.get(at)?)?.value);
     let mut all = Vec::new();
-    for (curve, ((_, set), name)) in views.iter().zip(VIEWPOINTS).enumerate() {
+    for (order, (_, set, whose)) in views.iter().enumerate() {
         // Marks of the higher curve above it, of the lower one below.
-        let height = |place: usize| {
-            let (own, other) = (at(curve, place)?, at(1 - curve, place));
-            Some((own, other.map_or(curve == 0, |other| own > other || (own == other && curve == 0))))
+        let stands = |at: usize| {
+            let (own, other) = (score_at(order, at)?, score_at(1 - order, at));
+            let above = if let Some(other) = other.filter(|other| own != *other) { own > other } else { order == 0 };
+            Some(((*values.places.get(at)?, own), if above { FROM_CURVE } else { -FROM_CURVE }))
         };
-        let found = chosen(tuning, *set, styles.get(name).colour, height);
-        all.extend(found.into_iter().filter(|one| one.on.is_some()));
+        all.extend(chosen(tuning, *set, styles.get(whose).colour, stands));
     }
-    let panel = Panel { title, y_name: format!("{name} (%)"), scale, series, controls };
-    (panel, values(tuning, &sets), all)
-}
-
-impl Figure for TuneFigure {
-    fn size(&self) -> (f64, f64) {
-        self.frame.size()
-    }
-
-    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
-        self.frame.draw(canvas)?;
-        for (index, (panel, values, chosen)) in self.panels.iter().enumerate() {
-            let places = Places::new(self.frame.panel(index), values, &panel.scale);
-            draw_panel(canvas, panel, values, &places)?;
-            draw_chosen(canvas, &places, chosen)?;
-        }
-        Ok(())
-    }
-}
-
-/// The chosen values: above or below their curves, else from the top on lines of their own.
-fn draw_chosen<DB: DrawingBackend>(canvas: &Canvas<DB>, places: &Places, all: &[Chosen]) -> Drawn {
-    let rect = places.rect;
-    for (index, one) in all.iter().enumerate() {
-        let same = |other: &&Chosen| other.place == one.place && other.on == one.on;
-        let away = CHOSEN_STEP * all[..index].iter().filter(same).count() as f64;
-        let x = places.x(one.place);
-        let y = match one.on {
-            None => {
-                canvas.dashed((x, rect.top), (x, rect.bottom), GREY, 0.5)?;
-                rect.top + 9.0 + away
-            }
-            Some((value, true)) => places.y(value) - 12.0 - away,
-            Some((value, false)) => places.y(value) + 12.0 + away,
-        };
-        let y = y.clamp(rect.top + CHOSEN, rect.bottom - CHOSEN);
-        canvas.hollow_marker((x, y), CHOSEN, Style { colour: one.colour, shape: shape(one.label) })?;
-    }
-    Ok(())
+    let title = format!("{}: {name}", cut(rays, LONGEST_SET));
+    let mut panel = values.panel(title, Axis { name: format!("{name} (%)"), scale }, &curves, controls);
+    panel.marks.extend(all);
+    panel
 }
 
 #[cfg(test)]
@@ -342,23 +283,35 @@ mod tests {
     #[test]
     fn choices_stand_at_their_values() {
         let made = tuning(&VALUES, &["room", "hall"], 2, &[("diffuse", Query::Closest)]);
-        let figure = TuneFigure::new(&made, &made.scenes[0]);
-        assert_eq!(figure.panels.len(), 3);
-        let places = |panel: usize| figure.panels[panel].2.iter().map(|one| one.place).collect::<Vec<_>>();
+        let chart = chart(&made, &made.scenes[0]);
+        assert_eq!(chart.panels.len(), 3);
+        let marks = |panel: usize| -> Vec<(Place, f64)> {
+            let above = |mark: &Mark| if let Mark::Above { place, by, .. } = mark { Some((*place, *by)) } else { None };
+            chart.panels[panel].marks.iter().filter_map(above).collect()
+        };
+        let places = |panel: usize| -> Vec<usize> {
+            let number = |value: f64| VALUES.iter().position(|each| each.parse() == Ok(value)).unwrap();
+            marks(panel).into_iter().map(|((value, _), _)| number(value)).collect()
+        };
         // Default, here, elsewhere, on the other scene: see the fixture.
         assert_eq!((places(0), places(1)), (vec![1, 2, 3, 3], vec![1, 3, 2, 3]));
         assert_eq!(places(2), [places(0), places(1)].concat());
-        for (index, one) in figure.panels[2].2.iter().enumerate() {
+        for (index, (((_, height), by), place)) in marks(2).into_iter().zip(places(2)).enumerate() {
             let (view, choice) = (index / 4, index % 4);
             let set = &made.scenes[0].views[view].sets[0];
-            let (height, above) = one.on.unwrap();
             assert_eq!(height, set.choices[choice].score.unwrap() * 100.0);
             let other = set_of(&made.scenes[0].views[1 - view], "diffuse").unwrap();
-            let theirs =
-                score(&other.judged(&made.axis.values[one.place]).unwrap().judgement, made.rule).unwrap() * 100.0;
-            assert_eq!(above, height > theirs);
+            let theirs = score(&other.judged(&made.axis.values[place]).unwrap().judgement, made.rule).unwrap() * 100.0;
+            assert_eq!(by > 0.0, height > theirs);
         }
-        assert!(figure.panels[..2].iter().all(|(_, _, chosen)| chosen.iter().all(|one| one.on.is_none())));
+        // Two of one value stand one beyond the other, and a line leads to each.
+        for panel in [0, 1] {
+            let of_third = marks(panel).into_iter().filter(|((value, _), _)| *value == 0.02).map(|(_, by)| by);
+            let beyond = (0..of_third.clone().count()).map(|before| -FROM_TOP - CHOSEN_STEP * before as f64);
+            assert!(of_third.eq(beyond) && marks(panel).iter().all(|((_, height), _)| *height == f64::INFINITY));
+            let rules = chart.panels[panel].marks.iter().filter(|mark| matches!(mark, Mark::Rule(_)));
+            assert_eq!(rules.count(), 4);
+        }
     }
 
     /// What was skipped is said, names and long names find room, and nothing but ties is drawn all the same.

@@ -6,69 +6,45 @@ mod panels;
 #[cfg(test)]
 mod tests;
 
-use plotters::prelude::DrawingBackend;
-
-use super::canvas::{Canvas, Drawn, Figure, register};
+use super::canvas::register;
+use super::curves::Values;
 use super::frame::{Entry, Frame, Sample};
-use super::palette::{GREY, INK, SHADE, Shape, Style, Styles};
-use super::plot::{Panel, Places, Values, draw_panel};
+use super::palette::{GREY, INK, Shape, Style, Styles};
+use super::panel::Chart;
 use super::{LONGEST_VALUE, caption, cut, name_with_unit, panel_title, titles};
 use crate::report::sweep::{Curve, View};
 use crate::results::Run;
 use crate::studies::sweep::RESOLUTION;
-use panels::{Rule, build, error_panel, errors, memory, rules, speed};
+use panels::{Rule, build, errors, errors_by, memory, rules, speed};
 
 const PLOT_HEIGHT: f64 = 190.0;
 
-/// The chart.
-#[derive(Debug)]
-pub(super) struct SweepFigure {
-    frame: Frame,
-    panels: Vec<Panel>,
-    values: Values,
-    /// The place of the tracer's own value.
-    own: Option<usize>,
-}
-
-impl SweepFigure {
-    /// Takes what it shows from a view.
-    pub(super) fn new(run: &Run, view: &View<'_>) -> Self {
-        // Texts are measured while the figure is laid out; a font that fails is reported when it is drawn.
-        let _ = register();
-        let rules = rules(view.set.query);
-        let alone = view.other.is_none();
-        let curve_styles = Styles::of_labels(view.curves.iter().map(curve_label));
-        let style_of = |curve: &Curve<'_>| {
-            if alone { Style { colour: INK, shape: Shape::Circle } } else { curve_styles.get(&curve_label(curve)) }
-        };
-        let rule_styles = Styles::of_labels(rules.iter().map(|(name, _)| (*name).to_owned()));
-        let mut panels = vec![memory(view, style_of), build(view, style_of), speed(view, style_of)];
-        if alone {
-            let series = rules.iter().flat_map(|rule| {
-                view.curves.iter().map(|curve| errors(view, curve, *rule, rule_styles.get(rule.0))).collect::<Vec<_>>()
-            });
-            panels.push(error_panel(view, "wrong rays", &rules, series.collect()));
-        } else {
-            for rule in &rules {
-                let series = view.curves.iter().map(|curve| errors(view, curve, *rule, style_of(curve)));
-                let title = format!("wrong rays: {}", rule.0);
-                panels.push(error_panel(view, &title, std::slice::from_ref(rule), series.collect()));
-            }
-        }
-        let skipped = |value: &String| {
-            let cells = || view.curves.iter().flat_map(|curve| &curve.cells).filter(|cell| cell.value == value);
-            cells().next().is_some() && cells().all(|cell| cell.measured.is_none())
-        };
-        let values = &view.axis.values;
-        let labels = values.iter().map(|value| cut(value, LONGEST_VALUE)).collect();
-        let name = name_with_unit(&view.axis.name, &view.axis.unit);
-        Self {
-            frame: frame(run, view, panels.len(), legend(view, &rules, &rule_styles, &curve_styles)),
-            values: Values::even(name, values, labels, values.iter().map(skipped).collect()),
-            own: values.iter().position(|value| *value == view.axis.own),
-            panels,
-        }
+/// The chart of a view.
+pub(super) fn chart(run: &Run, view: &View<'_>) -> Chart {
+    // Texts are measured while the figure is laid out; a font that fails is reported when it is drawn.
+    let _ = register();
+    let rules = rules(view.set.query);
+    let curve_styles = Styles::of_labels(view.curves.iter().map(curve_label));
+    let rule_styles = Styles::of_labels(rules.iter().map(|(name, _)| (*name).to_owned()));
+    let skipped = |value: &String| {
+        let cells = || view.curves.iter().flat_map(|curve| &curve.cells).filter(|cell| cell.value == value);
+        cells().next().is_some() && cells().all(|cell| cell.measured.is_none())
+    };
+    let all = &view.axis.values;
+    let own = all.iter().position(|value| *value == view.axis.own);
+    let values = Values::even(name_with_unit(&view.axis.name, &view.axis.unit), all, own);
+    let values = values.skipping(all.iter().map(skipped));
+    let plain = Style { colour: INK, shape: Shape::Circle };
+    let of_curve = |curve| if view.other.is_none() { plain } else { curve_styles.get(&curve_label(curve)) };
+    let styles: Vec<Style> = view.curves.iter().map(of_curve).collect();
+    let mut panels = vec![memory(view, &values, &styles), build(view, &values, &styles), speed(view, &values, &styles)];
+    if view.other.is_none() {
+        let styles: Vec<Style> = rules.iter().map(|(name, _)| rule_styles.get(name)).collect();
+        panels.push(errors(view, &values, &rules, &styles));
+    } else {
+        panels.extend(rules.iter().map(|rule| errors_by(view, &values, rule, &styles)));
     }
+    Chart { frame: frame(run, view, panels.len(), legend(view, &rules, &rule_styles, &curve_styles)), panels }
 }
 
 fn curve_label(curve: &Curve<'_>) -> String {
@@ -101,7 +77,7 @@ fn frame(run: &Run, view: &View<'_>, panels: usize, legend: Vec<Entry>) -> Frame
     let [title, subtitle] = titles(&what, run, view.group);
     let void = if subtitle.starts_with("VOID") { "VOID, CONTROLS FAIL: " } else { "" };
     let subtitle = format!(
-        "{void}{}; viewpoint {}; shaded: the tracer's own value",
+        "{void}{}; viewpoint {}; shaded column: the tracer's own value",
         panel_title(view.set),
         cut(&view.group.viewpoint.name, LONGEST_VALUE)
     );
@@ -131,24 +107,5 @@ fn others(run: &Run, view: &View<'_>) -> String {
         (parts, None) => format!("Others: {parts}. "),
         (parts, Some(size)) if parts.is_empty() => format!("Others: {size}. "),
         (parts, Some(size)) => format!("Others: {parts}; {size}. "),
-    }
-}
-
-impl Figure for SweepFigure {
-    fn size(&self) -> (f64, f64) {
-        self.frame.size()
-    }
-
-    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
-        self.frame.draw(canvas)?;
-        for (index, panel) in self.panels.iter().enumerate() {
-            let places = Places::new(self.frame.panel(index), &self.values, &panel.scale);
-            if let Some(own) = self.own {
-                let (half, rect) = (places.column() / 2.0, places.rect);
-                canvas.fill((places.x(own) - half, rect.top), (places.x(own) + half, rect.bottom), SHADE)?;
-            }
-            draw_panel(canvas, panel, &self.values, &places)?;
-        }
-        Ok(())
     }
 }

@@ -3,12 +3,13 @@
 use tracebench_api::{ClockKind, Query};
 
 use super::super::axis::log_range;
+use super::super::curves::{Curve, Measured, Values, measured};
 use super::super::palette::Style;
-use super::super::plot::{Mark, Panel, Scale, Series, share_scale};
+use super::super::panel::{Aside, Axis, Control, Panel, Scale, level};
 use crate::report::format;
 use crate::report::group::Role;
 use crate::report::metrics::{self, BALANCED, BUILD_TIME, SPEED, STRUCTURE};
-use crate::report::sweep::{Cell, Curve, View};
+use crate::report::sweep::{Cell, View};
 use crate::results::{Times, TraceRecord, TracerRun};
 
 /// Panels of values from zero up, unless they differ by more than this.
@@ -23,71 +24,68 @@ pub(super) fn rules(query: Query) -> Vec<Rule> {
 }
 
 /// How often answers are wrong by a rule.
-fn wrong(trace: &TraceRecord, (_, place): Rule) -> Option<Mark> {
+fn wrong(trace: &TraceRecord, (_, place): Rule) -> Option<Measured> {
     let right = metrics::right_of(trace).get(place).copied()?;
     let [low, high] = right.interval.unwrap_or([right.share?; 2]);
-    Some(Mark { value: (1.0 - right.share?).max(0.0), interval: [(1.0 - high).max(0.0), (1.0 - low).max(0.0)] })
+    Some(Measured { value: (1.0 - right.share?).max(0.0), interval: [(1.0 - high).max(0.0), (1.0 - low).max(0.0)] })
 }
 
-/// Marks in the order of the axis.
-fn marks(
+/// A figure of each of a view's curves, which have so many styles, in the order of the axis.
+fn curves(
     view: &View<'_>,
-    curve: &Curve<'_>,
-    mark: impl Fn(&TracerRun, &TraceRecord) -> Option<Mark>,
-) -> Vec<Option<Mark>> {
-    let whole = |mark: &Mark| mark.value.is_finite() && mark.interval.iter().all(|end| end.is_finite());
-    let of = |cell: &Cell<'_>| cell.measured.and_then(|(run, trace)| mark(run, trace)).filter(whole);
-    let cell = |value: &String| curve.cells.iter().find(|cell| cell.value == value);
-    view.axis.values.iter().map(|value| cell(value).and_then(of)).collect()
+    styles: &[Style],
+    hollow: bool,
+    figure: impl Fn(&TracerRun, &TraceRecord) -> Option<Measured>,
+) -> Vec<Curve> {
+    let of = |cell: &Cell<'_>| cell.measured.and_then(|(run, trace)| figure(run, trace)).filter(Measured::is_finite);
+    let all = view.curves.iter().zip(styles).enumerate().map(|(order, (curve, style))| {
+        let cell = |value: &String| curve.cells.iter().find(|cell| cell.value == value);
+        let at = view.axis.values.iter().map(|value| cell(value).and_then(of)).collect();
+        Curve { style: *style, hollow, aside: Aside(order, styles.len()), at }
+    });
+    all.collect()
 }
 
-fn magnitudes(title: &str, y_name: &str, series: Vec<Series>) -> Panel {
-    let all = || series.iter().flat_map(|series| series.marks.iter().flatten()).map(|mark| mark.value);
-    let ends = || series.iter().flat_map(|series| series.marks.iter().flatten()).flat_map(|mark| mark.interval);
+fn magnitudes(title: String, name: &str, values: &Values, curves: &[Curve]) -> Panel {
+    let all = || measured(curves).map(|one| one.value);
     let (least, most) =
         all().fold((f64::INFINITY, 0.0_f64), |(least, most), value| (least.min(value), most.max(value)));
-    let (scale, y_name) = if least > 0.0 && most > LINEAR_RATIO * least {
-        (Scale::Log(log_range(all())), format!("{y_name}, log"))
+    let y = if least > 0.0 && most > LINEAR_RATIO * least {
+        Axis { name: format!("{name}, log"), scale: Scale::Log(log_range(all()), 6) }
     } else {
         // An interval far beyond every value would leave no room for these.
-        let top = ends().filter(|end| *end <= 2.0 * most).fold(most, f64::max);
-        (Scale::Linear(if top > 0.0 { 1.08 * top } else { 1.0 }), y_name.to_owned())
+        let ends = measured(curves).flat_map(|one| one.interval);
+        let top = ends.filter(|end| *end <= 2.0 * most).fold(most, f64::max);
+        Axis { name: name.to_owned(), scale: Scale::Span([0.0, if top > 0.0 { 1.08 * top } else { 1.0 }]) }
     };
-    Panel { title: title.to_owned(), y_name, scale, series, controls: Vec::new() }
+    values.panel(title, y, curves, Vec::new())
 }
 
-pub(super) fn memory(view: &View<'_>, style_of: impl Fn(&Curve<'_>) -> Style) -> Panel {
-    let mib = |bytes: u64| Some(Mark::exact(bytes as f64 / f64::from(1 << 20)));
-    let series = view.curves.iter().flat_map(|curve| {
-        let style = style_of(curve);
-        [
-            Series { style, hollow: true, marks: marks(view, curve, |run, _| mib(metrics::used_bytes(run))) },
-            Series { style, hollow: false, marks: marks(view, curve, |run, _| mib(run.memory.structure_bytes)) },
-        ]
-    });
-    magnitudes("structure's memory", &STRUCTURE.axis(), series.collect())
+pub(super) fn memory(view: &View<'_>, values: &Values, styles: &[Style]) -> Panel {
+    let mib = |bytes: u64| Some(Measured::exact(bytes as f64 / f64::from(1 << 20)));
+    let mut all = curves(view, styles, true, |run, _| mib(metrics::used_bytes(run)));
+    all.extend(curves(view, styles, false, |run, _| mib(run.memory.structure_bytes)));
+    magnitudes("structure's memory".to_owned(), &STRUCTURE.axis(), values, &all)
 }
 
-pub(super) fn build(view: &View<'_>, style_of: impl Fn(&Curve<'_>) -> Style) -> Panel {
+pub(super) fn build(view: &View<'_>, values: &Values, styles: &[Style]) -> Panel {
     let time = |run: &TracerRun| {
         let Times { median_ms, interval_ms, samples_ms, .. } = &run.build.times;
-        (!samples_ms.is_empty()).then_some(Mark { value: *median_ms, interval: *interval_ms })
+        (!samples_ms.is_empty()).then_some(Measured { value: *median_ms, interval: *interval_ms })
     };
-    let of = |curve| Series { style: style_of(curve), hollow: false, marks: marks(view, curve, |run, _| time(run)) };
-    let clocks = clock_names(view, |run, _| run.build.times.clock);
-    magnitudes(&format!("build: {clocks}"), &BUILD_TIME.called("build").axis(), view.curves.iter().map(of).collect())
+    let title = format!("build: {}", clock_names(view, |run, _| run.build.times.clock));
+    let all = curves(view, styles, false, |run, _| time(run));
+    magnitudes(title, &BUILD_TIME.called("build").axis(), values, &all)
 }
 
-pub(super) fn speed(view: &View<'_>, style_of: impl Fn(&Curve<'_>) -> Style) -> Panel {
+pub(super) fn speed(view: &View<'_>, values: &Values, styles: &[Style]) -> Panel {
     // Without an accuracy there is no speed.
     let speed = |trace: &TraceRecord| {
         let value = metrics::speed(trace).filter(|_| metrics::judged(trace))?;
-        Some(Mark { value, interval: metrics::speed_interval(trace).unwrap_or([value; 2]) })
+        Some(Measured { value, interval: metrics::speed_interval(trace).unwrap_or([value; 2]) })
     };
-    let of =
-        |curve| Series { style: style_of(curve), hollow: false, marks: marks(view, curve, |_, trace| speed(trace)) };
-    let clocks = clock_names(view, |_, trace| trace.times.clock);
-    magnitudes(&format!("trace: {clocks}"), &SPEED.axis(), view.curves.iter().map(of).collect())
+    let title = format!("trace: {}", clock_names(view, |_, trace| trace.times.clock));
+    magnitudes(title, &SPEED.axis(), values, &curves(view, styles, false, |_, trace| speed(trace)))
 }
 
 /// The clocks of what a panel shows.
@@ -102,26 +100,38 @@ fn clock_names(view: &View<'_>, clock: impl Fn(&TracerRun, &TraceRecord) -> Cloc
     if names.is_empty() { "nothing timed".to_owned() } else { names.join(" / ") }
 }
 
-pub(super) fn errors(view: &View<'_>, curve: &Curve<'_>, rule: Rule, style: Style) -> Series {
-    Series { style, hollow: false, marks: marks(view, curve, |_, trace| wrong(trace, rule)) }
+/// Errors by several rules, with a style each, of a view with one curve.
+pub(super) fn errors(view: &View<'_>, values: &Values, rules: &[Rule], styles: &[Style]) -> Panel {
+    let mut all = Vec::new();
+    for (order, (rule, style)) in rules.iter().zip(styles).enumerate() {
+        let of_rule = curves(view, &[*style], false, |_, trace| wrong(trace, *rule));
+        all.extend(of_rule.into_iter().map(|curve| Curve { aside: Aside(order, rules.len()), ..curve }));
+    }
+    // The last rule is the one by which charts of speed show controls.
+    error_panel(view, values, "wrong rays".to_owned(), rules.last(), &all)
 }
 
-pub(super) fn error_panel(view: &View<'_>, title: &str, shown: &[Rule], series: Vec<Series>) -> Panel {
-    let found = series.iter().flat_map(|series| series.marks.iter().flatten()).map(|mark| mark.value);
-    let scale = share_scale(view.set.count, found);
-    let mut controls: Vec<(String, f64)> = Vec::new();
+/// Errors by one rule.
+pub(super) fn errors_by(view: &View<'_>, values: &Values, rule: &Rule, styles: &[Style]) -> Panel {
+    let all = curves(view, styles, false, |_, trace| wrong(trace, *rule));
+    error_panel(view, values, format!("wrong rays: {}", rule.0), Some(rule), &all)
+}
+
+fn error_panel(view: &View<'_>, values: &Values, title: String, of_controls: Option<&Rule>, all: &[Curve]) -> Panel {
+    let mut controls: Vec<Control> = Vec::new();
     for (_, run, trace) in view.group.traces(view.set).into_iter().filter(|(role, ..)| *role == Role::Control) {
-        // The last rule is the one by which charts of speed show controls.
-        let Some(share) = shown.last().and_then(|rule| wrong(trace, *rule)).map(|wrong| wrong.value) else { continue };
-        let name = run.label();
+        let Some(wrong) = of_controls.and_then(|rule| wrong(trace, *rule)) else { continue };
+        let control = level(run.label(), wrong.value);
         // Points that were tried alone have controls of their own; they score the same.
-        if !controls.contains(&(name.clone(), share)) {
-            controls.push((name, share));
+        if !controls.contains(&control) {
+            controls.push(control);
         }
     }
-    let y_name = match view.set.query {
+    let name = match view.set.query {
         Query::Any => format!("1 − {} (%), log", BALANCED.label),
         Query::Closest => "wrong rays (%), log".to_owned(),
     };
-    Panel { title: title.to_owned(), y_name, scale, series, controls }
+    let one_ray = 1.0 / view.set.count.max(1) as f64;
+    let scale = Scale::down_to(measured(all).map(|one| one.value).chain([one_ray]));
+    values.panel(title, Axis { name, scale }, all, controls)
 }
