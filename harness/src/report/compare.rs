@@ -2,9 +2,10 @@
 
 use std::fmt::Write as _;
 
-use super::format::{self, NONE, clock, optional, percent, significant, statistic, thousands};
-use super::markdown::{Table, inline};
-use crate::compare::{Accuracy, Changes, Comparison, Key, Shift, Side, Speed};
+use super::format::{self, NONE, clock, optional, percent, significant, thousands};
+use super::markdown::inline;
+use super::sheet::{Cell, Sheet};
+use crate::compare::{Accuracy, BuildRow, Changes, Comparison, Key, Shift, Side, Speed, TraceRow};
 use crate::results::{LEAST_ROUNDS, Movement, Ratio};
 
 /// The whole comparison, as Markdown.
@@ -57,9 +58,9 @@ fn moved(comparison: &Comparison) -> String {
         let said = movement(&row.speed).into_iter().chain(shifts);
         lines.extend(said.map(|what| format!("{}: {what}", row.key.sentence())));
     }
-    let exact = |row: &&crate::compare::BuildRow| !row.bytes.is_empty() || !row.statistics.is_empty();
+    let exact = |row: &&BuildRow| !row.bytes.is_empty() || !row.statistics.is_empty();
     let builds = comparison.builds.iter().filter(exact).count();
-    let changed = |row: &&crate::compare::TraceRow| !row.same_hits || !row.bytes.is_empty() || !row.counters.is_empty();
+    let changed = |row: &&TraceRow| !row.same_hits || !row.bytes.is_empty() || !row.counters.is_empty();
     let traces = comparison.traces.iter().filter(changed).count();
     let mut text = "\n## Moved beyond noise\n\n".to_owned();
     for line in &lines {
@@ -91,59 +92,55 @@ fn with_interval(ratio: &Ratio) -> String {
     format::with_interval(ratio.value, ratio.interval, 3)
 }
 
-/// Clock, times and ratio of a row, and what is to be said of it.
-fn speed_cells(speed: &Speed) -> [String; 5] {
-    let said = match (speed.movement, speed.a_clock == speed.b_clock) {
-        (_, false) => format!("clocks differ: {} against {}", clock(speed.a_clock), clock(speed.b_clock)),
-        (Some(Movement::Slower), _) => "**slower**".to_owned(),
-        (Some(Movement::Faster), _) => "faster".to_owned(),
-        (Some(Movement::Within), _) => "the same".to_owned(),
+/// With clock, times and ratio of a row, and what is to be said of it.
+fn speed<'a, R>(sheet: Sheet<'a, R>, of: impl Fn(&R) -> &Speed + Copy + 'a) -> Sheet<'a, R> {
+    let said = |speed: &Speed| match (speed.movement, speed.a_clock == speed.b_clock) {
+        (_, false) => Some(format!("clocks differ: {} against {}", clock(speed.a_clock), clock(speed.b_clock))),
+        (Some(Movement::Slower), _) => Some("**slower**".to_owned()),
+        (Some(Movement::Faster), _) => Some("faster".to_owned()),
+        (Some(Movement::Within), _) => Some("the same".to_owned()),
         (Some(Movement::Undecided), _) => {
-            format!("undecided: {}", speed.undecided_because.as_deref().unwrap_or("the interval does not separate"))
+            let reason = speed.undecided_because.as_deref().unwrap_or("the interval does not separate");
+            Some(format!("undecided: {reason}"))
         }
-        (None, _) => NONE.to_owned(),
+        (None, _) => None,
     };
-    let times = format!("{}, {}", optional(speed.a_ms, 4), optional(speed.b_ms, 4));
-    let ratio = speed.ratio.as_ref().map_or_else(|| NONE.to_owned(), with_interval);
-    let coverage = speed.ratio.map_or_else(|| NONE.to_owned(), |ratio| format!("{:.1} %", ratio.coverage * 100.0));
-    [clock(speed.a_clock).to_owned(), times, ratio, coverage, said]
+    sheet
+        .told("clock", move |row| clock(of(row).a_clock))
+        .told("A, B (ms)", move |row| [of(row).a_ms, of(row).b_ms].map(|ms| optional(ms, 4)).join(", "))
+        .told("ratio", move |row| of(row).ratio)
+        .told("coverage", move |row| of(row).ratio.map(|ratio| format!("{:.1} %", ratio.coverage * 100.0)))
+        .told("time", move |row| said(of(row)))
 }
 
 fn changed(changes: &Changes) -> String {
-    let value = |value: &Option<f64>| value.map_or_else(|| NONE.to_owned(), statistic);
+    let value = |value: &Option<f64>| Cell::from(value.map(Cell::Statistic)).told();
     let each = |(name, [a, b]): (&String, &[Option<f64>; 2])| format!("{name} {} → {}", value(a), value(b));
     if changes.is_empty() { "same".to_owned() } else { changes.iter().map(each).collect::<Vec<_>>().join("; ") }
 }
 
-const SPEED_HEADINGS: [&str; 5] = ["clock", "A, B (ms)", "ratio", "coverage", "time"];
-
 fn builds(comparison: &Comparison) -> String {
-    let headings = [&["scene", "tracer"][..], &SPEED_HEADINGS, &["bytes", "structure"]].concat();
-    let mut table = Table::new(&headings.iter().map(|&heading| heading.to_owned()).collect::<Vec<_>>());
-    for row in &comparison.builds {
-        let mut cells = vec![row.key.scene.clone(), row.key.tracer.clone()];
-        cells.extend(speed_cells(&row.speed));
-        cells.extend([changed(&row.bytes), changed(&row.statistics)]);
-        table.row(&cells);
-    }
-    format!("\n## Builds\n\n{}", table.text)
+    let sheet = Sheet::<BuildRow>::new()
+        .told("scene", |row| row.key.scene.clone())
+        .told("tracer", |row| row.key.tracer.clone())
+        .then(|sheet| speed(sheet, |row| &row.speed))
+        .told("bytes", |row| changed(&row.bytes))
+        .told("structure", |row| changed(&row.statistics));
+    format!("\n## Builds\n\n{}", sheet.markdown(&comparison.builds))
 }
 
 fn traces(comparison: &Comparison) -> String {
-    let after = ["accuracy, A → B", "answers", "counters, totals", "bytes"];
-    let headings = [&["scene", "tracer", "rays"][..], &SPEED_HEADINGS, &after].concat();
-    let mut table = Table::new(&headings.iter().map(|&heading| heading.to_owned()).collect::<Vec<_>>());
-    for row in &comparison.traces {
-        let Key { scene, tracer, rays, .. } = &row.key;
-        let mut cells = vec![scene.clone(), tracer.clone(), rays.clone().unwrap_or_default()];
+    let sheet = Sheet::<TraceRow>::new()
+        .told("scene", |row| row.key.scene.clone())
+        .told("tracer", |row| row.key.tracer.clone())
+        .told("rays", |row| row.key.rays.clone().unwrap_or_default())
         // No speed stands without its accuracy.
-        cells.extend(speed_cells(&row.speed));
-        cells.push(row.accuracy.iter().map(accuracy).collect::<Vec<_>>().join("; "));
-        cells.push(if row.same_hits { "same" } else { "differ" }.to_owned());
-        cells.extend([changed(&row.counters), changed(&row.bytes)]);
-        table.row(&cells);
-    }
-    if comparison.traces.is_empty() { String::new() } else { format!("\n## Traces\n\n{}", table.text) }
+        .then(|sheet| speed(sheet, |row| &row.speed))
+        .told("accuracy, A → B", |row| row.accuracy.iter().map(accuracy).collect::<Vec<_>>().join("; "))
+        .told("answers", |row| if row.same_hits { "same" } else { "differ" })
+        .told("counters, totals", |row| changed(&row.counters))
+        .told("bytes", |row| changed(&row.bytes));
+    sheet.below("## Traces", &comparison.traces)
 }
 
 fn accuracy(accuracy: &Accuracy) -> String {

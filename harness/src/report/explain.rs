@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::format::{self, thousands};
-use super::markdown::{Table as Markdown, inline};
-use crate::results::{Explained, ExplanationRecord, MOST_UNEXPLAINED, Run, SceneExplained};
+use super::markdown::inline;
+use super::sheet::{Column, Columns, Sheet};
+use crate::results::{Explained, ExplanationRecord, MOST_UNEXPLAINED, RemedyRecord, Run, SceneExplained};
 
 /// The page's file.
 pub const EXPLAIN_PAGE: &str = "explain.md";
@@ -36,12 +37,12 @@ pub fn explanation_page(run: &Run, found: &ExplanationRecord) -> String {
         );
     }
     page.push_str(".\n\n");
-    let mut ladder = Markdown::new(&["rung", "cause", "taken away by", "source"].map(str::to_owned));
-    for (rung, remedy) in found.ladder.iter().enumerate() {
-        let setting = format!("`{}={}`", remedy.parameter, remedy.value);
-        ladder.row(&[(rung + 1).to_string(), remedy.cause.clone(), setting, remedy.source.clone()]);
-    }
-    page.push_str(&ladder.text);
+    let ladder = Sheet::<(usize, &RemedyRecord)>::new()
+        .told("rung", |(rung, _)| rung.to_string())
+        .told("cause", |(_, remedy)| remedy.cause.clone())
+        .told("taken away by", |(_, remedy)| format!("`{}={}`", remedy.parameter, remedy.value))
+        .told("source", |(_, remedy)| remedy.source.clone());
+    page.push_str(&ladder.markdown(&(1..).zip(&found.ladder).collect::<Vec<_>>()));
     page.push_str("\n## By scene\n\n");
     page.push_str(&scenes(found));
     page.push_str("\n## By class\n\n");
@@ -52,29 +53,26 @@ pub fn explanation_page(run: &Run, found: &ExplanationRecord) -> String {
     page
 }
 
-fn sum<'a>(sets: impl Iterator<Item = &'a Explained>, of: impl Fn(&Explained) -> u64) -> u64 {
-    sets.map(of).sum()
+/// A column a cause.
+fn by_cause<'a, R>(found: &'a ExplanationRecord, of: impl Fn(&R, &str) -> u64 + Copy + 'a) -> Columns<'a, R> {
+    let column = |cause| Column::told(cause, move |row: &R| of(row, cause));
+    found.causes().into_iter().map(column).collect()
 }
 
 fn scenes(found: &ExplanationRecord) -> String {
-    let mut headings = vec!["scene".to_owned(), "rays".to_owned(), "ties".to_owned(), "wrong".to_owned()];
-    headings.extend(found.causes().into_iter().map(str::to_owned));
-    headings.push("wrong on the last rung".to_owned());
-    let mut table = Markdown::new(&headings);
-    let mut row = |name: &str, sets: &[&Explained]| {
-        let all = || sets.iter().copied();
-        let mut cells = vec![name.to_owned(), thousands(sum(all(), |set| set.count))];
-        cells.push(thousands(sum(all(), |set| set.ties)));
-        cells.push(thousands(sum(all(), |set| set.wrong_by_rung[0])));
-        cells.extend(found.causes().iter().map(|cause| thousands(sum(all(), |set| set.of_cause(cause)))));
-        cells.push(thousands(sum(all(), Explained::left)));
-        table.row(&cells);
-    };
-    for scene in &found.scenes {
-        row(&scene.scene.name, &scene.sets.iter().collect::<Vec<_>>());
-    }
-    row("all", &found.scenes.iter().flat_map(|scene| &scene.sets).collect::<Vec<_>>());
-    table.text
+    type Row<'a> = (&'a str, Vec<&'a Explained>);
+    let sum = |(_, sets): &Row<'_>, of: &dyn Fn(&Explained) -> u64| sets.iter().map(|set| of(set)).sum::<u64>();
+    let sheet = Sheet::<Row<'_>>::new()
+        .told("scene", |(name, _)| (*name).to_owned())
+        .told("rays", |row| sum(row, &|set| set.count))
+        .told("ties", |row| sum(row, &|set| set.ties))
+        .told("wrong", |row| sum(row, &|set| set.wrong_by_rung[0]))
+        .with(by_cause(found, |row, cause| sum(row, &|set| set.of_cause(cause))))
+        .told("wrong on the last rung", |row| sum(row, &Explained::left));
+    let mut rows: Vec<Row<'_>> =
+        found.scenes.iter().map(|scene| (&*scene.scene.name, scene.sets.iter().collect())).collect();
+    rows.push(("all", found.scenes.iter().flat_map(|scene| &scene.sets).collect()));
+    sheet.markdown(&rows)
 }
 
 fn classes(found: &ExplanationRecord) -> String {
@@ -83,18 +81,9 @@ fn classes(found: &ExplanationRecord) -> String {
     if known.is_empty() {
         return "No ray is wrong.\n".to_owned();
     }
-    let mut headings = vec!["class".to_owned()];
-    headings.extend(found.causes().into_iter().map(str::to_owned));
-    let mut table = Markdown::new(&headings);
-    for class in known {
-        let of = |cause: &str| {
-            sum(sets(), |set| set.causes.get(class).and_then(|causes| causes.get(cause)).copied().unwrap_or(0))
-        };
-        let mut cells = vec![class.clone()];
-        cells.extend(found.causes().iter().map(|cause| thousands(of(cause))));
-        table.row(&cells);
-    }
-    table.text
+    let of = |class: &&String, cause: &str| sets().filter_map(|set| set.causes.get(*class)?.get(cause)).sum();
+    let sheet = Sheet::<&String>::new().told("class", |class| (*class).clone()).with(by_cause(found, of));
+    sheet.markdown(&Vec::from_iter(known))
 }
 
 fn one_scene(found: &ExplanationRecord, scene: &SceneExplained) -> String {
@@ -109,19 +98,17 @@ fn one_scene(found: &ExplanationRecord, scene: &SceneExplained) -> String {
         view.ray_image[0],
         view.ray_image[1]
     );
-    let mut headings = vec!["rays".to_owned(), "query".to_owned(), "count".to_owned(), "ties".to_owned()];
-    headings.push("as asked for".to_owned());
-    headings.extend(found.ladder.iter().map(|rung| format!("+ {}={}", rung.parameter, rung.value)));
-    headings.push("right at first, wrong on a later rung".to_owned());
-    let mut table = Markdown::new(&headings);
-    for set in &scene.sets {
-        let mut cells = vec![set.rays.clone(), format::query(set.query).to_owned(), thousands(set.count)];
-        cells.push(thousands(set.ties));
-        cells.extend(set.wrong_by_rung.iter().map(|wrong| thousands(*wrong)));
-        cells.push(thousands(set.wrong_on_the_way));
-        table.row(&cells);
+    let mut sheet = Sheet::<Explained>::new()
+        .told("rays", |set| set.rays.clone())
+        .told("query", |set| format::query(set.query))
+        .told("count", |set| set.count)
+        .told("ties", |set| set.ties);
+    let rungs = found.ladder.iter().map(|rung| format!("+ {}={}", rung.parameter, rung.value));
+    for (place, heading) in std::iter::once("as asked for".to_owned()).chain(rungs).enumerate() {
+        sheet = sheet.told(heading, move |set| set.wrong_by_rung.get(place).copied());
     }
-    let _ = write!(text, "{}", table.text);
+    sheet = sheet.told("right at first, wrong on a later rung", |set| set.wrong_on_the_way);
+    text += &sheet.markdown(&scene.sets);
     for (rung, reason) in &scene.left_out {
         let _ = write!(text, "\n`{rung}` took nothing away here: {}\n", inline(reason));
     }

@@ -4,13 +4,13 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::ReportError;
-use super::format::{NONE, significant, thousands};
+use super::format::{significant, thousands};
 use super::group::{Group, RaySet, Role, groups};
-use super::markdown::{Table, inline};
+use super::markdown::inline;
 use super::metrics::{COUNT, SPEED};
-use super::sheet::Sheet;
+use super::sheet::{Cell, Sheet};
 use super::{cells, metrics, summary};
-use crate::results::{Answer, Means, Paired, Ratio, Run, Timed, TraceRecord, TracerRun, at_means};
+use crate::results::{Answer, AtMeans, Means, Paired, Ratio, Run, Timed, TraceRecord, TracerRun, at_means};
 
 /// By how much speeds may differ and still be the same, a share.
 const SAME: f64 = 0.05;
@@ -117,11 +117,11 @@ fn over_default(run: &Run, group: &Group<'_>, set: &RaySet<'_>, row: &TracerRun)
     paired(run, set, by_default(run, group, row)?, row)?.ratio
 }
 
-/// What is said of one beside another.
+/// What is said of one where this is how long the other takes.
 fn said(answer: &Answer) -> &'static str {
     match answer {
-        Answer::Longer => "slower",
-        Answer::Shorter => "faster",
+        Answer::Longer => "faster",
+        Answer::Shorter => "slower",
         Answer::Same => "the same",
         Answer::Undecided(_) => "undecided",
     }
@@ -129,6 +129,7 @@ fn said(answer: &Answer) -> &'static str {
 
 /// Every two methods at equal means and at each one's best.
 fn between(run: &Run, group: &Group<'_>, set: &RaySet<'_>) -> String {
+    type Pair<'a> = (&'a str, &'a str, AtMeans<Paired>);
     let mut names: Vec<&str> = Vec::new();
     for row in &group.contenders {
         if !names.contains(&&*row.tracer.name) {
@@ -141,37 +142,29 @@ fn between(run: &Run, group: &Group<'_>, set: &RaySet<'_>) -> String {
     let time_ms = |row: &TracerRun| {
         trace_of(row, set).filter(|trace| !trace.times.samples_ms.is_empty()).map(|trace| trace.times.median_ms)
     };
-    let headings = ["method", "beside", "× as fast at equal means", "× as fast at each one's best", "so it is"];
-    let mut table = Table::new(&headings.map(str::to_owned));
-    let mut rows = 0;
+    let mut rows: Vec<Pair<'_>> = Vec::new();
     for (place, one) in names.iter().enumerate() {
         for other in &names[place + 1..] {
             // The time of the other over that of the one is the speed of the one over that of the other.
             let found = at_means(&of(one), &of(other), time_ms, |one, other| paired(run, set, other, one));
-            let cell =
-                |found: &Paired| found.ratio.map_or_else(|| NONE.to_owned(), |ratio| significant(ratio.value, 3));
-            let equal: Vec<String> =
-                found.equal.iter().map(|(means, found)| format!("{} ({means})", cell(found))).collect();
-            let best = found.best.as_ref().map_or_else(
-                || NONE.to_owned(),
-                |([one, other], found)| {
-                    let [one, other] =
-                        [one, other].map(|means| means.as_ref().map_or_else(String::new, ToString::to_string));
-                    format!("{} ({one} beside {other})", cell(found))
-                },
-            );
-            let verdict = found.agreed(|found| said(&found.answer(SAME))).map(|said| match said {
-                // How long the other takes.
-                "slower" => "faster",
-                "faster" => "slower",
-                said => said,
-            });
-            let verdict = verdict.unwrap_or("undecided");
-            table.row(&[(*one).to_owned(), (*other).to_owned(), equal.join(", "), best, verdict.to_owned()]);
-            rows += 1;
+            rows.push((*one, *other, found));
         }
     }
-    if rows == 0 { String::new() } else { format!("\n{}", table.text) }
+    let ratio = |found: &Paired| Cell::number(found.ratio.map(|ratio| ratio.value), 3).told();
+    let sheet = Sheet::<Pair<'_>>::new()
+        .told("method", |(one, ..)| (*one).to_owned())
+        .told("beside", |(_, other, _)| (*other).to_owned())
+        .told("× as fast at equal means", |(.., found)| {
+            let equal = found.equal.iter().map(|(means, found)| format!("{} ({means})", ratio(found)));
+            equal.collect::<Vec<_>>().join(", ")
+        })
+        .told("× as fast at each one's best", |(.., found)| {
+            let (means, found) = found.best.as_ref()?;
+            let [one, other] = means.each_ref().map(|means| means.as_ref().map_or_else(String::new, Means::to_string));
+            Some(format!("{} ({one} beside {other})", ratio(found)))
+        })
+        .told("so it is", |(.., found)| found.agreed(|found| said(&found.answer(SAME))).unwrap_or("undecided"));
+    if rows.is_empty() { String::new() } else { format!("\n{}", sheet.markdown(&rows)) }
 }
 
 /// A tracer's row by its means and a ray set.

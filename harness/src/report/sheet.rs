@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::ReportError;
 use super::format::{NONE, optional, percent_with_interval, significant, statistic, thousands, with_interval};
-use super::markdown::Table;
+use super::markdown::inline;
 use crate::results::{Percentiles, Ratio, Times};
 use crate::studies::pareto::Amount;
 
@@ -53,6 +53,11 @@ pub(crate) struct Accuracy {
 }
 
 impl Cell {
+    /// A number to so many digits, where there is one.
+    pub(crate) fn number(value: impl Into<Option<f64>>, digits: usize) -> Self {
+        value.into().map_or(Self::None, |value| Self::Number(value, digits))
+    }
+
     /// The number, if it is one: of a number with an interval itself, of percentiles the median.
     pub(crate) fn value(&self) -> Option<f64> {
         match self {
@@ -289,11 +294,18 @@ impl<'a, R> Sheet<'a, R> {
     /// The table in Markdown.
     pub(crate) fn markdown(&self, rows: &[R]) -> String {
         let shown = || self.columns.iter().filter_map(|column| Some((column.heading.as_ref()?, &column.cell)));
-        let mut table = Table::new(&shown().map(|(heading, _)| heading.clone()).collect::<Vec<_>>());
-        for row in rows {
-            table.row(&shown().map(|(_, cell)| cell(row).told()).collect::<Vec<_>>());
-        }
-        table.text
+        let line = |cells: &mut dyn Iterator<Item = String>| {
+            cells.map(|cell| format!("| {} ", inline(&cell))).collect::<String>() + "|\n"
+        };
+        let mut text = line(&mut shown().map(|(heading, _)| heading.clone()));
+        text += &format!("|{}\n", " --- |".repeat(shown().count()));
+        text.extend(rows.iter().map(|row| line(&mut shown().map(|(_, cell)| cell(row).told()))));
+        text
+    }
+
+    /// The table in Markdown below some words, and nothing at all where it has no rows.
+    pub(crate) fn below(&self, words: &str, rows: &[R]) -> String {
+        if rows.is_empty() { String::new() } else { format!("\n{words}\n\n{}", self.markdown(rows)) }
     }
 }
 
@@ -324,6 +336,8 @@ mod tests {
         assert_eq!(csv, "share,share_low,share_high,bytes\n0.5,0.25,0.75,3145728\n,,,\n");
         let markdown = "| share ↑ | is \\| there |\n| --- | --- |\n| 50.00 % [25.000, 75.000] | yes |\n| – | no |\n";
         assert_eq!(sheet.markdown(&rows), markdown);
+        assert_eq!(sheet.below("Words:", &rows), format!("\nWords:\n\n{markdown}"));
+        assert_eq!(sheet.below("Words:", &[]), "");
         let error = sheet.column("share_low", |_| 1_u64).csv("a.csv", &rows).unwrap_err();
         assert!(error.to_string().contains("share_low"), "{error}");
     }

@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use super::format;
-use super::markdown::Table;
+use super::sheet::Sheet;
 use crate::cases;
-use crate::results::Provenance;
+use crate::results::{Provenance, Strength};
 use crate::studies::stability::{CaseMatrix, Cell, Stability, Verdict, percent};
 
 /// The file with the matrix.
@@ -13,14 +13,13 @@ pub const STABILITY_TABLE: &str = "stability.md";
 
 /// The matrix of cases and tracers with the reasons below it, as Markdown.
 pub fn matrix(stability: &Stability) -> String {
-    let tracers = stability.tracers();
-    let mut table = Table::new(&[vec!["case".to_owned()], tracers].concat());
-    for CaseMatrix { case, cells } in &stability.cases {
-        let name = if case.void.is_some() { format!("{} (VOID)", case.name) } else { case.name.clone() };
-        let cells = cells.iter().map(|cell| cell.text.clone());
-        table.row(&std::iter::once(name).chain(cells).collect::<Vec<_>>());
+    let mut sheet = Sheet::<CaseMatrix>::new().told("case", |CaseMatrix { case, .. }| {
+        if case.void.is_some() { format!("{} (VOID)", case.name) } else { case.name.clone() }
+    });
+    for (place, tracer) in stability.tracers().into_iter().enumerate() {
+        sheet = sheet.told(tracer, move |of| of.cells.get(place).map(|cell| cell.text.clone()));
     }
-    let mut text = table.text;
+    let mut text = sheet.markdown(&stability.cases);
     if !stability.counts {
         text.push_str("\nParameters were changed: verdicts are shown but do not count.\n");
     }
@@ -81,25 +80,25 @@ pub(super) fn page(stability: &Stability) -> String {
     for CaseMatrix { case, cells } in &stability.cases {
         let _ = writeln!(text, "\n## {}\n\n{}.\n", case.name, case.summary);
         let knob = cases::label(&case.knob.name, &case.knob.unit);
-        let shared = ["rays", "hit", "miss", "ties", "show the difficulty"].map(str::to_owned);
-        let of_tracers = cells.iter().map(|cell| format!("{}: tight, footprint", cell.tracer));
-        let mut table = Table::new(&[vec![knob], shared.to_vec(), of_tracers.collect()].concat());
-        for (index, strength) in case.strengths.iter().enumerate() {
-            let counts = [strength.rays, strength.true_hits, strength.true_misses, strength.ties];
-            let mut row = vec![knob_value(strength.strength)];
-            row.extend(counts.map(format::thousands));
-            row.push(percent(strength.featured));
-            row.extend(cells.iter().map(|cell| figures(cell, index)));
-            table.row(&row);
+        let mut sheet = Sheet::<(usize, &Strength)>::new()
+            .told(knob, |(_, at)| knob_value(at.strength))
+            .told("rays", |(_, at)| at.rays)
+            .told("hit", |(_, at)| at.true_hits)
+            .told("miss", |(_, at)| at.true_misses)
+            .told("ties", |(_, at)| at.ties)
+            .told("show the difficulty", |(_, at)| percent(at.featured));
+        for cell in cells {
+            sheet = sheet.told(format!("{}: tight, footprint", cell.tracer), move |(place, _)| figures(cell, *place));
         }
-        let _ = writeln!(text, "{}\nThe difficulty: rays that {}.", table.text, case.feature);
+        let rows: Vec<_> = case.strengths.iter().enumerate().collect();
+        let _ = writeln!(text, "{}\nThe difficulty: rays that {}.", sheet.markdown(&rows), case.feature);
     }
     text
 }
 
-fn figures(cell: &Cell, index: usize) -> String {
-    let Some(measured) = cell.measured.get(index) else { return format::NONE.to_owned() };
-    let Some(wrong) = measured.wrong else { return measured.error.clone().unwrap_or_else(|| format::NONE.to_owned()) };
+fn figures(cell: &Cell, place: usize) -> Option<String> {
+    let measured = cell.measured.get(place)?;
+    let Some(wrong) = measured.wrong else { return measured.error.clone() };
     let mark = if measured.as_expected == Some(false) && cell.verdict != Verdict::Unstated { " **!**" } else { "" };
-    format!("{}, {}{mark}", percent(wrong.tight), percent(wrong.footprint))
+    Some(format!("{}, {}{mark}", percent(wrong.tight), percent(wrong.footprint)))
 }

@@ -1,14 +1,15 @@
 //! `summary.md`: the run for people. No row tells a speed without the accuracy of the same trace.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use tracebench_api::{Query, Rasterizer};
 
 use super::cells::{self, Row, coverage, label, touched};
 use super::distances;
-use super::format::{self, NONE, mib, significant, statistic, thousands};
+use super::format::{self, mib, significant, statistic, thousands};
 use super::group::{Group, RaySet, Role};
-use super::markdown::{Table, inline};
+use super::markdown::inline;
 use super::metrics::{
     self, BUILD_PEAK, BUILD_TIME, FALSE_FREE, FALSE_OCCLUDED, GEOMETRY, IDENTITY, Metric, POSITION, SPEED, STRUCTURE,
     TIES, TRACE_TIME, TRUE_FREE, TRUE_OCCLUDED,
@@ -17,7 +18,7 @@ use super::sheet::{Columns, Sheet};
 use super::surfaces;
 use super::verdict::{self, Verdict};
 use crate::results::{
-    Classes, EndedBy, Judgement, LEAST_ROUNDS, MARK, Provenance, RaceRecord, Run, Skipped, TracerRun,
+    Classes, CounterRecord, EndedBy, Judgement, LEAST_ROUNDS, MARK, Provenance, RaceRecord, Run, Skipped, TracerRun,
 };
 
 /// How many causes a row names.
@@ -255,76 +256,72 @@ fn any_tables(text: &mut String, rows: &[Row<'_>]) {
     let _ = write!(text, "\n{}", traced(Query::Any).with(metrics(counts)).markdown(rows));
 }
 
+/// The rows of tracers that are no controls, each with everything of a kind that its trace tells.
+fn each<'a, T>(rows: &[Row<'a>], of: impl Fn(&Row<'a>) -> Vec<T>) -> Vec<(Row<'a>, T)> {
+    let contenders = rows.iter().filter(|(role, ..)| *role == Role::Contender);
+    contenders.flat_map(|row| of(row).into_iter().map(move |each| (*row, each))).collect()
+}
+
 fn causes(rows: &[Row<'_>]) -> String {
-    let mut table = Table::new(&["tracer", "rule", "wrong rays", "causes, most frequent first"].map(str::to_owned));
-    let mut any = false;
-    for (role, run, trace) in rows.iter().filter(|(role, ..)| *role == Role::Contender) {
-        for (rule, causes) in trace.judgement.causes() {
-            let all: u64 = causes.values().sum();
-            let mut sorted: Vec<_> = causes.iter().filter(|(_, rays)| **rays > 0).collect();
-            sorted.sort_by_key(|(name, rays)| (std::cmp::Reverse(**rays), (*name).clone()));
-            let share = |rays: u64| rays as f64 / all.max(1) as f64 * 100.0;
-            let named =
-                |(name, rays): &(&String, &u64)| format!("{name} {} ({:.1} %)", thousands(**rays), share(**rays));
-            let mut listed: Vec<_> = sorted.iter().take(TOP_CAUSES).map(named).collect();
-            if sorted.len() > TOP_CAUSES {
-                let rest: u64 = sorted[TOP_CAUSES..].iter().map(|(_, rays)| **rays).sum();
-                listed.push(format!("others {} ({:.1} %)", thousands(rest), share(rest)));
-            }
-            if !listed.is_empty() {
-                table.row(&[label(*role, run), rule.clone(), thousands(all), listed.join(", ")]);
-                any = true;
-            }
+    type Caused<'a> = (Row<'a>, (&'a String, u64, Vec<String>));
+    let listed = |causes: &BTreeMap<String, u64>| {
+        let all: u64 = causes.values().sum();
+        let mut sorted: Vec<_> = causes.iter().filter(|(_, rays)| **rays > 0).collect();
+        sorted.sort_by_key(|(name, rays)| (std::cmp::Reverse(**rays), (*name).clone()));
+        let share = |rays: u64| rays as f64 / all.max(1) as f64 * 100.0;
+        let named = |name: &str, rays: u64| format!("{name} {} ({:.1} %)", thousands(rays), share(rays));
+        let mut listed: Vec<_> = sorted.iter().take(TOP_CAUSES).map(|(name, rays)| named(name, **rays)).collect();
+        if sorted.len() > TOP_CAUSES {
+            listed.push(named("others", sorted[TOP_CAUSES..].iter().map(|(_, rays)| **rays).sum()));
         }
-    }
-    if any { format!("\nCauses of wrong answers:\n\n{}", table.text) } else { String::new() }
+        (all, listed)
+    };
+    let rows = each(rows, |(.., trace)| {
+        let causes = trace.judgement.causes().into_iter().map(|(rule, causes)| (rule, listed(causes)));
+        causes.filter(|(_, (_, listed))| !listed.is_empty()).map(|(rule, (all, listed))| (rule, all, listed)).collect()
+    });
+    let sheet = Sheet::<Caused<'_>>::new()
+        .name(|(row, _)| Some(*row))
+        .told("rule", |(_, (rule, ..))| (*rule).clone())
+        .told("wrong rays", |(_, (_, all, _))| *all)
+        .told("causes, most frequent first", |(_, (.., listed))| listed.join(", "));
+    sheet.below("Causes of wrong answers:", &rows)
 }
 
 fn counters(rows: &[Row<'_>]) -> String {
-    let mut table =
-        Table::new(&["tracer", "counter", "mean per ray", "greatest per ray", "over the whole set"].map(str::to_owned));
-    let mut any = false;
-    for (role, run, trace) in rows.iter().filter(|(role, ..)| *role == Role::Contender) {
-        for (name, counter) in &trace.counters {
-            let greatest = counter.greatest_per_ray.map_or(NONE.to_owned(), thousands);
-            let (mean, whole) = match touched(run, name, counter) {
-                Some(touched) => (NONE.to_owned(), touched),
-                None => (significant(counter.per_ray, 4), NONE.to_owned()),
-            };
-            table.row(&[label(*role, run), name.clone(), mean, greatest, whole]);
-            any = true;
-        }
-    }
-    if any { format!("\nCounters, from a variant that is not timed:\n\n{}", table.text) } else { String::new() }
+    type Counted<'a> = (Row<'a>, (&'a String, &'a CounterRecord));
+    let whole = |((_, run, _), (name, counter)): &Counted<'_>| touched(run, name, counter);
+    let sheet = Sheet::<Counted<'_>>::new()
+        .name(|(row, _)| Some(*row))
+        .told("counter", |(_, (name, _))| (*name).clone())
+        .told("mean per ray", |row| whole(row).is_none().then_some(row.1.1.per_ray))
+        .told("greatest per ray", |(_, (_, counter))| counter.greatest_per_ray)
+        .told("over the whole set", whole);
+    let rows = each(rows, |(.., trace)| trace.counters.iter().collect());
+    sheet.below("Counters, from a variant that is not timed:", &rows)
 }
 
 fn statuses(rows: &[Row<'_>]) -> String {
-    let mut table = Table::new(&["tracer", "rays by the status that the tracer gave"].map(str::to_owned));
-    let mut any = false;
-    for (role, run, trace) in rows.iter().filter(|(role, ..)| *role == Role::Contender) {
+    let sheet = Sheet::<(Row<'_>, String)>::new()
+        .name(|(row, _)| Some(*row))
+        .told("rays by the status that the tracer gave", |(_, listed)| listed.clone());
+    let rows = each(rows, |(.., trace)| {
         let named = trace.statuses.iter().filter(|(_, rays)| **rays > 0);
         let listed: Vec<_> = named.map(|(name, rays)| format!("{name} {}", thousands(*rays))).collect();
-        if !listed.is_empty() {
-            table.row(&[label(*role, run), listed.join(", ")]);
-            any = true;
-        }
-    }
-    if any { format!("\nHow rays ended:\n\n{}", table.text) } else { String::new() }
+        if listed.is_empty() { Vec::new() } else { vec![listed.join(", ")] }
+    });
+    sheet.below("How rays ended:", &rows)
 }
 
 /// What did not run.
 pub(crate) fn skipped(skipped: &[Skipped]) -> String {
-    let mut text = "\n## Skipped\n\n".to_owned();
-    if skipped.is_empty() {
-        return text + "Nothing.\n";
-    }
-    let mut table = Table::new(&["tracer", "scene", "rays", "reason"].map(str::to_owned));
-    for each in skipped {
-        let or_all = |name: &Option<String>| name.clone().unwrap_or_else(|| "all".to_owned());
-        table.row(&[or_all(&each.tracer), each.scene.clone(), or_all(&each.rays), each.reason.clone()]);
-    }
-    text += &table.text;
-    text
+    let or_all = |name: &Option<String>| name.clone().unwrap_or_else(|| "all".to_owned());
+    let sheet = Sheet::<Skipped>::new()
+        .told("tracer", |each| or_all(&each.tracer))
+        .told("scene", |each| each.scene.clone())
+        .told("rays", |each| or_all(&each.rays))
+        .told("reason", |each| each.reason.clone());
+    if skipped.is_empty() { "\n## Skipped\n\nNothing.\n".to_owned() } else { sheet.below("## Skipped", skipped) }
 }
 
 fn many_ties(judgement: &Judgement) -> bool {

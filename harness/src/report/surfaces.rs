@@ -2,10 +2,9 @@
 
 use tracebench_api::{EndPoint, MemoryEntry};
 
-use super::cells::{self, Row, label};
+use super::cells::{self, Row};
 use super::format::mib;
 use super::group::Role;
-use super::markdown::Table;
 use super::metrics::{LOST, MATERIAL, NORMAL, NORMAL_ERROR, POSITION_ERROR_OF_SURFACE, POSITION_OF_SURFACE, SURFACES};
 use super::sheet::Sheet;
 use crate::results::TraceRecord;
@@ -30,38 +29,29 @@ fn at_surfaces(role: Role, trace: &TraceRecord) -> bool {
 /// What traces left beyond hits, and what all of them took.
 fn surfaces(rows: &[Row<'_>]) -> String {
     let rows: Vec<Row<'_>> = rows.iter().filter(|(.., trace)| trace.surfaces.is_some()).copied().collect();
-    if rows.is_empty() {
-        return String::new();
-    }
     let all = [SURFACES, MATERIAL, NORMAL, POSITION_OF_SURFACE, LOST, NORMAL_ERROR, POSITION_ERROR_OF_SURFACE];
     let sheet = Sheet::<Row<'_>>::new()
         .name(cells::own)
         .with(all.map(|metric| metric.of_trace(|(.., trace): &Row<'_>| Some(trace))).into());
-    format!("\nSurfaces of the hits that are right within a pixel:\n\n{}", sheet.markdown(&rows))
+    sheet.below("Surfaces of the hits that are right within a pixel:", &rows)
 }
 
 /// What a trace takes, by its parts.
 fn trace_memory(rows: &[Row<'_>]) -> String {
-    let mut table = Table::new(&["tracer", "a trace takes (MiB)"].map(str::to_owned));
-    let mut any = false;
-    for (role, run, trace) in rows.iter().filter(|(role, _, trace)| at_surfaces(*role, trace)) {
+    let has_parts = |(role, _, trace): &&Row<'_>| at_surfaces(*role, trace) && !trace.per_trace.is_empty();
+    let rows: Vec<Row<'_>> = rows.iter().filter(has_parts).copied().collect();
+    let sheet = Sheet::<Row<'_>>::new().name(cells::own).told("a trace takes (MiB)", |(.., trace)| {
         let part = |part: &MemoryEntry| format!("{} {}", part.name, mib(part.allocated_bytes));
         let parts: Vec<_> = trace.per_trace.iter().map(part).collect();
-        if !parts.is_empty() {
-            table.row(&[label(*role, run), format!("{}: {}", mib(trace.per_trace_bytes), parts.join(", "))]);
-            any = true;
-        }
-    }
-    if any { format!("\nMemory of a trace:\n\n{}", table.text) } else { String::new() }
+        format!("{}: {}", mib(trace.per_trace_bytes), parts.join(", "))
+    });
+    sheet.below("Memory of a trace:", &rows)
 }
 
 /// The passes of the traces that have several.
 fn phases(rows: &[Row<'_>]) -> String {
     let several = |(role, _, trace): &&Row<'_>| at_surfaces(*role, trace) && !trace.times.phases.is_empty();
     let rows: Vec<Row<'_>> = rows.iter().filter(several).copied().collect();
-    if rows.is_empty() {
-        return String::new();
-    }
     let sheet = Sheet::<Row<'_>>::new().name(cells::own).phases("phases (ms)", "; ", |(.., trace)| Some(&trace.times));
-    format!("\nPhases of the traces:\n\n{}", sheet.markdown(&rows))
+    sheet.below("Phases of the traces:", &rows)
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use super::{Reproduction, State, Taken};
 use crate::cli::CliError;
 use crate::files;
-use crate::report::markdown::Table;
+use crate::report::sheet::Sheet;
 
 /// The page's file.
 const PAGE: &str = "reproduce.md";
@@ -37,21 +37,22 @@ fn text(found: &Reproduction, out: &str, took: Duration, pages: impl Fn(&Taken) 
         found.steps.len(),
         took.as_secs()
     );
-    let header = ["step", "state", "took (s)", "pages", "by itself"].map(str::to_owned);
-    let mut table = Table::new(&header);
-    for step in found.steps.iter().filter(|step| step.state != State::LeftOut) {
-        let links = pages(step).iter().map(|page| format!("[{page}]({}/{page})", step.name)).collect::<Vec<_>>();
-        let state = match &step.state {
+    let sheet = Sheet::<&Taken>::new()
+        .told("step", |step| step.name.clone())
+        .told("state", |step| match &step.state {
             State::Done => "measured".to_owned(),
             State::BrokenOff => "out of time, gone on with by `--resume`".to_owned(),
             State::Failed(reason) => format!("failed: {reason}"),
             State::LeftOut => "left out".to_owned(),
-        };
-        let took = format!("{:.0}", step.took_s);
-        table.row(&[step.name.clone(), state, took, links.join(", "), command(step)]);
-    }
-    text += &table.text;
-    let left: Vec<&Taken> = found.steps.iter().filter(|step| step.state == State::LeftOut).collect();
+        })
+        .told("took (s)", |step| format!("{:.0}", step.took_s))
+        .told("pages", |step| {
+            let links = pages(step).into_iter().map(|page| format!("[{page}]({}/{page})", step.name));
+            links.collect::<Vec<_>>().join(", ")
+        })
+        .told("by itself", |step| command(step));
+    let (left, taken): (Vec<&Taken>, _) = found.steps.iter().partition(|step| step.state == State::LeftOut);
+    text += &sheet.markdown(&taken);
     if !left.is_empty() {
         text += "\n## Left out\n\nThere was no time for these. With more of it `reproduce` goes on:\n\n```sh\n";
         let _ = writeln!(text, "tracebench reproduce --out {out} --resume --budget 1h\n```\n");

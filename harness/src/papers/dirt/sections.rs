@@ -3,16 +3,15 @@
 use super::DIRT;
 use super::quantities::memory::tiles;
 use super::quantities::time::{MIXES, total_ms};
+use crate::papers::SceneRows;
 use crate::papers::page::Page;
 use crate::papers::page::beside::beside;
-use crate::papers::page::measured::{speed_with_accuracy, strings};
+use crate::papers::page::measured::{Row, of_rows, over, speed_with_accuracy};
 use crate::papers::rows::{integer, statistic, trace};
 use crate::papers::vvp16::ABUFFER;
 use crate::papers::wkp15::DDA;
-use crate::report::format::{NONE, optional, significant, thousands};
-use crate::report::markdown::Table;
-use crate::results::TracerRun;
-use crate::results::host_ms;
+use crate::report::sheet::{Cell, Column, Sheet};
+use crate::results::{TracerRun, host_ms};
 
 /// Kinds of rays in the order of DIRT's Table 1: ray set, published column.
 const KINDS: [(&str, &str); 4] =
@@ -24,103 +23,93 @@ const MIPMAPS: [f64; 2] = [1.33, 1.5];
 
 /// Rays a second of each kind, and ratios to the last kind beside the published ones.
 pub(super) fn throughput(page: &Page<'_>) -> String {
-    let printed = page.printed();
-    let kinds: Vec<&str> = KINDS.iter().map(|(rays, _)| *rays).collect();
-    let mut speeds = Table::new(&[strings(&["scene", "tracer"]), strings(&kinds)].concat());
-    let mut ratios = Table::new(&[strings(&["scene", "tracer"]), strings(&kinds[..3])].concat());
-    for scene in &page.rows.scenes {
-        for run in &scene.runs {
-            let found = KINDS.map(|(rays, _)| trace(run, rays).and_then(speed_with_accuracy));
-            let mut cells = vec![scene.label.clone(), run.label()];
-            cells.extend(
-                found.iter().map(|each| each.as_ref().map_or_else(|| NONE.to_owned(), |(_, text)| text.clone())),
-            );
-            speeds.row(&cells);
-            let own = |index: usize| {
-                let [one, last] = [index, KINDS.len() - 1].map(|at| found[at].as_ref().map(|(speed, _)| *speed));
-                Some(one? / last?)
-            };
-            let theirs = |index: usize| {
-                let name = page.experiment.stands_for(&run.scene)?;
-                let of = |column: &str| printed?.value(&[("scene", name)], column);
-                Some(of(KINDS[index].1)? / of(KINDS[KINDS.len() - 1].1)?)
-            };
-            let both =
-                |index: usize| format!("{} here, {} published", optional(own(index), 3), optional(theirs(index), 3));
-            let mut cells = vec![scene.label.clone(), run.label()];
-            cells.extend((0..KINDS.len() - 1).map(both));
-            ratios.row(&cells);
-        }
-    }
+    let rows: Vec<Row<'_>> = page.all().collect();
+    let found = |run: &TracerRun, rays| speed_with_accuracy(trace(run, rays)?);
+    let speed = |(rays, _)| Column::told(rays, move |(_, run): &Row<'_>| found(run, rays));
+    let [kinds @ .., last] = KINDS;
+    let ratio = |kind: (&'static str, &'static str)| {
+        Column::told(kind.0, move |(_, run): &Row<'_>| {
+            let [own, base] = [kind, last].map(|(rays, _)| found(run, rays).map(|speed| speed.value));
+            let [theirs, of] = [kind, last].map(|(_, column)| page.printed_of(run, &[], column));
+            format!("{} here, {} published", over(own, base).told(), over(theirs, of).told())
+        })
+    };
     format!(
         "\nMrays/s with the agreement under tight of the same rays (any hit: balanced accuracy):\n\n{}\nRatios to diffuse rays, \
          within one scene and tracer:\n\n{}",
-        speeds.text, ratios.text
+        of_rows::<Row<'_>>(|row| *row).with(KINDS.map(speed).into()).markdown(&rows),
+        of_rows::<Row<'_>>(|row| *row).with(kinds.map(ratio).into()).markdown(&rows)
     )
 }
 
-/// The formula of Table 3 with the device's own counts, beside what the ledger says is used.
-pub(super) fn formula(page: &Page<'_>) -> String {
-    let part = |run: &TracerRun, of: &dyn Fn(&str) -> bool| {
-        run.memory.structure.iter().filter(|part| of(&part.name)).map(|part| part.used_bytes as f64).sum::<f64>()
-    };
-    let is_bounds = |name: &str| name == "depth bounds texture";
-    let is_list = |name: &str| name.starts_with("id buffer");
-    let mut table = Table::new(&strings(&[
-        "scene",
-        "tracer",
-        "tiles of all views",
-        "c n_p (references)",
-        "id buffer, formula (bytes)",
-        "id buffer, ledger over formula",
-        "depth bounds without mipmaps (bytes)",
-        "ledger over that",
-        "formula at 1.33 over ledger",
-        "at 1.5 over ledger",
-        "in the ledger and not in Table 3 (bytes)",
-    ]));
-    for (scene, run) in page.rows.scenes.iter().flat_map(|scene| scene.runs.iter().map(move |run| (scene, *run))) {
-        let found = tiles(run).zip(statistic(run, "references")).zip(integer(run, "buckets"));
-        let Some(((tiles, references), buckets)) = found else { continue };
-        let [bounds_bytes, head_bytes, node_bytes] = FORMULA;
-        let lists = head_bytes * buckets as f64 * tiles + node_bytes * references;
-        let bounds = bounds_bytes * tiles;
-        let ledger = part(run, &is_bounds) + part(run, &is_list);
-        let beside = |factor: f64| significant((bounds * factor + lists) / ledger, 5);
-        table.row(&[
-            scene.label.clone(),
-            run.label(),
-            thousands(tiles as u64),
-            thousands(references as u64),
-            thousands(lists as u64),
-            significant(part(run, &is_list) / lists, 6),
-            thousands(bounds as u64),
-            significant(part(run, &is_bounds) / bounds, 5),
-            beside(MIPMAPS[0]),
-            beside(MIPMAPS[1]),
-            thousands(part(run, &|name| !is_bounds(name) && !is_list(name)) as u64),
-        ]);
-    }
-    format!("\nBytes used:\n\n{}", table.text)
+/// Bytes by the formula of Table 3 with the device's own counts, and by the ledger.
+struct Formula {
+    tiles: f64,
+    references: f64,
+    lists: f64,
+    bounds: f64,
+    used_lists: f64,
+    used_bounds: f64,
+    used_else: f64,
 }
 
-/// Build and traces of every mix by the host's clock, with the ratio to the first tracer.
-pub(super) fn mixes(page: &Page<'_>) -> String {
-    let mut headings = strings(&["scene", "rays from", "tracer", "build (ms, host clock) ↓"]);
-    headings.extend(MIXES.iter().map(|(name, _)| format!("{name}: build and traces (ms) ↓")));
-    let mut table = Table::new(&headings);
-    for scene in &page.rows.scenes {
-        for at in scene.by_resolution() {
-            for run in &at.runs {
-                let [width, height] = run.viewpoint.ray_image;
-                let mut cells = vec![scene.label.clone(), format!("{width}x{height}"), run.label()];
-                cells.push(optional(host_ms(&run.build.times), 4));
-                cells.extend(MIXES.iter().map(|(_, mix)| optional(total_ms(run, mix), 4)));
-                table.row(&cells);
-            }
-        }
+impl Formula {
+    fn of(run: &TracerRun) -> Option<Self> {
+        let (tiles, references, buckets) = (tiles(run)?, statistic(run, "references")?, integer(run, "buckets")?);
+        let part = |of: &dyn Fn(&str) -> bool| {
+            run.memory.structure.iter().filter(|part| of(&part.name)).map(|part| part.used_bytes as f64).sum::<f64>()
+        };
+        let is_bounds = |name: &str| name == "depth bounds texture";
+        let is_list = |name: &str| name.starts_with("id buffer");
+        let [bounds_bytes, head_bytes, node_bytes] = FORMULA;
+        Some(Self {
+            tiles,
+            references,
+            lists: head_bytes * buckets as f64 * tiles + node_bytes * references,
+            bounds: bounds_bytes * tiles,
+            used_lists: part(&is_list),
+            used_bounds: part(&is_bounds),
+            used_else: part(&|name| !is_bounds(name) && !is_list(name)),
+        })
     }
-    format!("\nThe accuracy of the same traces stands below, by scene and resolution.\n\n{}", table.text)
+
+    /// With mipmaps, over what the ledger says.
+    fn over_ledger(&self, mipmaps: f64) -> Cell {
+        Cell::Number((self.bounds * mipmaps + self.lists) / (self.used_bounds + self.used_lists), 5)
+    }
+}
+
+/// The formula of Table 3 beside what the ledger says is used.
+pub(super) fn formula(page: &Page<'_>) -> String {
+    let rows: Vec<_> = page.all().filter_map(|row| Some((row, Formula::of(row.1)?))).collect();
+    let sheet = of_rows::<(Row<'_>, Formula)>(|(row, _)| *row)
+        .told("tiles of all views", |(_, of)| of.tiles as u64)
+        .told("c n_p (references)", |(_, of)| of.references as u64)
+        .told("id buffer, formula (bytes)", |(_, of)| of.lists as u64)
+        .told("id buffer, ledger over formula", |(_, of)| Cell::Number(of.used_lists / of.lists, 6))
+        .told("depth bounds without mipmaps (bytes)", |(_, of)| of.bounds as u64)
+        .told("ledger over that", |(_, of)| Cell::Number(of.used_bounds / of.bounds, 5))
+        .told("formula at 1.33 over ledger", |(_, of)| of.over_ledger(MIPMAPS[0]))
+        .told("at 1.5 over ledger", |(_, of)| of.over_ledger(MIPMAPS[1]))
+        .told("in the ledger and not in Table 3 (bytes)", |(_, of)| of.used_else as u64);
+    format!("\nBytes used:\n\n{}", sheet.markdown(&rows))
+}
+
+/// Build and traces of every mix by the host's clock.
+pub(super) fn mixes(page: &Page<'_>) -> String {
+    let at = |(name, mix)| {
+        Column::told(format!("{name}: build and traces (ms) ↓"), move |(_, run): &Row<'_>| total_ms(run, mix))
+    };
+    let sheet = Sheet::<Row<'_>>::new()
+        .told("scene", |(scene, _)| scene.label.clone())
+        .told("rays from", |(_, run)| run.viewpoint.ray_image.map(|side| side.to_string()).join("x"))
+        .told("tracer", |(_, run)| run.label())
+        .told("build (ms, host clock) ↓", |(_, run)| host_ms(&run.build.times))
+        .with(MIXES.map(at).into());
+    let of_scene =
+        |scene| SceneRows::by_resolution(scene).into_iter().flat_map(|at| at.runs).map(move |run| (scene, run));
+    let rows: Vec<Row<'_>> = page.rows.scenes.iter().flat_map(of_scene).collect();
+    format!("\nThe accuracy of the same traces stands below, by scene and resolution.\n\n{}", sheet.markdown(&rows))
 }
 
 /// Methods of every family beside the first.
@@ -148,35 +137,23 @@ const IN_BUCKETS: [(&str, &str); 9] = [
 
 /// Copies of a part in several buckets as a histogram, and tiles that one surface fills; nothing of structures that do not tell.
 pub(super) fn copies(page: &Page<'_>) -> String {
-    let rows = page.rows.scenes.iter().flat_map(|scene| scene.of_tracer(DIRT).map(move |run| (scene, run)));
-    let rows: Vec<_> = rows.filter(|(_, run)| statistic(run, "one_surface_tiles").is_some()).collect();
-    if rows.is_empty() {
-        return String::new();
-    }
-    let told = |name: &str| rows.iter().any(|(_, run)| statistic(run, name).is_some());
-    let bins: Vec<_> = IN_BUCKETS.iter().filter(|(name, _)| told(name)).collect();
-    let mut headings = strings(&["scene", "tracer", "copies a part"]);
-    headings.extend(bins.iter().map(|(_, heading)| (*heading).to_owned()));
-    headings.extend(strings(&["in every bucket (%)", "tiles of one surface (%)", "references in these (%)"]));
-    let mut table = Table::new(&headings);
-    for (scene, run) in rows {
-        let share = |name: &str, of: &str| {
-            let [part, whole] = [name, of].map(|name| statistic(run, name));
-            optional(part.zip(whole).map(|(part, whole)| 100.0 * part / whole), 3)
-        };
-        let copies = statistic(run, "references").zip(statistic(run, "parts"));
-        let mut cells = vec![scene.label.clone(), run.label()];
-        cells.push(optional(copies.map(|(references, parts)| references / parts), 3));
-        cells.extend(bins.iter().map(|(name, _)| share(name, "parts")));
-        cells.push(share("parts_in_every_bucket", "parts"));
-        cells.push(share("one_surface_tiles", "occupied_tiles"));
-        cells.push(share("references_in_one_surface_tiles", "references"));
-        table.row(&cells);
-    }
-    format!(
-        "\nParts of triangles, one a tile that it touches, by the number of the tile's buckets that hold a copy. Equation 1 divides \
+    let tells = |name: &str, (_, run): &Row<'_>| statistic(run, name).is_some();
+    let rows: Vec<Row<'_>> = page.of_tracer(DIRT).filter(|row| tells("one_surface_tiles", row)).collect();
+    let over = |(_, run): &Row<'_>, part: &str, whole: &str| Some(statistic(run, part)? / statistic(run, whole)?);
+    let share = |heading: &'static str, part: &'static str, whole: &'static str| {
+        Column::told(heading, move |row: &Row<'_>| Cell::number(over(row, part, whole).map(|share| 100.0 * share), 3))
+    };
+    let bins = IN_BUCKETS.iter().filter(|(name, _)| rows.iter().any(|row| tells(name, row)));
+    let sheet = of_rows::<Row<'_>>(|row| *row)
+        .told("copies a part", |row| Cell::number(over(row, "references", "parts"), 3))
+        .with(bins.map(|&(name, heading)| share(heading, name, "parts")).collect())
+        .and(share("in every bucket (%)", "parts_in_every_bucket", "parts"))
+        .and(share("tiles of one surface (%)", "one_surface_tiles", "occupied_tiles"))
+        .and(share("references in these (%)", "references_in_one_surface_tiles", "references"));
+    sheet.below(
+        "Parts of triangles, one a tile that it touches, by the number of the tile's buckets that hold a copy. Equation 1 divides \
          the depths that a tile holds, whatever these are: where one surface, triangles that hang together by their corners, fills a \
-         tile, it is spread over all buckets.\n\n{}",
-        table.text
+         tile, it is spread over all buckets.",
+        &rows,
     )
 }

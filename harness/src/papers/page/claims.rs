@@ -7,8 +7,9 @@ use super::broken;
 use crate::files;
 use crate::papers::{Claim, JudgedClaim, PAPERS, Paper, SceneValue, Test, Verdict, judge_all};
 use crate::report::ReportError;
-use crate::report::format::{NONE, significant};
-use crate::report::markdown::{Table, inline};
+use crate::report::format::significant;
+use crate::report::markdown::inline;
+use crate::report::sheet::Sheet;
 use crate::results::Run;
 
 /// The claims that an experiment measures.
@@ -46,28 +47,30 @@ fn published(claim: &Claim) -> String {
 
 /// Where a time lies.
 fn interval(of: &SceneValue) -> String {
-    let end = |end: f64| if end.is_finite() { significant(end, 4) } else { NONE.to_owned() };
-    of.interval.map_or_else(String::new, |[low, high]| format!(" [{}, {}]", end(low), end(high)))
+    of.interval.map_or_else(String::new, |ends| {
+        let [low, high] = ends.map(|end| significant(end, 4));
+        format!(" [{low}, {high}]")
+    })
 }
 
 /// Every scene's own figure, then the median.
-fn measured(judged: &JudgedClaim) -> String {
+fn measured(judged: &JudgedClaim) -> Option<String> {
     let all: Vec<String> = judged
         .values
         .iter()
         .map(|each| format!("{} {}{}", each.scene, value(each.value, judged.unit), interval(each)))
         .collect();
     match (all.as_slice(), judged.median) {
-        ([], _) => NONE.to_owned(),
-        ([_, _, ..], Some(median)) => format!("{}; median {}", all.join(", "), value(median, judged.unit)),
-        _ => all.join(", "),
+        ([], _) => None,
+        ([_, _, ..], Some(median)) => Some(format!("{}; median {}", all.join(", "), value(median, judged.unit))),
+        _ => Some(all.join(", ")),
     }
 }
 
-fn rule(claim: &Claim) -> String {
+fn rule(claim: &Claim) -> Option<String> {
     match &claim.test {
-        Test::Measured { quantity, rule, .. } => format!("`{quantity}`: {}", rule.words()),
-        Test::NotMeasurable { .. } => NONE.to_owned(),
+        Test::Measured { quantity, rule, .. } => Some(format!("`{quantity}`: {}", rule.words())),
+        Test::NotMeasurable { .. } => None,
     }
 }
 
@@ -84,32 +87,23 @@ fn rows_of([measured, all]: [usize; 2]) -> String {
 }
 
 fn table(judged: &[JudgedClaim], with_table: bool) -> String {
-    let mut headings = vec!["claim", "section", "conditions", "published", "here", "holds if", "verdict"];
-    if with_table {
-        headings.push("table");
+    let sheet = Sheet::<JudgedClaim>::new()
+        .told("claim", |each| format!("`{}`: {}", each.claim.id, each.claim.statement))
+        .told("section", |each| each.claim.section.clone())
+        .told("conditions", |each| each.claim.conditions.clone())
+        .told("published", |each| published(&each.claim))
+        .told("here", measured)
+        .told("holds if", |each| rule(&each.claim))
+        .told("verdict", verdict);
+    if with_table { sheet.told("table", measured_by).markdown(judged) } else { sheet.markdown(judged) }
+}
+
+/// The table with the run that it was measured in.
+fn measured_by(judged: &JudgedClaim) -> Option<String> {
+    match &judged.measured_by {
+        Some(by) => Some(format!("{}, {}preset {}, {}", by.table, rows_of(by.rows), by.preset, by.started)),
+        None => judged.claim.table().map(str::to_owned),
     }
-    let mut table = Table::new(&headings.iter().map(|heading| (*heading).to_owned()).collect::<Vec<_>>());
-    for each in judged {
-        let claim = &each.claim;
-        let mut cells = vec![
-            format!("`{}`: {}", claim.id, claim.statement),
-            claim.section.clone(),
-            claim.conditions.clone(),
-            published(claim),
-            measured(each),
-            rule(claim),
-            verdict(each),
-        ];
-        if with_table {
-            let by = each.measured_by.as_ref();
-            cells.push(by.map_or_else(
-                || claim.table().unwrap_or(NONE).to_owned(),
-                |by| format!("{}, {}preset {}, {}", by.table, rows_of(by.rows), by.preset, by.started),
-            ));
-        }
-        table.row(&cells);
-    }
-    table.text
 }
 
 /// Verdicts as JSON.

@@ -3,18 +3,13 @@
 use super::Page;
 use crate::papers::rows::{self, trace};
 use crate::papers::{SceneRows, Scope};
-use crate::report::format::{self, NONE, mib, significant, thousands};
+use crate::report::format::{self, significant, thousands};
 use crate::report::group::{Role, set_heading};
 use crate::report::markdown::inline;
 use crate::report::metrics::{BUILD_TIME, SPEED, STRUCTURE, TRACE_TIME};
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::{cells, metrics};
 use crate::results::{Judgement, TraceRecord, TracerRun};
-
-/// Headings.
-pub(in crate::papers) fn strings(headings: &[&str]) -> Vec<String> {
-    headings.iter().map(|heading| (*heading).to_owned()).collect()
-}
 
 /// What was measured: the paper's own sections, then every scene and resolution.
 pub(super) fn sections(page: &Page<'_>) -> String {
@@ -73,11 +68,6 @@ fn structures(page: &Page<'_>, scene: &SceneRows<'_>) -> String {
     sheet.markdown(&scene.runs)
 }
 
-/// Bytes in a scope.
-pub(super) fn bytes(page: &Page<'_>, run: &TracerRun, scope: Scope) -> String {
-    page.paper.bytes(run, scope).map_or_else(|| NONE.to_owned(), |bytes| mib(bytes as u64))
-}
-
 fn traces(scene: &SceneRows<'_>, set: &str) -> String {
     let all: Vec<cells::Row<'_>> =
         scene.runs.iter().filter_map(|run| Some((Role::Contender, *run, trace(run, set)?))).collect();
@@ -96,15 +86,45 @@ fn traces(scene: &SceneRows<'_>, set: &str) -> String {
     format!("\n**{title}**\n{}\n{}", cells::coverage(&all), sheet.markdown(&all))
 }
 
-/// Speed and accuracy in one cell.
-pub(in crate::papers) fn speed_with_accuracy(trace: &TraceRecord) -> Option<(f64, String)> {
-    let accuracy = match &trace.judgement {
-        Judgement::Closest(closest) => closest.agreement.tight,
-        Judgement::Any(any) => any.occlusion.balanced_accuracy,
-    };
-    let (speed, accuracy) = metrics::speed(trace).zip(accuracy)?;
-    let share = format::percent(accuracy, metrics::trials(trace));
-    Some((speed, format!("{} at {share} %", significant(speed, 4))))
+/// A tracer's row in a scene.
+pub(in crate::papers) type Row<'a> = (&'a SceneRows<'a>, &'a TracerRun);
+
+/// A table that begins with scene and tracer.
+pub(in crate::papers) fn of_rows<'a, R>(row: impl Fn(&R) -> Row<'_> + Copy + 'a) -> Sheet<'a, R> {
+    Sheet::new().told("scene", move |each| row(each).0.label.clone()).told("tracer", move |each| row(each).1.label())
+}
+
+/// One over another, where there are both.
+pub(in crate::papers) fn over(own: Option<f64>, first: Option<f64>) -> Cell {
+    Cell::number(own.zip(first).map(|(own, first)| own / first), 3)
+}
+
+/// A figure of rows over that of the first one.
+pub(in crate::papers) fn over_first<'a>(
+    heading: &str,
+    first: &'a TracerRun,
+    of: impl Fn(&TracerRun) -> Option<f64> + 'a,
+) -> Column<'a, &'a TracerRun> {
+    Column::told(heading, move |run: &&TracerRun| over(of(run), of(first)))
+}
+
+/// A speed or a time with the accuracy of the same rays.
+pub(in crate::papers) struct Accurate {
+    /// Million rays a second, or milliseconds.
+    pub value: f64,
+    accuracy: String,
+}
+
+impl From<Accurate> for Cell {
+    fn from(Accurate { value, accuracy }: Accurate) -> Self {
+        Self::Text(format!("{} at {accuracy}", significant(value, 4)))
+    }
+}
+
+/// Speed with agreement under `tight`, of any-hit sets with balanced accuracy.
+pub(in crate::papers) fn speed_with_accuracy(trace: &TraceRecord) -> Option<Accurate> {
+    let (value, accuracy) = metrics::speed(trace).zip(rows::agreement(trace))?;
+    Some(Accurate { value, accuracy: format!("{} %", format::percent(accuracy, metrics::trials(trace))) })
 }
 
 /// What stands above tables of times by [`time_with_accuracy`].
@@ -113,7 +133,7 @@ pub(in crate::papers) const TIMES: &str = "Times are medians by the host's clock
 
 /// Milliseconds of traces by the host's clock with the accuracy of the same rays, the least of theirs: agreement under `hit_miss`
 /// and `footprint`, of any-hit sets balanced accuracy. None where one could not be judged, so that no time stands without it.
-pub(in crate::papers) fn time_with_accuracy(traces: &[&TraceRecord]) -> Option<(f64, String)> {
+pub(in crate::papers) fn time_with_accuracy(traces: &[&TraceRecord]) -> Option<Accurate> {
     let mut ms = 0.0;
     let mut least: Option<(f64, String)> = None;
     for trace in traces {
@@ -133,5 +153,15 @@ pub(in crate::papers) fn time_with_accuracy(traces: &[&TraceRecord]) -> Option<(
             least = Some((accuracy, text));
         }
     }
-    least.map(|(_, text)| (ms, format!("{} at {text}", significant(ms, 4))))
+    least.map(|(_, accuracy)| Accurate { value: ms, accuracy })
+}
+
+/// The same of a row's ray sets; none where it lacks one.
+pub(in crate::papers) fn time_of(run: &TracerRun, sets: &[&str]) -> Option<Accurate> {
+    time_with_accuracy(&sets.iter().map(|rays| trace(run, rays)).collect::<Option<Vec<_>>>()?)
+}
+
+/// Its milliseconds alone, for ratios.
+pub(in crate::papers) fn ms_of(run: &TracerRun, sets: &[&str]) -> Option<f64> {
+    Some(time_of(run, sets)?.value)
 }

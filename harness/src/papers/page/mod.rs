@@ -9,12 +9,13 @@ mod published;
 use std::fmt::Write as _;
 
 pub use claims::{claims_of, claims_text, write_claims};
+use measured::Row;
 
 use super::{DataError, Experiment, Paper, PublishedTable, Rows, judge};
 use crate::report::chart::series::series_chart;
 use crate::report::markdown::inline;
 use crate::report::{ReportError, peers, summary};
-use crate::results::Run;
+use crate::results::{Run, TracerRun};
 
 /// What the sections and charts of a page are made from.
 pub(crate) struct Page<'a> {
@@ -28,10 +29,26 @@ pub(crate) struct Page<'a> {
     pub published: &'a [PublishedTable],
 }
 
-impl Page<'_> {
+impl<'a> Page<'a> {
     /// The published table that the page stands beside, the first where there are several.
-    pub(super) fn printed(&self) -> Option<&PublishedTable> {
+    pub(super) fn printed(&self) -> Option<&'a PublishedTable> {
         self.published.iter().find(|table| self.experiment.published.contains(&table.id.as_str()))
+    }
+
+    /// What stands there in a column of the scene that a row's scene stands for, with further labels.
+    pub(super) fn printed_of(&self, run: &TracerRun, labels: &[(&str, &str)], column: &str) -> Option<f64> {
+        let scene = self.experiment.stands_for(&run.scene)?;
+        self.printed()?.value(&[&[("scene", scene)], labels].concat(), column)
+    }
+
+    /// Every row with its scene.
+    pub(super) fn all(&self) -> impl Iterator<Item = Row<'a>> + use<'a> {
+        self.rows.scenes.iter().flat_map(|scene| scene.runs.iter().map(move |run| (scene, *run)))
+    }
+
+    /// Those of a tracer.
+    pub(super) fn of_tracer(&self, tracer: &'static str) -> impl Iterator<Item = Row<'a>> + use<'a> {
+        self.all().filter(move |(_, run)| run.tracer.name == tracer)
     }
 }
 

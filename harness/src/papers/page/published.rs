@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use crate::papers::{Publication, PublishedTable};
-use crate::report::format::NONE;
-use crate::report::markdown::{Table, inline};
+use crate::papers::{Publication, PublishedColumn, PublishedRow, PublishedTable};
+use crate::report::markdown::inline;
+use crate::report::sheet::Sheet;
 
 /// The published tables beside which an experiment stands.
 pub(super) fn section(paper: &Publication, tables: &[&PublishedTable]) -> String {
@@ -48,17 +48,14 @@ fn scopes(table: &PublishedTable) -> Vec<(Vec<&str>, &str)> {
 }
 
 fn rows(table: &PublishedTable) -> String {
-    let rows = table.rows.iter().flatten();
-    let names: BTreeSet<&String> = rows.clone().flat_map(|row| row.labels.keys()).collect();
-    let column = |name: &str, unit: &str| if unit.is_empty() { name.to_owned() } else { format!("{name} ({unit})") };
-    let mut headings: Vec<String> = names.iter().map(|name| (*name).clone()).collect();
-    headings.extend(table.columns.iter().map(|each| column(&each.name, &each.unit)));
-    let mut text = Table::new(&headings);
-    for row in rows {
-        let mut cells: Vec<String> =
-            names.iter().map(|name| row.labels.get(*name).cloned().unwrap_or_default()).collect();
-        cells.extend(row.values.iter().map(|value| value.map_or_else(|| NONE.to_owned(), |value| value.to_string())));
-        text.row(&cells);
+    let rows = table.rows.as_deref().unwrap_or_default();
+    let mut sheet = Sheet::<PublishedRow>::new();
+    for name in rows.iter().flat_map(|row| row.labels.keys()).collect::<BTreeSet<_>>() {
+        sheet = sheet.told(name, move |row| row.labels.get(name).cloned().unwrap_or_default());
     }
-    text.text
+    for (place, PublishedColumn { name, unit, .. }) in table.columns.iter().enumerate() {
+        let heading = if unit.is_empty() { name.clone() } else { format!("{name} ({unit})") };
+        sheet = sheet.told(heading, move |row| Some(row.values.get(place).copied()??.to_string()));
+    }
+    sheet.markdown(rows)
 }

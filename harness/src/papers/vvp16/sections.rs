@@ -6,136 +6,127 @@ use super::quantities::{counted, memory, rays, search};
 use super::{ABUFFER, PAPER, skipping};
 use crate::papers::page::Page;
 use crate::papers::page::beside::beside;
-use crate::papers::page::measured::{TIMES, strings, time_with_accuracy};
-use crate::papers::rows::{self, trace};
+use crate::papers::page::measured::{Row, TIMES, ms_of, of_rows, over, over_first, time_of, time_with_accuracy};
+use crate::papers::rows::{statistic, trace};
 use crate::papers::{SceneRows, Scope};
-use crate::report::format::{NONE, mib, optional, significant, statistic, thousands};
-use crate::report::markdown::{Table, inline};
+use crate::report::markdown::inline;
+use crate::report::sheet::{Cell, Column, Sheet};
 use crate::results::{TraceRecord, TracerRun, host_ms};
 
-/// A part of Table 1: what is traced, how the published columns of it end, and the published row's effect.
-type Part<'a> = (&'a str, &'a str, &'a str, Vec<&'a TraceRecord>, Vec<&'a TraceRecord>);
+/// A part of Table 1.
+struct Part<'a> {
+    row: Row<'a>,
+    /// What is traced.
+    rays: &'static str,
+    /// How the published columns of it end.
+    columns: &'static str,
+    /// The published row's effect.
+    effect: &'static str,
+    /// Traces with skipping, and without.
+    traces: [Vec<&'a TraceRecord>; 2],
+}
 
-/// One and two bounces and ambient occlusion of a row with skipping and of the same without.
-fn parts<'a>(on: &'a TracerRun, off: &'a TracerRun) -> Vec<Part<'a>> {
-    let mut parts: Vec<Part<'a>> = Vec::new();
-    if let Some((on, off)) = search::bounces(on).zip(search::bounces(off)) {
-        let ([one, two], [one_off, two_off]) = (on, off);
-        parts.push(("1 bounce", "1 bounce", "path tracing", one, one_off));
-        parts.push(("2 bounces", "2 bounces", "path tracing", two, two_off));
+impl Part<'_> {
+    fn ms(&self, skips: usize) -> Option<f64> {
+        Some(time_with_accuracy(&self.traces[skips])?.value)
+    }
+
+    fn printed(&self, page: &Page<'_>, start: &str, end: &str) -> Option<f64> {
+        let column = format!("{start}, {}{end}", self.columns);
+        page.printed_of(self.row.1, &[("effect", self.effect)], &column)
+    }
+}
+
+/// One and two bounces and ambient occlusion of a scene's row with skipping and of the same without.
+fn parts((scene, on): Row<'_>) -> Vec<Part<'_>> {
+    let Some(off) = scene.like_first(ABUFFER, &skipping("off")) else { return Vec::new() };
+    let part = |rays, columns, effect, traces| Part { row: (scene, on), rays, columns, effect, traces };
+    let mut parts = Vec::new();
+    if let Some(([one, two], [one_off, two_off])) = search::bounces(on).zip(search::bounces(off)) {
+        parts.push(part("1 bounce", "1 bounce", "path tracing", [one, one_off]));
+        parts.push(part("2 bounces", "2 bounces", "path tracing", [two, two_off]));
     }
     if let Some((on, off)) = trace(on, "ao").zip(trace(off, "ao")) {
         // Printed in the columns of the first bounce.
-        parts.push(("ao", "1 bounce", "ambient occlusion, 3 m range", vec![on], vec![off]));
+        parts.push(part("ao", "1 bounce", "ambient occlusion, 3 m range", [vec![on], vec![off]]));
     }
     parts
 }
 
-/// Table 1: layers, views, efficiency and times, with what skipping gains beside the published gain.
-pub(super) fn bounces(page: &Page<'_>) -> String {
-    let printed = page.printed();
-    let mut structures = Table::new(&strings(&[
-        "scene",
-        "memory (MiB) ↓",
-        "fragments",
-        "layers of a covered pixel / most",
-        "layers of a pixel",
-        "published: MB",
-        "million fragments",
-        "avg / max layers",
-    ]));
-    let mut traces = Table::new(&strings(&[
-        "scene",
-        "rays",
-        "layers a ray",
-        "layers a pixel opened",
-        "views a ray",
-        "efficiency of skipping (%)",
-        "with skipping (ms) ↓",
-        "without (ms) ↓",
-        "without over with",
-        "published: layers / views",
-        "efficiency (%)",
-        "off over on",
-    ]));
-    for scene in &page.rows.scenes {
-        let Some(on) = scene.like_first(ABUFFER, &[]) else { continue };
-        let own = |name: &str| rows::statistic(on, name).map_or_else(|| NONE.to_owned(), statistic);
-        let layers = rows::statistic(on, "fragments").zip(rows::statistic(on, "pixels"));
-        let of = |effect: Option<&str>, column: &str| {
-            let name = page.experiment.stands_for(&on.scene)?;
-            let labels = [("scene", name), ("effect", effect.unwrap_or_default())];
-            printed?.value(&labels[..1 + usize::from(effect.is_some())], column)
-        };
-        structures.row(&[
-            scene.label.clone(),
-            optional(PAPER.bytes(on, Scope::Structure).map(|bytes| bytes / f64::from(1 << 20)), 4),
-            own("fragments"),
-            format!("{} / {}", own("average_layers"), own("maximum_layers")),
-            optional(layers.map(|(fragments, pixels)| fragments / pixels), 3),
-            optional(of(None, "Memory"), 4),
-            optional(of(None, "Fragments"), 4),
-            format!("{} / {}", optional(of(None, "Avg layers"), 3), optional(of(None, "Max layers"), 3)),
-        ]);
-        let Some(off) = scene.like_first(ABUFFER, &skipping("off")) else { continue };
-        for (name, column, effect, with, without) in parts(on, off) {
-            let printed = |start: &str, end: &str| of(Some(effect), &format!("{start}, {column}{end}"));
-            let [on, off] = [&with, &without].map(|traces| time_with_accuracy(traces));
-            let gain = |on: Option<f64>, off: Option<f64>| Some(off? / on?);
-            let cell =
-                |time: &Option<(f64, String)>| time.as_ref().map_or_else(|| NONE.to_owned(), |(_, text)| text.clone());
-            let tested = counted(&with, "fragments_tested").map(|tested| tested / rays(&with));
-            traces.row(&[
-                scene.label.clone(),
-                name.to_owned(),
-                optional(tested, 3),
-                optional(search::layers(&with), 3),
-                optional(search::views(&with), 3),
-                optional(search::efficiency(&with).map(|share| 100.0 * share), 3),
-                cell(&on),
-                cell(&off),
-                optional(gain(on.map(|(ms, _)| ms), off.map(|(ms, _)| ms)), 3),
-                format!("{} / {}", optional(printed("Avg layers", ""), 2), optional(printed("Avg views", ""), 2)),
-                optional(printed("Empty space efficiency", ""), 3),
-                optional(gain(printed("1spp", ""), printed("1spp", ", skipping off")), 3),
-            ]);
-        }
-    }
-    format!("\n{}\n{TIMES}\n\n{}", structures.text, traces.text)
+/// Two figures in one cell.
+fn both(one: Cell, other: Cell) -> String {
+    format!("{} / {}", one.told(), other.told())
 }
 
-/// The formula of Table 2 with the device's own counts, beside what the ledger says is used.
+/// The first row of every scene.
+fn first<'a>(page: &Page<'a>) -> Vec<Row<'a>> {
+    page.rows.scenes.iter().filter_map(|scene| Some((scene, scene.like_first(ABUFFER, &[])?))).collect()
+}
+
+/// Table 1: layers, views, efficiency and times, with what skipping gains beside the published gain.
+pub(super) fn bounces(page: &Page<'_>) -> String {
+    let rows = first(page);
+    let own = |run: &TracerRun, name: &str| Cell::from(statistic(run, name).map(Cell::Statistic));
+    let printed = |run: &TracerRun, column: &str, digits| Cell::number(page.printed_of(run, &[], column), digits);
+    let structures = Sheet::<Row<'_>>::new()
+        .told("scene", |(scene, _)| scene.label.clone())
+        .told("memory (MiB) ↓", |(_, on)| PAPER.bytes(on, Scope::Structure).map(Cell::Bytes))
+        .told("fragments", |(_, on)| own(on, "fragments"))
+        .told("layers of a covered pixel / most", |(_, on)| both(own(on, "average_layers"), own(on, "maximum_layers")))
+        .told("layers of a pixel", |(_, on)| over(statistic(on, "fragments"), statistic(on, "pixels")))
+        .told("published: MB", |(_, on)| printed(on, "Memory", 4))
+        .told("million fragments", |(_, on)| printed(on, "Fragments", 4))
+        .told("avg / max layers", |(_, on)| both(printed(on, "Avg layers", 3), printed(on, "Max layers", 3)));
+    let traces = Sheet::<Part<'_>>::new()
+        .told("scene", |part| part.row.0.label.clone())
+        .told("rays", |part| part.rays)
+        .told("layers a ray", |Part { traces: [with, _], .. }| {
+            over(counted(with, "fragments_tested"), Some(rays(with)))
+        })
+        .told("layers a pixel opened", |part| Cell::number(search::layers(&part.traces[0]), 3))
+        .told("views a ray", |part| Cell::number(search::views(&part.traces[0]), 3))
+        .told("efficiency of skipping (%)", |part| {
+            Cell::number(search::efficiency(&part.traces[0]).map(|share| 100.0 * share), 3)
+        })
+        .told("with skipping (ms) ↓", |part| time_with_accuracy(&part.traces[0]))
+        .told("without (ms) ↓", |part| time_with_accuracy(&part.traces[1]))
+        .told("without over with", |part| over(part.ms(1), part.ms(0)))
+        .told("published: layers / views", |part| {
+            let [layers, views] = ["Avg layers", "Avg views"].map(|start| part.printed(page, start, ""));
+            both(Cell::number(layers, 2), Cell::number(views, 2))
+        })
+        .told("efficiency (%)", |part| Cell::number(part.printed(page, "Empty space efficiency", ""), 3))
+        .told("off over on", |part| over(part.printed(page, "1spp", ", skipping off"), part.printed(page, "1spp", "")));
+    let parts: Vec<Part<'_>> = rows.iter().copied().flat_map(parts).collect();
+    format!("\n{}\n{TIMES}\n\n{}", structures.markdown(&rows), traces.markdown(&parts))
+}
+
+/// Bytes of each part of Table 2 by its formula with the device's own counts, and by the ledger, with all that is used.
+type Formula<'a> = (Row<'a>, [f64; 3], [f64; 3], f64);
+
+/// The formula of Table 2 beside what the ledger says is used.
 pub(super) fn formula(page: &Page<'_>) -> String {
-    let mut table = Table::new(&strings(&[
-        "scene",
-        "tracer",
-        "pixels of all views",
-        "fragments",
-        "words of pixels: formula (bytes)",
-        "ledger over formula",
-        "id buffer: formula (bytes)",
-        "ledger over formula",
-        "data: formula (bytes)",
-        "ledger over formula",
-        "all three (MiB)",
-        "in the ledger and not in Table 2 (bytes)",
-    ]));
-    for (scene, run) in page.rows.scenes.iter().flat_map(|scene| scene.of_tracer(ABUFFER).map(move |run| (scene, run)))
-    {
-        let counts = ["pixels", "fragments"].map(|name| rows::statistic(run, name));
-        let ([Some(pixels), Some(fragments)], Some(formula)) = (counts, memory::formula(run)) else { continue };
-        let ledger = memory::ledger(run);
-        let all: f64 = ledger.iter().sum();
-        let mut cells = vec![scene.label.clone(), run.label(), thousands(pixels as u64)];
-        cells.push(thousands(fragments as u64));
-        for (formula, ledger) in formula.iter().zip(ledger) {
-            cells.extend([thousands(*formula as u64), significant(ledger / formula, 6)]);
-        }
-        let Some(used) = PAPER.bytes(run, Scope::Structure) else { continue };
-        cells.extend([mib(all as u64), thousands((used - all) as u64)]);
-        table.row(&cells);
+    let mut rows: Vec<Formula<'_>> = Vec::new();
+    for row in page.of_tracer(ABUFFER) {
+        let used = PAPER.bytes(row.1, Scope::Structure);
+        rows.extend(
+            memory::formula(row.1).zip(used).map(|(formula, used)| (row, formula, memory::ledger(row.1), used)),
+        );
     }
-    format!("\nBytes used:\n\n{}", table.text)
+    let count =
+        |name| Column::told(name, move |((_, run), ..): &Formula<'_>| statistic(run, name).map(|count| count as u64));
+    let all = |ledger: &[f64; 3]| ledger.iter().sum::<f64>();
+    let mut sheet = of_rows::<Formula<'_>>(|(row, ..)| *row).and(count("pixels").headed("pixels of all views"));
+    sheet = sheet.and(count("fragments"));
+    for (part, name) in ["words of pixels", "id buffer", "data"].into_iter().enumerate() {
+        sheet = sheet
+            .told(format!("{name}: formula (bytes)"), move |(_, formula, ..)| formula[part] as u64)
+            .told("ledger over formula", move |(_, formula, ledger, _)| Cell::Number(ledger[part] / formula[part], 6));
+    }
+    sheet = sheet
+        .told("all three (MiB)", |(.., ledger, _)| Cell::Bytes(all(ledger)))
+        .told("in the ledger and not in Table 2 (bytes)", |(.., ledger, used)| (used - all(ledger)) as u64);
+    format!("\nBytes used:\n\n{}", sheet.markdown(&rows))
 }
 
 /// The A-buffer beside hierarchies.
@@ -145,29 +136,23 @@ pub(super) fn peers(page: &Page<'_>) -> String {
 
 /// Figure 12: times of every storage and way, with what each step gains in speed.
 pub(super) fn variants(page: &Page<'_>) -> String {
-    let mut table = Table::new(&strings(&[
-        "scene",
-        "storage",
-        "default (ms) ↓",
-        "decoupled (ms) ↓",
-        "gain in speed (%)",
-        "with skipping (ms) ↓",
-        "further gain (%)",
-    ]));
-    for (scene, storage) in page.rows.scenes.iter().flat_map(|scene| STORAGES.map(|storage| (scene, storage))) {
-        let times = WAYS.map(|(_, way)| {
-            let run = with(scene, storage, way)?;
-            time_with_accuracy(&[trace(run, page.experiment.rays)?])
-        });
-        let cell = |index: usize| times[index].as_ref().map_or_else(|| NONE.to_owned(), |(_, text)| text.clone());
-        let gain = |from: usize, to: usize| {
-            let [from, to] = [from, to].map(|index| times[index].as_ref().map(|(ms, _)| *ms));
-            optional(from.zip(to).map(|(from, to)| 100.0 * (from / to - 1.0)), 3)
-        };
-        let cells = [cell(0), cell(1), gain(0, 1), cell(2), gain(1, 2)];
-        table.row(&[vec![scene.label.clone(), storage.to_owned()], cells.to_vec()].concat());
-    }
-    format!("\n{TIMES}\n\n{}", table.text)
+    let rows: Vec<_> = page.rows.scenes.iter().flat_map(|scene| STORAGES.map(|storage| (scene, storage))).collect();
+    let time = |(scene, storage): &(&SceneRows<'_>, &str), way: usize| {
+        time_of(with(scene, storage, WAYS[way].1)?, &[page.experiment.rays])
+    };
+    let gain = |row: &(&SceneRows<'_>, &str), from: usize, to: usize| {
+        let gained = |from: f64, to: f64| Cell::Number(100.0 * (from / to - 1.0), 3);
+        Some(gained(time(row, from)?.value, time(row, to)?.value))
+    };
+    let sheet = Sheet::<(&SceneRows<'_>, &str)>::new()
+        .told("scene", |(scene, _)| scene.label.clone())
+        .told("storage", |(_, storage)| (*storage).to_owned())
+        .told("default (ms) ↓", |row| time(row, 0))
+        .told("decoupled (ms) ↓", |row| time(row, 1))
+        .told("gain in speed (%)", |row| gain(row, 0, 1))
+        .told("with skipping (ms) ↓", |row| time(row, 2))
+        .told("further gain (%)", |row| gain(row, 1, 2));
+    format!("\n{TIMES}\n\n{}", sheet.markdown(&rows))
 }
 
 /// Figures 7 to 9: times of every row, as ratios to the first of the same resolution.
@@ -175,18 +160,13 @@ pub(super) fn views_and_layers(page: &Page<'_>) -> String {
     let mut text = format!("\n{TIMES} Ratios are to the first row of a part.\n");
     for scene in page.rows.scenes.iter().flat_map(SceneRows::by_resolution) {
         let Some(first) = scene.runs.first().copied() else { continue };
-        let sets = scene.ray_sets();
-        let mut headings = strings(&["tracer"]);
-        headings.extend(sets.iter().flat_map(|set| [format!("{set} (ms) ↓"), "ratio".to_owned()]));
-        let mut table = Table::new(&headings);
-        for run in &scene.runs {
-            let mut cells = vec![run.label()];
-            for set in &sets {
-                let [own, base] = [run, first].map(|run| time_with_accuracy(&[trace(run, set)?]));
-                cells.push(own.as_ref().map_or_else(|| NONE.to_owned(), |(_, text)| text.clone()));
-                cells.push(optional(own.zip(base).map(|((own, _), (base, _))| own / base), 3));
-            }
-            table.row(&cells);
+        let mut sheet = Sheet::<&TracerRun>::new().told("tracer", |run| run.label());
+        for set in scene.ray_sets() {
+            sheet = sheet.told(format!("{set} (ms) ↓"), move |run| time_of(run, &[set])).and(over_first(
+                "ratio",
+                first,
+                move |run| ms_of(run, &[set]),
+            ));
         }
         let name = page.experiment.stands_for(&first.scene).map_or_else(String::new, |name| format!(" for {name}"));
         let [[width, height], [columns, lines]] = [first.viewpoint.ray_image, first.viewpoint.frame];
@@ -194,7 +174,7 @@ pub(super) fn views_and_layers(page: &Page<'_>) -> String {
             "\n**{}**{name}, rays from {width}x{height}, frame {columns}x{lines}, faces {}\n\n{}",
             inline(&scene.label),
             first.viewpoint.face,
-            table.text
+            sheet.markdown(&scene.runs)
         );
     }
     text
@@ -202,31 +182,21 @@ pub(super) fn views_and_layers(page: &Page<'_>) -> String {
 
 /// Figure 10: build and samples of every frame, with their ratio beside the published one.
 pub(super) fn frames(page: &Page<'_>) -> String {
-    let mut table = Table::new(&strings(&[
-        "scene",
-        "frame at (s)",
-        "build (ms) ↓",
-        "one sample a pixel (ms) ↓",
-        "four samples over build",
-        "published: build / four samples (ms)",
-        "four samples over build",
-    ]));
-    for run in page.rows.scenes.iter().filter_map(|scene| scene.like_first(ABUFFER, &[])) {
-        let published =
-            |column: &str| page.printed()?.value(&[("scene", page.experiment.stands_for(&run.scene)?)], column);
-        let time = time_with_accuracy(&trace(run, "diffuse").into_iter().collect::<Vec<_>>());
-        let build = host_ms(&run.build.times);
-        let ratio = time.as_ref().zip(build).map(|((ms, _), build)| SAMPLES * ms / build);
-        let [construction, tracing] = ["Construction", "Tracing"].map(published);
-        table.row(&[
-            inline(&run.scene.name),
-            run.viewpoint.time_s.to_string(),
-            optional(build, 4),
-            time.map_or_else(|| NONE.to_owned(), |(_, text)| text),
-            optional(ratio, 3),
-            format!("{} / {}", optional(construction, 2), optional(tracing, 3)),
-            optional(tracing.zip(construction).map(|(tracing, construction)| tracing / construction), 3),
-        ]);
-    }
-    format!("\n{TIMES}\n\n{}", table.text)
+    let samples = |run: &TracerRun| Some(SAMPLES * ms_of(run, &["diffuse"])?);
+    let printed = |run: &TracerRun| ["Construction", "Tracing"].map(|column| page.printed_of(run, &[], column));
+    let sheet = Sheet::<Row<'_>>::new()
+        .told("scene", |(_, run)| run.scene.name.clone())
+        .told("frame at (s)", |(_, run)| run.viewpoint.time_s.to_string())
+        .told("build (ms) ↓", |(_, run)| host_ms(&run.build.times))
+        .told("one sample a pixel (ms) ↓", |(_, run)| time_of(run, &["diffuse"]))
+        .told("four samples over build", |(_, run)| over(samples(run), host_ms(&run.build.times)))
+        .told("published: build / four samples (ms)", |(_, run)| {
+            let [build, samples] = printed(run);
+            both(Cell::number(build, 2), Cell::number(samples, 3))
+        })
+        .told("four samples over build", |(_, run)| {
+            let [build, samples] = printed(run);
+            over(samples, build)
+        });
+    format!("\n{TIMES}\n\n{}", sheet.markdown(&first(page)))
 }

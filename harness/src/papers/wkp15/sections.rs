@@ -6,41 +6,71 @@ use super::quantities::{
     share_behind_first, share_missed, share_of_cause, tree,
 };
 use super::{DDA, FIELD, QUADTREE, SAMPLES_A_RAY};
+use crate::papers::SceneRows;
 use crate::papers::page::Page;
-use crate::papers::page::measured::{TIMES, strings, time_with_accuracy};
+use crate::papers::page::measured::{self, Accurate, TIMES, ms_of, over, time_of};
 use crate::papers::rows::{footprint, integer, per_ray, trace};
-use crate::papers::{PublishedTable, SceneRows};
-use crate::report::format::{NONE, optional, statistic, thousands};
-use crate::report::markdown::{Table, inline};
+use crate::report::sheet::{Cell, Column, Sheet};
 use crate::results::{Judgement, TraceRecord, TracerRun, host_ms};
 
-/// Every place of every scene with the first row of the tracer there.
-fn places<'a>(page: &Page<'a>) -> Vec<(SceneRows<'a>, &'a TracerRun)> {
-    let all = page.rows.scenes.iter().flat_map(SceneRows::by_resolution);
-    all.filter_map(|at| Some((at.clone(), at.like_first(QUADTREE, &[])?))).collect()
+/// A tracer's rays in a place.
+struct Row<'a> {
+    at: SceneRows<'a>,
+    /// The first row of the tracer there.
+    first: &'a TracerRun,
+    run: &'a TracerRun,
+    rays: &'a str,
 }
 
-/// Time and accuracy of a ray set in a cell, and the time.
-fn timed(run: &TracerRun, sets: &[&str]) -> (String, Option<f64>) {
-    let traces: Option<Vec<&TraceRecord>> = sets.iter().map(|rays| trace(run, rays)).collect();
-    match traces.and_then(|traces| time_with_accuracy(&traces)) {
-        Some((ms, text)) => (text, Some(ms)),
-        None => (NONE.to_owned(), None),
+impl<'a> Row<'a> {
+    fn trace(&self) -> Option<&'a TraceRecord> {
+        trace(self.run, self.rays)
+    }
+
+    fn time(&self) -> Option<Accurate> {
+        time_of(self.run, &[self.rays])
+    }
+
+    /// Milliseconds over those of the first row.
+    fn over_first(&self) -> Cell {
+        let [own, first] = [self.run, self.first].map(|run| ms_of(run, &[self.rays]));
+        over(own, first)
+    }
+
+    fn number(&self, of: impl Fn(&TraceRecord) -> Option<f64>) -> Option<f64> {
+        of(self.trace()?)
+    }
+
+    fn percent(&self, of: impl Fn(&TraceRecord) -> Option<f64>) -> Cell {
+        Cell::number(self.number(of).map(|share| 100.0 * share), 3)
     }
 }
 
-fn over(own: Option<f64>, first: Option<f64>) -> String {
-    optional(own.zip(first).map(|(own, first)| own / first), 3)
+/// Rows of the ray sets of every place of every scene.
+fn rows<'a>(page: &Page<'a>, sets: impl Fn(&SceneRows<'a>) -> Vec<&'a str>) -> Vec<Row<'a>> {
+    let mut rows = Vec::new();
+    for at in page.rows.scenes.iter().flat_map(SceneRows::by_resolution) {
+        let Some(first) = at.like_first(QUADTREE, &[]) else { continue };
+        let row = |(rays, run)| Row { at: at.clone(), first, run, rays };
+        rows.extend(sets(&at).into_iter().flat_map(|rays| at.runs.iter().map(move |run| (rays, *run))).map(row));
+    }
+    rows
 }
 
-fn percent(share: Option<f64>) -> String {
-    optional(share.map(|share| 100.0 * share), 3)
+/// Those that were traced.
+fn traced<'a>(page: &Page<'a>, sets: impl Fn(&SceneRows<'a>) -> Vec<&'a str>) -> Vec<Row<'a>> {
+    let mut rows = rows(page, sets);
+    rows.retain(|row| row.trace().is_some());
+    rows
 }
 
-/// What is said of a place's rays, with its scene.
-fn named(at: &SceneRows<'_>) -> String {
-    let said = at.runs.first().map_or_else(String::new, |run| run.viewpoint.said_of_rays());
-    inline(&format!("{}{said}", at.label))
+/// A table that begins with the scene, with what was said of its rays, and the tracer.
+fn sheet<'a>() -> Sheet<'a, Row<'a>> {
+    let scene = |row: &Row<'_>| {
+        let said = row.at.runs.first().map_or_else(String::new, |run| run.viewpoint.said_of_rays());
+        format!("{}{said}", row.at.label)
+    };
+    Sheet::new().told("scene", scene).told("tracer", |row| row.run.label())
 }
 
 /// How the paper calls a row's method, and its layers.
@@ -56,45 +86,31 @@ fn printed_as(run: &TracerRun) -> Option<[String; 2]> {
 }
 
 /// A value of the published row of a method in a scene over that of the quadtree's single layer.
-fn published_over(table: Option<&PublishedTable>, page: &Page<'_>, run: &TracerRun, column: &str) -> Option<f64> {
-    let scene = page.experiment.stands_for(&run.scene)?;
-    let [method, layers] = printed_as(run)?;
-    let of =
-        |method: &str, layers: &str| table?.value(&[("scene", scene), ("method", method), ("layers", layers)], column);
-    Some(of(&method, &layers)? / of("quad-tree", "1")?)
+fn published_over(page: &Page<'_>, run: &TracerRun, column: &str) -> Cell {
+    let of = |[method, layers]: [&str; 2]| page.printed_of(run, &[("method", method), ("layers", layers)], column);
+    let own = printed_as(run).and_then(|own| of(own.each_ref().map(String::as_str)));
+    over(own, of(["quad-tree", "1"]))
 }
 
 /// Table 1: construction and drawing by triangles, beside the published construction.
 pub(super) fn construction(page: &Page<'_>) -> String {
-    let mut table = Table::new(&strings(&[
-        "scene",
-        "triangles",
-        "tracer",
-        "nodes that are left",
-        "trees (ms) ↓",
-        "drawing the layers (ms) ↓",
-        "published: thousand triangles",
-        "published: trees (ms)",
-    ]));
-    for (scene, run) in page.rows.scenes.iter().flat_map(|scene| scene.of_tracer(QUADTREE).map(move |run| (scene, run)))
-    {
-        let [trees, drawing] = tree::phase_ms(run);
-        let printed =
-            |column: &str| page.printed()?.value(&[("scene", page.experiment.stands_for(&run.scene)?)], column);
-        table.row(&[
-            inline(&scene.label),
-            thousands(run.scene.triangles),
-            run.label(),
-            tree::reachable(run).map_or_else(|| NONE.to_owned(), statistic),
-            optional(Some(trees), 4),
-            optional(Some(drawing), 4),
-            optional(printed("Triangle count"), 4),
-            optional(printed("Average construction time"), 3),
-        ]);
-    }
+    let printed = |heading: &str, column: &'static str, digits| {
+        Column::told(heading, move |(_, run): &measured::Row<'_>| {
+            Cell::number(page.printed_of(run, &[], column), digits)
+        })
+    };
+    let sheet = Sheet::<measured::Row<'_>>::new()
+        .told("scene", |(scene, _)| scene.label.clone())
+        .told("triangles", |(_, run)| run.scene.triangles)
+        .told("tracer", |(_, run)| run.label())
+        .told("nodes that are left", |(_, run)| tree::reachable(run).map(Cell::Statistic))
+        .told("trees (ms) ↓", |(_, run)| tree::phase_ms(run)[0])
+        .told("drawing the layers (ms) ↓", |(_, run)| tree::phase_ms(run)[1])
+        .and(printed("published: thousand triangles", "Triangle count", 4))
+        .and(printed("published: trees (ms)", "Average construction time", 3));
     format!(
         "\nMedians of phases by the clock of the builds; the accuracy of the rays that were traced stands with each row below.\n\n{}",
-        table.text
+        sheet.markdown(&page.of_tracer(QUADTREE).collect::<Vec<_>>())
     )
 }
 
@@ -115,47 +131,24 @@ fn visits(traced: &TraceRecord) -> Option<f64> {
 
 /// A table of peers: traces and frames over those of the single layer, beside the same of the paper, with what they visit.
 fn beside_peers(page: &Page<'_>, warp: &Warp) -> String {
-    let [one, frame] = warp.published;
-    let mut table = Table::new(&strings(&[
-        "scene",
-        "tracer",
-        "a view (ms) ↓",
-        "× one layer",
-        &format!("published: {one} ×"),
-        "frame with build (ms) ↓",
-        "× one layer",
-        &format!("published: {frame} ×"),
-        VISITS,
-        "boxes a ray ↓",
-        "depths a ray ↓",
-        "asking layer 2 (%)",
-    ]));
-    for (at, first) in places(page) {
-        let frame_ms = |run: &TracerRun, trace: Option<f64>| Some(host_ms(&run.build.times)? + warp.warps * trace?);
-        let (_, first_ms) = timed(first, &[warp.rays]);
-        for run in &at.runs {
-            let Some(traced) = trace(run, warp.rays) else { continue };
-            let (cell, ms) = timed(run, &[warp.rays]);
-            let count = |name: &str| optional(per_ray(traced, name), 4);
-            let second = share_asking_second(traced);
-            let printed = |column: &str| optional(published_over(page.printed(), page, run, column), 3);
-            table.row(&[
-                named(&at),
-                run.label(),
-                cell,
-                over(ms, first_ms),
-                printed(one),
-                optional(frame_ms(run, ms), 4),
-                over(frame_ms(run, ms), frame_ms(first, first_ms)),
-                printed(frame),
-                optional(visits(traced), 4),
-                count(BOXES),
-                count(SAMPLES),
-                percent(second),
-            ]);
-        }
-    }
-    format!("\n{TIMES} Ratios are to the first row of a part.\n\n{}", table.text)
+    let Warp { rays, warps, published: [one, frame] } = *warp;
+    let frame_ms = |run: &TracerRun| Some(host_ms(&run.build.times)? + warps * ms_of(run, &[rays])?);
+    let printed = |column: &'static str| {
+        Column::told(format!("published: {column} ×"), move |row: &Row<'_>| published_over(page, row.run, column))
+    };
+    let sheet = sheet()
+        .told("a view (ms) ↓", Row::time)
+        .told("× one layer", Row::over_first)
+        .and(printed(one))
+        .told("frame with build (ms) ↓", |row| frame_ms(row.run))
+        .told("× one layer", |row| over(frame_ms(row.run), frame_ms(row.first)))
+        .and(printed(frame))
+        .told(VISITS, |row| row.number(visits))
+        .told("boxes a ray ↓", |row| row.number(|trace| per_ray(trace, BOXES)))
+        .told("depths a ray ↓", |row| row.number(|trace| per_ray(trace, SAMPLES)))
+        .told("asking layer 2 (%)", |row| row.percent(share_asking_second));
+    let rows = traced(page, |_| vec![rays]);
+    format!("\n{TIMES} Ratios are to the first row of a part.\n\n{}", sheet.markdown(&rows))
 }
 
 /// Table 2: an eye and a frame of two.
@@ -170,193 +163,104 @@ pub(super) fn temporal(page: &Page<'_>) -> String {
 
 /// Table 4: rays a pixel and samples a ray, beside the published times.
 pub(super) fn lens(page: &Page<'_>) -> String {
-    let mut table = Table::new(&strings(&[
-        "scene",
-        "tracer",
-        "rays",
-        "trace (ms) ↓",
-        "× first row",
-        "build and trace (ms) ↓",
-        "asking layer 2 (%)",
-        "ending there (%)",
-        "published: N_pri/N_sec",
-        "T_dof × one layer's N_pri/1",
-    ]));
-    for (at, first) in places(page) {
-        let (_, first_ms) = timed(first, &["lens"]);
-        for run in &at.runs {
-            let Some(traced) = trace(run, "lens") else { continue };
-            let (cell, ms) = timed(run, &["lens"]);
-            let pixels: f64 = run.viewpoint.ray_image.map(f64::from).iter().product();
-            let primary = (traced.count as f64 / pixels).round().to_string();
-            // The ray itself is one.
-            let samples = (1 + integer(run, SAMPLES_A_RAY).unwrap_or(0)).to_string();
-            let of = |method: &str, layers: &str, samples: &str| {
-                let labels = [("method", method), ("layers", layers), ("N_pri", &*primary), ("N_sec", samples)];
-                page.printed()?.value(&labels, "T_dof")
-            };
-            let own = printed_as(run).and_then(|[method, layers]| of(&method, &layers, &samples));
-            let both = host_ms(&run.build.times).zip(ms).map(|(build, trace)| build + trace);
-            let second = share_asking_second(traced);
-            table.row(&[
-                named(&at),
-                run.label(),
-                thousands(traced.count),
-                cell,
-                over(ms, first_ms),
-                optional(both, 4),
-                percent(second),
-                percent(share_behind_first(traced)),
-                if own.is_some() { format!("{primary}/{samples}") } else { NONE.to_owned() },
-                over(own, of("quad-tree", "1", "1")),
-            ]);
-        }
-    }
-    format!("\n{TIMES} Ratios are to the first row of a part.\n\n{}", table.text)
+    let counts = |row: &Row<'_>| -> Option<[String; 2]> {
+        let pixels: f64 = row.run.viewpoint.ray_image.map(f64::from).iter().product();
+        let primary = (row.trace()?.count as f64 / pixels).round();
+        // The ray itself is one.
+        Some([primary.to_string(), (1 + integer(row.run, SAMPLES_A_RAY).unwrap_or(0)).to_string()])
+    };
+    let printed = |[method, layers]: [&str; 2], [primary, samples]: [&str; 2]| {
+        let labels = [("method", method), ("layers", layers), ("N_pri", primary), ("N_sec", samples)];
+        page.printed()?.value(&labels, "T_dof")
+    };
+    let own = |row: &Row<'_>| {
+        let [method, counts] = [printed_as(row.run)?, counts(row)?];
+        printed(method.each_ref().map(String::as_str), counts.each_ref().map(String::as_str))
+    };
+    let of_one = |row: &Row<'_>| printed(["quad-tree", "1"], [&counts(row)?[0], "1"]);
+    let sheet = sheet()
+        .told("rays", |row| row.trace().map(|trace| trace.count))
+        .told("trace (ms) ↓", Row::time)
+        .told("× first row", Row::over_first)
+        .told("build and trace (ms) ↓", |row| Some(host_ms(&row.run.build.times)? + row.time()?.value))
+        .told("asking layer 2 (%)", |row| row.percent(share_asking_second))
+        .told("ending there (%)", |row| row.percent(share_behind_first))
+        .told("published: N_pri/N_sec", |row| own(row).and_then(|_| Some(counts(row)?.join("/"))))
+        .told("T_dof × one layer's N_pri/1", |row| over(own(row), of_one(row)));
+    let rows = traced(page, |_| vec!["lens"]);
+    format!("\n{TIMES} Ratios are to the first row of a part.\n\n{}", sheet.markdown(&rows))
 }
 
 /// Table 5: the first bounce and all three, with their ratio beside the published one.
 pub(super) fn reflections(page: &Page<'_>) -> String {
-    let mut table = Table::new(&strings(&[
-        "scene",
-        "tracer",
-        "first bounce (ms) ↓",
-        "three bounces (ms) ↓",
-        "three over one",
-        "mirrored (ms) ↓",
-        "× first row, three bounces",
-        "published: three over one",
-    ]));
-    for (at, first) in places(page) {
-        let (_, first_ms) = timed(first, &BOUNCES);
-        for run in &at.runs {
-            let (one, one_ms) = timed(run, &BOUNCES[..1]);
-            let (three, three_ms) = timed(run, &BOUNCES);
-            let (mirrored, _) = timed(run, &["specular"]);
-            let printed = |bounces: &str| {
-                let [_, layers] = printed_as(run)?;
-                let samples = integer(run, SAMPLES_A_RAY).unwrap_or(0).to_string();
-                let labels = [("layers", &*layers), ("N_p", "3"), ("N_s", &*samples), ("N_b", bounces)];
-                page.printed()?.value(&labels, "T_rr")
-            };
-            table.row(&[
-                named(&at),
-                run.label(),
-                one,
-                three,
-                over(three_ms, one_ms),
-                mirrored,
-                over(three_ms, first_ms),
-                over(printed("3"), printed("1")),
-            ]);
-        }
-    }
-    format!("\n{TIMES} Ratios are to the first row of a scene.\n\n{}", table.text)
+    let ms = |run: &TracerRun| ms_of(run, &BOUNCES);
+    let printed = |row: &Row<'_>, bounces| {
+        let [_, layers] = printed_as(row.run)?;
+        let samples = integer(row.run, SAMPLES_A_RAY).unwrap_or(0).to_string();
+        let labels = [("layers", &*layers), ("N_p", "3"), ("N_s", &*samples), ("N_b", bounces)];
+        page.printed()?.value(&labels, "T_rr")
+    };
+    let sheet = sheet()
+        .told("first bounce (ms) ↓", |row| time_of(row.run, &BOUNCES[..1]))
+        .told("three bounces (ms) ↓", |row| time_of(row.run, &BOUNCES))
+        .told("three over one", |row| over(ms(row.run), ms_of(row.run, &BOUNCES[..1])))
+        .told("mirrored (ms) ↓", Row::time)
+        .told("× first row, three bounces", |row| over(ms(row.run), ms(row.first)))
+        .told("published: three over one", |row| over(printed(row, "3"), printed(row, "1")));
+    let rows = rows(page, |_| vec!["specular"]);
+    format!("\n{TIMES} Ratios are to the first row of a scene.\n\n{}", sheet.markdown(&rows))
 }
 
 /// Figures 14 and 15: nodes, time and error by threshold.
 pub(super) fn thresholds(page: &Page<'_>) -> String {
-    let mut table = Table::new(&strings(&[
-        "scene",
-        "tracer",
-        "rays",
-        "nodes that are left",
-        "nodes a ray ↓",
-        "time (ms) ↓",
-        "× first row",
-        "wrong under footprint (%) ↓",
-        "median error of t (scene units) ↓",
-    ]));
-    for (at, first) in places(page) {
-        for rays in at.ray_sets() {
-            let (_, first_ms) = timed(first, &[rays]);
-            for run in &at.runs {
-                let Some(traced) = trace(run, rays) else { continue };
-                let (cell, ms) = timed(run, &[rays]);
-                let error = match &traced.judgement {
-                    Judgement::Closest(closest) => closest.position_error.p50,
-                    Judgement::Any(_) => None,
-                };
-                table.row(&[
-                    named(&at),
-                    run.label(),
-                    rays.to_owned(),
-                    tree::reachable(run).map_or_else(|| NONE.to_owned(), statistic),
-                    optional(per_ray(traced, NODES), 4),
-                    cell,
-                    over(ms, first_ms),
-                    optional(footprint(traced).map(|agreement| 100.0 * (1.0 - agreement)), 4),
-                    optional(error, 3),
-                ]);
-            }
-        }
-    }
-    format!("\n{TIMES} Ratios are to the first row of a scene.\n\n{}", table.text)
+    let error = |trace: &TraceRecord| match &trace.judgement {
+        Judgement::Closest(closest) => closest.position_error.p50,
+        Judgement::Any(_) => None,
+    };
+    let sheet = sheet()
+        .told("rays", |row| row.rays)
+        .told("nodes that are left", |row| tree::reachable(row.run).map(Cell::Statistic))
+        .told("nodes a ray ↓", |row| row.number(|trace| per_ray(trace, NODES)))
+        .told("time (ms) ↓", Row::time)
+        .told("× first row", Row::over_first)
+        .told("wrong under footprint (%) ↓", |row| row.number(footprint).map(|agreement| 100.0 * (1.0 - agreement)))
+        .told("median error of t (scene units) ↓", |row| Cell::number(row.number(error), 3));
+    let rows = traced(page, SceneRows::ray_sets);
+    format!("\n{TIMES} Ratios are to the first row of a scene.\n\n{}", sheet.markdown(&rows))
 }
 
 /// Section 5.3: a light field beside hierarchies.
 pub(super) fn light_field(page: &Page<'_>) -> String {
-    let mut table = Table::new(&strings(&["scene", "tracer", "trace (ms) ↓", "× first row", "asking layer 2 (%)"]));
-    for (at, first) in places(page) {
-        let (_, first_ms) = timed(first, &[light_field::RAYS]);
-        for run in &at.runs {
-            let (cell, ms) = timed(run, &[light_field::RAYS]);
-            let second = trace(run, light_field::RAYS).and_then(share_asking_second);
-            table.row(&[named(&at), run.label(), cell, over(ms, first_ms), percent(second)]);
-        }
-    }
-    format!("\n{TIMES} Ratios are to the first row of a part.\n\n{}", table.text)
+    let sheet = sheet()
+        .told("trace (ms) ↓", Row::time)
+        .told("× first row", Row::over_first)
+        .told("asking layer 2 (%)", |row| row.percent(share_asking_second));
+    let rows = rows(page, |_| vec![light_field::RAYS]);
+    format!("\n{TIMES} Ratios are to the first row of a part.\n\n{}", sheet.markdown(&rows))
 }
 
 /// The text: what rays cost, visit and lose as eye and camera move away, under `footprint`.
 pub(super) fn displacement(page: &Page<'_>) -> String {
-    let mut table = Table::new(&strings(&[
-        "scene",
-        "tracer",
-        "rays",
-        "time (ms) ↓",
-        "× first row",
-        VISITS,
-        "depths a ray ↓",
-        "asking layer 2 (%)",
-        "missed (%) ↓",
-        "found of what one layer misses (%) ↑",
-        "wrong: hidden layer (%) ↓",
-        "wrong: left out (%) ↓",
-        "wrong: off view (%) ↓",
-    ]));
-    for (at, first) in places(page) {
-        let alone = at.like_first(QUADTREE, &[("layers", "1"), ("inpainting", "never")]);
-        for rays in at.ray_sets() {
-            let (_, first_ms) = timed(first, &[rays]);
-            let missed_alone =
-                alone.and_then(|run| trace(run, rays)).and_then(share_missed).filter(|share| *share > 0.0);
-            for run in &at.runs {
-                let Some(traced) = trace(run, rays) else { continue };
-                let deeper = run.tracer.name == QUADTREE && integer(run, "layers").is_some_and(|layers| layers > 1);
-                let found = share_missed(traced)
-                    .zip(missed_alone)
-                    .filter(|_| deeper)
-                    .map(|(missed, alone)| 1.0 - missed / alone);
-                let (cell, ms) = timed(run, &[rays]);
-                let second = share_asking_second(traced);
-                table.row(&[
-                    named(&at),
-                    run.label(),
-                    rays.to_owned(),
-                    cell,
-                    over(ms, first_ms),
-                    optional(visits(traced), 4),
-                    optional(per_ray(traced, SAMPLES), 4),
-                    percent(second),
-                    percent(share_missed(traced)),
-                    percent(found),
-                    percent(share_of_cause(traced, HIDDEN_LAYER)),
-                    percent(share_of_cause(traced, LEFT_OUT)),
-                    percent(share_of_cause(traced, OFF_VIEW)),
-                ]);
-            }
-        }
-    }
-    format!("\n{TIMES} Ratios are to the first row of a part.\n\n{}", table.text)
+    let missed_alone = |row: &Row<'_>| {
+        let alone = row.at.like_first(QUADTREE, &[("layers", "1"), ("inpainting", "never")])?;
+        share_missed(trace(alone, row.rays)?).filter(|share| *share > 0.0)
+    };
+    let found = |row: &Row<'_>| {
+        let deeper = row.run.tracer.name == QUADTREE && integer(row.run, "layers").is_some_and(|layers| layers > 1);
+        row.percent(|trace| Some(1.0 - share_missed(trace)? / missed_alone(row)?).filter(|_| deeper))
+    };
+    let sheet = sheet()
+        .told("rays", |row| row.rays)
+        .told("time (ms) ↓", Row::time)
+        .told("× first row", Row::over_first)
+        .told(VISITS, |row| row.number(visits))
+        .told("depths a ray ↓", |row| row.number(|trace| per_ray(trace, SAMPLES)))
+        .told("asking layer 2 (%)", |row| row.percent(share_asking_second))
+        .told("missed (%) ↓", |row| row.percent(share_missed))
+        .told("found of what one layer misses (%) ↑", found)
+        .told("wrong: hidden layer (%) ↓", |row| row.percent(|trace| share_of_cause(trace, HIDDEN_LAYER)))
+        .told("wrong: left out (%) ↓", |row| row.percent(|trace| share_of_cause(trace, LEFT_OUT)))
+        .told("wrong: off view (%) ↓", |row| row.percent(|trace| share_of_cause(trace, OFF_VIEW)));
+    let rows = traced(page, SceneRows::ray_sets);
+    format!("\n{TIMES} Ratios are to the first row of a part.\n\n{}", sheet.markdown(&rows))
 }

@@ -5,13 +5,14 @@ use std::fmt::Write as _;
 use super::read::{Names, Read};
 use super::{Place, budget, markdown};
 use crate::report::format::{NONE, significant};
-use crate::report::markdown::{Table, inline};
-use crate::report::pareto::page::{asked, right, too_few, with_cost};
+use crate::report::markdown::inline;
+use crate::report::metrics;
+use crate::report::pareto::page::{aimed, asked, right, too_few, with_cost};
 use crate::report::pareto::{as_read, cost_name};
+use crate::report::sheet::{Cell, Sheet};
 use crate::report::verdict::{self, Verdict};
-use crate::report::{format, metrics};
 use crate::results::Run;
-use crate::studies::pareto::{Aim, Check, Entry, LEVELS, Wrong, best, check, farthest};
+use crate::studies::pareto::{Aim, Check, Entry, Field, LEVELS, Wrong, best, check, farthest};
 
 /// The agreement that is asked for where one stands for all.
 const ASKED: f64 = LEVELS[1];
@@ -129,35 +130,32 @@ pub(super) fn doubts_in_short(run: &Run) -> String {
 }
 
 /// A row a case and aim.
-fn needs(places: &[Place<'_>], level: f64) -> String {
-    let headings = ["rays", "scene", "machine", "right at least", "need", "take", "what it costs", "why"];
-    let mut table = Table::new(&headings.map(str::to_owned));
-    for place in places {
-        for aim in Aim::ALL {
-            let found = best(place.field, &place.field.entries, place.by, level, aim);
-            let [take, cost, why] = match found {
-                Some(found) => [found.point.label(), cost_of(place, aim, &found), why(place, level, aim, &found)],
-                None => ["nobody".to_owned(), NONE.to_owned(), nobody(place)],
-            };
-            table.row(&[
-                place.field.rays.to_owned(),
-                place.field.scene.scene.name.clone(),
-                place.read.machine.to_string(),
-                format!("{} by {}{}", asked(level), place.by.name(), too_few(level, place.field)),
-                aim.name().to_owned(),
-                take,
-                cost,
-                why,
-            ]);
-        }
-    }
-    table.text
+fn needs<'a>(places: &'a [Place<'a>], level: f64) -> String {
+    type Need<'a> = (&'a Place<'a>, Aim, Option<Entry<'a>>);
+    let sheet = Sheet::<Need<'_>>::new()
+        .told("rays", |(place, ..)| place.field.rays)
+        .told("scene", |(place, ..)| place.field.scene.scene.name.clone())
+        .told("machine", |(place, ..)| place.read.machine.to_string())
+        .told("right at least", move |(place, ..)| {
+            format!("{} by {}{}", asked(level), place.by.name(), too_few(level, place.field))
+        })
+        .told("need", |(_, aim, _)| aim.name())
+        .told("take", |(.., found)| found.map_or("nobody".to_owned(), |found| found.point.label()))
+        .told("what it costs", |(place, aim, found)| {
+            found.map(|found| format!("{}: {}", cost_name(aim.cost()), cost(place.field, *aim, &found).told()))
+        })
+        .told("why", move |(place, aim, found)| match found {
+            Some(found) => why(place, level, *aim, found),
+            None => nobody(place),
+        });
+    let take = |place: &Place<'a>, aim| best(place.field, &place.field.entries, place.by, level, aim);
+    let rows = places.iter().flat_map(|place| Aim::ALL.map(|aim| (place, aim, take(place, aim))));
+    sheet.markdown(&rows.collect::<Vec<_>>())
 }
 
-/// What a point costs, with the unit.
-fn cost_of(place: &Place<'_>, aim: Aim, found: &Entry<'_>) -> String {
-    let cost = place.field.cost(found, aim.cost()).map(|cost| as_read(place.field, aim.cost(), cost).value);
-    format!("{}: {}", cost_name(aim.cost()), format::optional(cost, 4))
+/// What a point costs.
+fn cost(field: &Field<'_>, aim: Aim, found: &Entry<'_>) -> Cell {
+    field.cost(found, aim.cost()).map(|cost| as_read(field, aim.cost(), cost).value).into()
 }
 
 fn right_share(place: &Place<'_>, entry: &Entry<'_>) -> String {
@@ -216,31 +214,25 @@ fn why(place: &Place<'_>, level: f64, aim: Aim, found: &Entry<'_>) -> String {
 
 /// A row a case and tracer.
 fn methods(places: &[Place<'_>]) -> String {
-    let mut headings = ["rays", "machine", "tracer", "scene", "right at best"].map(str::to_owned).to_vec();
-    headings.extend(Aim::ALL.map(|aim| format!("{}: {}", aim.name(), cost_name(aim.cost()))));
-    let mut table = Table::new(&headings);
-    for place in places {
-        let field = place.field;
-        for tracer in field.tracers() {
-            let own = field.of_tracer(tracer);
-            let farthest = farthest(field, &own, place.by);
-            let mut row = vec![
-                field.rays.to_owned(),
-                place.read.machine.to_string(),
-                tracer.to_owned(),
-                field.scene.scene.name.clone(),
-                farthest.map_or_else(|| NONE.to_owned(), |found| right_share(place, &found)),
-            ];
-            row.extend(Aim::ALL.map(|aim| {
-                let Some(found) = best(field, &own, place.by, ASKED, aim) else { return NONE.to_owned() };
-                let cost = field.cost(&found, aim.cost()).map(|cost| as_read(field, aim.cost(), cost).value);
-                let is_best =
-                    best(field, &field.entries, place.by, ASKED, aim).is_some_and(|best| best.point.tracer == tracer);
-                let text = format::optional(cost, 4);
-                if is_best { format!("**{text}**") } else { text }
-            }));
-            table.row(&row);
-        }
-    }
-    table.text
+    type Method<'a> = (&'a Place<'a>, &'a str, Vec<Entry<'a>>);
+    let of_aim = |aim| {
+        aimed(aim, move |(place, tracer, own): &Method<'_>| {
+            let text = cost(place.field, aim, &best(place.field, own, place.by, ASKED, aim)?).told();
+            let of_all = best(place.field, &place.field.entries, place.by, ASKED, aim);
+            let is_best = of_all.is_some_and(|best| best.point.tracer == *tracer);
+            Some(if is_best { format!("**{text}**") } else { text })
+        })
+    };
+    let sheet = Sheet::<Method<'_>>::new()
+        .told("rays", |(place, ..)| place.field.rays)
+        .told("machine", |(place, ..)| place.read.machine.to_string())
+        .told("tracer", |(_, tracer, _)| (*tracer).to_owned())
+        .told("scene", |(place, ..)| place.field.scene.scene.name.clone())
+        .told("right at best", |(place, _, own)| {
+            farthest(place.field, own, place.by).map(|found| right_share(place, &found))
+        })
+        .with(Aim::ALL.map(of_aim).into());
+    let tracers = places.iter().flat_map(|place| place.field.tracers().into_iter().map(move |tracer| (place, tracer)));
+    let rows = tracers.map(|(place, tracer)| (place, tracer, place.field.of_tracer(tracer)));
+    sheet.markdown(&rows.collect::<Vec<_>>())
 }

@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::{Shown, as_read, cost_name};
-use crate::report::format::{NONE, percent, percent_with_interval, significant, thousands, with_interval};
-use crate::report::markdown::{Table, inline};
+use crate::report::format::{percent, percent_with_interval, significant, thousands};
+use crate::report::markdown::inline;
+use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::{format, metrics, summary};
 use crate::results::{LEAST_ROUNDS, ParetoRecord, Run};
 use crate::studies::pareto::{
@@ -54,24 +55,22 @@ pub(super) fn page(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> Str
 /// Who to take, by ray set and agreement: of any-hit sets by the balanced accuracy, of others by the rule that methods which sample can
 /// meet.
 fn in_short(scene: &Shown<'_>) -> String {
-    let headings = ["rays", "at least"].map(str::to_owned);
-    let mut table = Table::new(&[headings.to_vec(), aims().to_vec()].concat());
-    for field in &scene.fronts.fields {
-        let Some(by) = By::all(field.query).last() else { continue };
-        for level in LEVELS {
-            let cells = Aim::ALL.map(|aim| match best(field, &field.entries, *by, level, aim) {
-                Some(found) => {
-                    let there = check(&scene.fronts.elsewhere, field.rays, found.point, *by, level);
-                    let misses = if let Check::Misses(..) = there { "; **misses there**" } else { "" };
-                    format!("{}{misses}", with_cost(field, aim, &found))
-                }
-                None => "nobody".to_owned(),
-            });
-            let asked = format!("{} by {}{}", asked(level), by.name(), too_few(level, field));
-            table.row(&[vec![field.rays.to_owned(), asked], cells.to_vec()].concat());
-        }
-    }
-    format!("\nIn short:\n\n{}{}", table.text, checks(scene))
+    type Asked<'a> = (&'a Field<'a>, By, f64);
+    let take = |aim: Aim| {
+        aimed(aim, move |&(field, by, level): &Asked<'_>| {
+            let Some(found) = best(field, &field.entries, by, level, aim) else { return "nobody".to_owned() };
+            let there = check(&scene.fronts.elsewhere, field.rays, found.point, by, level);
+            let misses = if let Check::Misses(..) = there { "; **misses there**" } else { "" };
+            format!("{}{misses}", with_cost(field, aim, &found))
+        })
+    };
+    let sheet = Sheet::<Asked<'_>>::new()
+        .told("rays", |(field, ..)| field.rays)
+        .told("at least", |(field, by, level)| format!("{} by {}{}", asked(*level), by.name(), too_few(*level, field)))
+        .with(Aim::ALL.map(take).into());
+    let fields = scene.fronts.fields.iter().filter_map(|field| Some((field, *By::all(field.query).last()?)));
+    let rows: Vec<Asked<'_>> = fields.flat_map(|(field, by)| LEVELS.map(|level| (field, by, level))).collect();
+    format!("\nIn short:\n\n{}{}", sheet.markdown(&rows), checks(scene))
 }
 
 /// What became of all operating points elsewhere.
@@ -106,9 +105,9 @@ fn checks(scene: &Shown<'_>) -> String {
     )
 }
 
-/// Headings of aims with what they make least.
-fn aims() -> [String; 3] {
-    Aim::ALL.map(|aim| format!("{}: {}", aim.name(), cost_name(aim.cost())))
+/// A column of an aim, with what it makes least.
+pub(in crate::report) fn aimed<'a, R, C: Into<Cell>>(aim: Aim, cell: impl Fn(&R) -> C + 'a) -> Column<'a, R> {
+    Column::told(format!("{}: {}", aim.name(), cost_name(aim.cost())), cell)
 }
 
 /// An operating point with what it costs.
@@ -134,27 +133,24 @@ fn by_rule(run: &Run, record: &ParetoRecord, scene: &Shown<'_>, field: &Field<'_
 
 /// The operating points of every level: over all tracers, then of each.
 pub(in crate::report) fn operating_points(scene: &Shown<'_>, field: &Field<'_>, by: By) -> String {
-    let mut table = Table::new(&[vec!["at least".to_owned(), "of".to_owned()], aims().to_vec()].concat());
-    let mut any = false;
+    type Of<'a> = (f64, &'a str, Vec<Entry<'a>>);
+    let found = |(level, _, entries): &Of<'_>, aim| {
+        best(field, entries, by, *level, aim).map(|found| operating_point(scene, field, by, *level, aim, &found))
+    };
+    let sheet = Sheet::<Of<'_>>::new()
+        .told("at least", |(level, ..)| asked(*level) + &too_few(*level, field))
+        .told("of", |(_, who, _)| (*who).to_owned())
+        .with(Aim::ALL.map(|aim| aimed(aim, move |of: &Of<'_>| found(of, aim))).into());
+    let mut rows: Vec<Of<'_>> = Vec::new();
     for level in LEVELS {
-        let all = std::iter::once(("**all**", field.entries.clone()));
-        let each = field.tracers().into_iter().map(|tracer| (tracer, field.of_tracer(tracer)));
-        for (who, entries) in all.chain(each) {
-            let cells = Aim::ALL.map(|aim| {
-                best(field, &entries, by, level, aim).map(|found| operating_point(scene, field, by, level, aim, &found))
-            });
-            if cells.iter().any(Option::is_some) {
-                any = true;
-                let cells = cells.map(|cell| cell.unwrap_or_else(|| NONE.to_owned()));
-                table.row(&[vec![asked(level) + &too_few(level, field), who.to_owned()], cells.to_vec()].concat());
-            }
-        }
+        rows.push((level, "**all**", field.entries.clone()));
+        rows.extend(field.tracers().into_iter().map(|tracer| (level, tracer, field.of_tracer(tracer))));
     }
-    if any {
-        format!("Operating points; what they do *there* was not seen when they were chosen:\n\n{}", table.text)
-    } else {
-        "No point is right so often.\n".to_owned()
+    rows.retain(|(level, _, entries)| Aim::ALL.iter().any(|aim| best(field, entries, by, *level, *aim).is_some()));
+    if rows.is_empty() {
+        return "No point is right so often.\n".to_owned();
     }
+    format!("Operating points; what they do *there* was not seen when they were chosen:\n\n{}", sheet.markdown(&rows))
 }
 
 /// A level as people read it.
@@ -192,32 +188,28 @@ pub(in crate::report) fn right(wrong: &Wrong, trials: u64) -> String {
 
 /// How far every tracer gets.
 pub(in crate::report) fn reach(field: &Field<'_>, by: By) -> String {
-    let mut headings = ["tracer", "farthest", "by"].map(str::to_owned).to_vec();
-    headings.push(metrics::SPEED.heading());
-    let mut table = Table::new(&headings);
-    for tracer in field.tracers() {
-        let Some(found) = farthest(field, &field.of_tracer(tracer), by) else { continue };
-        let Some(wrong) = Wrong::of(found.trace, by) else { continue };
-        let speed = field.cost(&found, Cost::Trace).map(|cost| as_read(field, Cost::Trace, cost).value);
-        table.row(&[
-            tracer.to_owned(),
-            right(&wrong, metrics::trials(found.trace)),
-            found.point.label(),
-            format::optional(speed, 4),
-        ]);
-    }
-    format!("\nHow far each tracer gets:\n\n{}", table.text)
+    type Reached<'a> = (&'a str, Entry<'a>, Wrong);
+    let reached = |tracer| {
+        let found = farthest(field, &field.of_tracer(tracer), by)?;
+        Some((tracer, found, Wrong::of(found.trace, by)?))
+    };
+    let rows: Vec<Reached<'_>> = field.tracers().into_iter().filter_map(reached).collect();
+    let sheet = Sheet::<Reached<'_>>::new()
+        .told("tracer", |(tracer, ..)| (*tracer).to_owned())
+        .told("farthest", |(_, found, wrong)| right(wrong, metrics::trials(found.trace)))
+        .told("by", |(_, found, _)| found.point.label())
+        .told(metrics::SPEED.heading(), |(_, found, _)| {
+            field.cost(found, Cost::Trace).map(|cost| as_read(field, Cost::Trace, cost).value)
+        });
+    format!("\nHow far each tracer gets:\n\n{}", sheet.markdown(&rows))
 }
 
 /// The points that are on a front of all tracers, or within noise of one.
-pub(in crate::report) fn front_points(run: &Run, record: &ParetoRecord, field: &Field<'_>, by: By) -> String {
+pub(in crate::report) fn front_points<'a>(run: &Run, record: &ParetoRecord, field: &Field<'a>, by: By) -> String {
+    type OnFront<'a> = (Entry<'a>, Wrong, Vec<&'static str>);
     let costs = Cost::all(&record.rays_per_pixel);
     let standings: Vec<_> = costs.iter().map(|cost| field.standings(&field.entries, *cost, by)).collect();
-    let mut headings = vec!["point".to_owned(), "wrong ↓".to_owned()];
-    headings.extend(costs.iter().map(|cost| cost_name(*cost)));
-    let mut table = Table::new(&headings);
-    for entry in &field.entries {
-        let Some(wrong) = Wrong::of(entry.trace, by) else { continue };
+    let of_entry = |entry: &Entry<'_>| {
         let mark = |of: &Vec<(Entry<'_>, _, Standing)>| {
             let found = of.iter().find(|(other, ..)| other.index == entry.index);
             match found.map(|(_, _, standing)| *standing) {
@@ -226,17 +218,25 @@ pub(in crate::report) fn front_points(run: &Run, record: &ParetoRecord, field: &
                 _ => "",
             }
         };
-        let marks: Vec<&str> = standings.iter().map(mark).collect();
-        if marks.iter().all(|mark| mark.is_empty()) {
-            continue;
-        }
-        let trials = metrics::trials(entry.trace);
-        let bound = if wrong.at_bound() { " (below what is told from none)" } else { "" };
-        let share = percent_with_interval(wrong.share.value, Some(wrong.share.interval), trials);
-        let mut row = vec![entry.point.label(), format!("{share}{bound}")];
-        row.extend(costs.iter().zip(&marks).map(|(cost, mark)| format!("{mark}{}", cost_cell(field, entry, *cost))));
-        table.row(&row);
-    }
+        standings.iter().map(mark).collect::<Vec<_>>()
+    };
+    let with_marks = |entry: &Entry<'a>| Some((*entry, Wrong::of(entry.trace, by)?, of_entry(entry)));
+    let mut rows: Vec<OnFront<'_>> = field.entries.iter().filter_map(with_marks).collect();
+    rows.retain(|(.., marks)| marks.iter().any(|mark| !mark.is_empty()));
+    let of_cost = |(place, cost): (usize, &Cost)| {
+        let cost = *cost;
+        Column::told(cost_name(cost), move |(entry, _, marks): &OnFront<'_>| {
+            format!("{}{}", marks[place], cost_cell(field, entry, cost).told())
+        })
+    };
+    let sheet = Sheet::<OnFront<'_>>::new()
+        .told("point", |(entry, ..)| entry.point.label())
+        .told("wrong ↓", |(entry, wrong, _)| {
+            let bound = if wrong.at_bound() { " (below what is told from none)" } else { "" };
+            let share = Cell::Share(wrong.share.value, Some(wrong.share.interval), metrics::trials(entry.trace));
+            format!("{}{bound}", share.told())
+        })
+        .with(costs.iter().enumerate().map(of_cost).collect());
     let windows =
         if run.runs.iter().any(|row| row.window > 0) { " Not all points were timed in one window." } else { "" };
     let few = run.races.iter().any(|race| race.orders.len() < LEAST_ROUNDS as usize);
@@ -248,47 +248,45 @@ pub(in crate::report) fn front_points(run: &Run, record: &ParetoRecord, field: &
     format!(
         "\n● on the front of all tracers, ○ within noise of it: no point of the front is better by more than noise, in cost or in error.\
          {windows}{few}\n\n{}",
-        table.text
+        sheet.markdown(&rows)
     )
 }
 
-fn cost_cell(field: &Field<'_>, entry: &Entry<'_>, cost: Cost) -> String {
-    let found = field.cost(entry, cost).map(|amount| as_read(field, cost, amount));
-    found.map_or_else(
-        || NONE.to_owned(),
-        |Amount { value, interval }| {
-            if interval == [value; 2] { significant(value, 4) } else { with_interval(value, interval, 4) }
-        },
-    )
+fn cost_cell(field: &Field<'_>, entry: &Entry<'_>, cost: Cost) -> Cell {
+    match field.cost(entry, cost).map(|amount| as_read(field, cost, amount)) {
+        Some(Amount { value, interval }) if interval == [value; 2] => value.into(),
+        amount => amount.into(),
+    }
 }
 
 /// Who is cheapest at how many rays a frame.
 pub(in crate::report) fn break_even(scene: &Shown<'_>, field: &Field<'_>, by: By) -> String {
-    let headings = ["at least", "geometry", "rays a frame", "cheapest", "overtakes"].map(str::to_owned);
-    let mut table = Table::new(&headings);
-    let mut any = false;
-    for level in LEVELS {
-        for class in classes(&scene.fronts, field, by, level) {
-            for (place, stretch) in class.stretches.iter().enumerate() {
-                any = true;
-                let [from, overtakes] = match (&stretch.overtakes, place.checked_sub(1)) {
-                    (Some(found), Some(before)) => {
-                        [from_rays(found), overtaken(found, label(&class, class.stretches[before].who))]
-                    }
-                    _ => ["few".to_owned(), NONE.to_owned()],
-                };
-                table.row(&[asked(level), class.motion.name().to_owned(), from, label(&class, stretch.who), overtakes]);
-            }
-        }
-    }
+    // A class, and a place among those who are cheapest there.
+    type Cheapest<'a> = (&'a Class<'a>, usize);
+    let classes: Vec<Class<'_>> = LEVELS.iter().flat_map(|level| classes(&scene.fronts, field, by, *level)).collect();
+    let rows: Vec<Cheapest<'_>> =
+        classes.iter().flat_map(|class| (0..class.stretches.len()).map(move |place| (class, place))).collect();
+    let overtaking = |(class, place): &Cheapest<'_>| {
+        let (found, before) = (class.stretches[*place].overtakes.clone()?, class.stretches.get(place.checked_sub(1)?)?);
+        Some((found, label(class, before.who)))
+    };
+    let sheet = Sheet::<Cheapest<'_>>::new()
+        .told("at least", |(class, _)| asked(class.level))
+        .told("geometry", |(class, _)| class.motion.name())
+        .told("rays a frame", |row| match overtaking(row) {
+            Some((found, _)) => from_rays(&found),
+            None => Some("few".to_owned()),
+        })
+        .told("cheapest", |(class, place)| label(class, class.stretches[*place].who))
+        .told("overtakes", |row| overtaking(row).map(|(found, before)| overtaken(&found, before)));
     let mut text = "\nBreak-even, between points that are right as often: who is cheapest from how many rays a frame on (*static*: \
                     structures are kept; *refitted*: to moved vertices, built where a method cannot; *rebuilt*: in every frame)"
         .to_owned();
-    if !any {
+    if rows.is_empty() {
         return text + ": no point is right so often.\n";
     }
     text += ":\n\n";
-    text += &table.text;
+    text += &sheet.markdown(&rows);
     if By::all(field.query).last() == Some(&by) && !contested(&scene.fronts, field, by).is_empty() {
         let _ = writeln!(text, "\n![break-even]({}.svg)", scene.chart(field.rays, "break_even"));
     }
@@ -300,14 +298,14 @@ fn label(class: &Class<'_>, who: usize) -> String {
 }
 
 /// From how many rays on.
-fn from_rays(found: &Overtaking) -> String {
+fn from_rays(found: &Overtaking) -> Option<String> {
     match found {
         Overtaking::At { rays, interval: [low, high], beyond_measured, .. } => {
             let count = |rays: f64| thousands(rays.round().max(0.0) as u64);
             let beyond = if *beyond_measured { ", beyond what was measured" } else { "" };
-            format!("{} [{}, {}]{beyond}", count(*rays), count(*low), count(*high))
+            Some(format!("{} [{}, {}]{beyond}", count(*rays), count(*low), count(*high)))
         }
-        Overtaking::Always(_) | Overtaking::Undecided(_) => NONE.to_owned(),
+        Overtaking::Always(_) | Overtaking::Undecided(_) => None,
     }
 }
 

@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use tracebench_api::Query;
 
 use super::{Errors, chart_stems, labels_of, score_at, score_name, trials};
-use crate::report::format::{self, NONE, percent, percent_with_interval, points, significant, thousands};
-use crate::report::markdown::{Table, inline};
-use crate::report::sheet::{Column, Sheet};
+use crate::report::format::{self, points, significant, thousands};
+use crate::report::markdown::inline;
+use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::{summary, verdict};
 use crate::studies::tune::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned, interval};
 
@@ -76,61 +76,64 @@ fn all_sets(tuning: &Tuning) -> impl Iterator<Item = (&SceneTuned, &ViewTuned, &
 
 /// What every choice is worth in every scene, and on average.
 fn overview(tuning: &Tuning, rays: &str, query: Query) -> String {
+    // A set in its place; below all of them their mean.
+    type Row<'a> = Option<(&'a SceneTuned, &'a ViewTuned, &'a SetTuned)>;
     let sets: Vec<_> = all_sets(tuning).filter(|(_, _, set)| set.rays == rays && set.query == query).collect();
     let Some((_, _, first)) = sets.first() else { return String::new() };
-    let mut headings = vec!["scene".to_owned(), "viewpoint".to_owned()];
-    headings.extend(Label::ALL.map(|label| format!("{}: value, share ↑", label.name())));
-    headings.extend(losers().map(|label| format!("{} loses to tuned here ↓", label.name())));
-    let mut table = Table::new(&headings);
-    for (scene, view, set) in &sets {
-        let mut row = vec![scene.scene.name.clone(), view.viewpoint.name.clone()];
-        row.extend(Label::ALL.map(|label| worth(tuning, set, label)));
-        row.extend(losers().map(|label| lost(tuning, set, label, Label::TunedHere)));
-        table.row(&row);
-    }
-    let mut row = vec!["mean".to_owned(), format!("of {}", sets.len())];
     let mean = |of: &dyn Fn(&SetTuned) -> Option<f64>| {
         // Over the same sets in every column, or the columns would not compare.
         let found: Option<Vec<f64>> = sets.iter().map(|(_, _, set)| of(set)).collect();
         found.map(|found| found.iter().sum::<f64>() / found.len() as f64)
     };
-    let all = sets.iter().map(|(_, _, set)| set.count).sum();
-    let cell = |share: Option<f64>| share.map_or(NONE.to_owned(), |share| format!("{} %", percent(share, all)));
-    row.extend(Label::ALL.map(|label| cell(mean(&|set| set.choice(label)?.score))));
-    let loss = |label| mean(&|set| set.choice(label)?.lost_to.get(&Label::TunedHere).copied());
-    row.extend(losers().map(|label| loss(label).map_or(NONE.to_owned(), |loss| points(loss, all))));
-    table.row(&row);
-    format!("\n## {}: {}, {}\n\n{}", inline(rays), format::query(query), score_name(first, tuning.rule), table.text)
+    let all: u64 = sets.iter().map(|(_, _, set)| set.count).sum();
+    let value = |label: Label| {
+        Column::told(format!("{}: value, share ↑", label.name()), move |row: &Row<'_>| match row {
+            Some((.., set)) => worth(tuning, set, label),
+            None => Some(Cell::Share(mean(&|set| set.choice(label)?.score)?, None, all).told()),
+        })
+    };
+    let loss = |label: Label| {
+        Column::told(format!("{} loses to tuned here ↓", label.name()), move |row: &Row<'_>| match row {
+            Some((.., set)) => lost(tuning, set, label, Label::TunedHere),
+            None => {
+                mean(&|set| set.choice(label)?.lost_to.get(&Label::TunedHere).copied()).map(|loss| points(loss, all))
+            }
+        })
+    };
+    // Whatever is not tuned on the judged rays themselves.
+    let losers = Label::ALL.into_iter().filter(|label| *label != Label::TunedHere);
+    let sheet = Sheet::<Row<'_>>::new()
+        .told("scene", |row| row.map_or("mean".to_owned(), |(scene, ..)| scene.scene.name.clone()))
+        .told("viewpoint", |row| {
+            row.map_or_else(|| format!("of {}", sets.len()), |(_, view, _)| view.viewpoint.name.clone())
+        })
+        .with(Label::ALL.map(value).into())
+        .with(losers.map(loss).collect());
+    let rows: Vec<Row<'_>> = sets.iter().copied().map(Some).chain([None]).collect();
+    let (name, score) = (inline(rays), score_name(first, tuning.rule));
+    format!("\n## {name}: {}, {score}\n\n{}", format::query(query), sheet.markdown(&rows))
 }
 
-/// Whatever is not tuned on the judged rays themselves.
-fn losers() -> impl Iterator<Item = Label> {
-    Label::ALL.into_iter().filter(|label| *label != Label::TunedHere)
-}
-
-fn worth(tuning: &Tuning, set: &SetTuned, label: Label) -> String {
-    let Some(choice) = set.choice(label) else { return NONE.to_owned() };
-    let Some(value) = &choice.value else { return NONE.to_owned() };
-    let judged = set.judged(value).zip(choice.score);
-    let share = judged.map(|(judged, score)| {
+fn worth(tuning: &Tuning, set: &SetTuned, label: Label) -> Option<String> {
+    let choice = set.choice(label)?;
+    let value = choice.value.as_ref()?;
+    let share = set.judged(value).zip(choice.score).map(|(judged, score)| {
         let interval = interval(&judged.judgement, tuning.rule);
-        percent_with_interval(score, interval, trials(set, &judged.judgement))
+        Cell::Share(score, interval, trials(set, &judged.judgement))
     });
-    format!("{value}: {}", share.unwrap_or_else(|| NONE.to_owned()))
+    Some(format!("{value}: {}", Cell::from(share).told()))
 }
 
 /// What a choice loses to another, in bold where their intervals do not meet.
-fn lost(tuning: &Tuning, set: &SetTuned, label: Label, to: Label) -> String {
-    let found = set.choice(label).zip(set.choice(to)).and_then(|(own, other)| {
-        let loss = *own.lost_to.get(&to)?;
-        let judgement = |choice: &Choice| Some(&set.judged(choice.value.as_deref()?)?.judgement);
-        let trials = trials(set, judgement(own)?);
-        let ends = interval(judgement(own)?, tuning.rule).zip(interval(judgement(other)?, tuning.rule));
-        let apart = ends.is_some_and(|([low, high], [least, most])| high < least || most < low);
-        let text = points(loss, trials);
-        Some(if apart { format!("**{text}**") } else { text })
-    });
-    found.unwrap_or_else(|| NONE.to_owned())
+fn lost(tuning: &Tuning, set: &SetTuned, label: Label, to: Label) -> Option<String> {
+    let (own, other) = set.choice(label).zip(set.choice(to))?;
+    let loss = *own.lost_to.get(&to)?;
+    let judgement = |choice: &Choice| Some(&set.judged(choice.value.as_deref()?)?.judgement);
+    let trials = trials(set, judgement(own)?);
+    let ends = interval(judgement(own)?, tuning.rule).zip(interval(judgement(other)?, tuning.rule));
+    let apart = ends.is_some_and(|([low, high], [least, most])| high < least || most < low);
+    let text = points(loss, trials);
+    Some(if apart { format!("**{text}**") } else { text })
 }
 
 /// A chosen value with what it does.
