@@ -1,4 +1,4 @@
-//! The little of Markdown that the summary needs.
+//! The little of Markdown that pages need beside tables, which `sheet.rs` writes.
 
 /// Text that cannot end its line or be taken for markup of a table.
 pub(crate) fn inline(text: &str) -> String {

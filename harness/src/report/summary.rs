@@ -277,7 +277,7 @@ fn causes(rows: &[Row<'_>]) -> String {
         (all, listed)
     };
     let rows = each(rows, |(.., trace)| {
-        let causes = trace.judgement.causes().into_iter().map(|(rule, causes)| (rule, listed(causes)));
+        let causes = trace.judgement.causes().iter().map(|(rule, causes)| (rule, listed(causes)));
         causes.filter(|(_, (_, listed))| !listed.is_empty()).map(|(rule, (all, listed))| (rule, all, listed)).collect()
     });
     let sheet = Sheet::<Caused<'_>>::new()

@@ -116,8 +116,9 @@ pub(super) fn formula(page: &Page<'_>) -> String {
     let count =
         |name| Column::told(name, move |((_, run), ..): &Formula<'_>| statistic(run, name).map(|count| count as u64));
     let all = |ledger: &[f64; 3]| ledger.iter().sum::<f64>();
-    let mut sheet = of_rows::<Formula<'_>>(|(row, ..)| *row).and(count("pixels").headed("pixels of all views"));
-    sheet = sheet.and(count("fragments"));
+    let mut sheet = of_rows::<Formula<'_>>(|(row, ..)| *row)
+        .and(count("pixels").headed("pixels of all views"))
+        .and(count("fragments"));
     for (part, name) in ["words of pixels", "id buffer", "data"].into_iter().enumerate() {
         sheet = sheet
             .told(format!("{name}: formula (bytes)"), move |(_, formula, ..)| formula[part] as u64)
