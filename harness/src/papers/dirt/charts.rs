@@ -9,7 +9,7 @@ use crate::papers::page::charts::{stem, subtitle};
 use crate::papers::rows::{agreement, integer, statistic};
 use crate::papers::vvp16::ABUFFER;
 use crate::papers::{Experiment, SceneRows, Scope};
-use crate::report::chart::series::{Panel, Series, SeriesChart};
+use crate::report::chart::series::{Series, SeriesChart, SeriesPanel};
 use crate::results::TracerRun;
 use crate::results::host_ms;
 
@@ -42,7 +42,7 @@ fn over_buckets_of(experiment: &Experiment, scene: &SceneRows<'_>) -> SeriesChar
                 dashed: false,
             }
         });
-        Panel {
+        SeriesPanel {
             title: title.to_owned(),
             setting: "B (buckets)".to_owned(),
             steps: buckets.iter().map(u64::to_string).collect(),
@@ -113,7 +113,7 @@ fn mixes_of(experiment: &Experiment, scene: &SceneRows<'_>) -> SeriesChart {
             let line = |values, dashed| Series { label: (*tracer).to_owned(), values, dashed };
             [line(values(tracer, &traced), false), line(values(tracer, &|run| host_ms(&run.build.times)), true)]
         });
-        Panel {
+        SeriesPanel {
             title: (*name).to_owned(),
             setting: "rays from the pixels of".to_owned(),
             steps: names(&steps),
@@ -144,7 +144,7 @@ pub(super) fn memory_over_resolution(page: &Page<'_>) -> Vec<SeriesChart> {
             let values = steps.iter().map(at).collect();
             Series { label: scene.label.clone(), values, dashed: tracer == ABUFFER }
         });
-        Panel {
+        SeriesPanel {
             title: title.to_owned(),
             setting: "R_h = R_l".to_owned(),
             steps: names(&steps),

@@ -4,7 +4,7 @@ use super::quantities::variants::{STORAGES, WAYS, with};
 use crate::papers::page::Page;
 use crate::papers::page::charts::{stem, subtitle};
 use crate::papers::rows::{footprint, trace};
-use crate::report::chart::series::{Panel, Series, SeriesChart};
+use crate::report::chart::series::{Series, SeriesChart, SeriesPanel};
 use crate::results::TracerRun;
 use crate::results::host_ms;
 
@@ -21,7 +21,7 @@ pub(super) fn variants(page: &Page<'_>) -> Vec<SeriesChart> {
             values: WAYS.iter().map(|(_, way)| with(scene, storage, *way).and_then(time)).collect(),
             dashed: false,
         };
-        Panel {
+        SeriesPanel {
             title: subtitle(scene),
             setting: "data and skipping".to_owned(),
             steps: WAYS.map(|(name, _)| name.to_owned()).to_vec(),

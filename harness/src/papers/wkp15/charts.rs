@@ -5,7 +5,7 @@ use crate::papers::SceneRows;
 use crate::papers::page::Page;
 use crate::papers::page::charts::{stem, subtitle};
 use crate::papers::rows::{footprint, trace};
-use crate::report::chart::series::{Panel, Series, SeriesChart};
+use crate::report::chart::series::{Series, SeriesChart, SeriesPanel};
 use crate::results::{TracerRun, host_ms};
 
 /// Time of a ray set; none where the rays could not be judged.
@@ -34,7 +34,7 @@ pub(super) fn thresholds(page: &Page<'_>) -> Vec<SeriesChart> {
                 values: rows.into_iter().map(|run| of(run?, "stereo")).collect(),
                 dashed: false,
             };
-            Panel {
+            SeriesPanel {
                 title: (*title).to_owned(),
                 setting: "gamma_norm / gamma_dist".to_owned(),
                 steps: steps.clone(),
@@ -70,7 +70,7 @@ pub(super) fn growing(page: &Page<'_>) -> Vec<SeriesChart> {
                 let values = ANGLES.iter().zip(DISTANCES).map(value).collect();
                 Series { label: rays.to_owned(), values, dashed: grows == GROWING }
             };
-            Panel {
+            SeriesPanel {
                 title: (*title).to_owned(),
                 setting: "gamma_norm, gamma_dist".to_owned(),
                 steps: steps.clone(),

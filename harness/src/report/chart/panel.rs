@@ -211,3 +211,69 @@ fn draw_mark<DB: DrawingBackend>(canvas: &Canvas<DB>, mark: &Mark, rect: Rect, [
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::canvas::to_svg;
+    use super::super::palette::INK;
+    use super::*;
+
+    fn drawn(x: Scale, controls: Vec<Control>, marks: Vec<Mark>) -> String {
+        let axis = |scale| Axis { name: String::new(), scale };
+        let (x, y) = (axis(x), axis(Scale::Span([50.0, 100.0])));
+        let panels = vec![Panel { title: String::new(), x, y, controls, marks, note: None }];
+        let frame = Frame::new(1, [const { String::new() }; 2], "", Vec::new(), Vec::new());
+        to_svg(&Chart { frame, panels }).unwrap()
+    }
+
+    fn lines_with<'a>(svg: &'a str, all: &[&str]) -> Vec<&'a str> {
+        svg.lines().filter(|line| all.iter().all(|each| line.contains(each))).collect()
+    }
+
+    /// A control on the axis has dashes from edge to edge, also across a column for zero; one beyond it has none, and both have
+    /// their names.
+    #[test]
+    fn controls_beyond_the_axis_are_named_alone() {
+        let dashes = |value: f64| {
+            let svg = drawn(Scale::LogAndZero((0.0, 1.0), 5), vec![level("oracle".to_owned(), value)], Vec::new());
+            assert!(svg.contains("oracle"), "{svg}");
+            let dashes = lines_with(&svg, &["#8C8C8C", "stroke-width=\"2\""]);
+            (dashes.len(), dashes.first().is_some_and(|dash| dash.contains("points=\"140,")))
+        };
+        assert_eq!([60.0, 100.0, 49.0, 101.0].map(|value| dashes(value).0 > 40), [true, true, false, false]);
+        assert_eq!(
+            [60.0, 49.0].map(dashes).map(|(count, from_edge)| (count > 0, from_edge)),
+            [(true, true), (false, false)]
+        );
+    }
+
+    /// Names of steps that are too wide for one line take two; what is shaded is as wide as a step.
+    #[test]
+    fn wide_steps_take_two_lines() {
+        let heights = |name: &str| {
+            let names = (0..4).map(|step| format!("{name}{step}")).collect();
+            let svg = drawn(Scale::Steps(names, Some(1)), Vec::new(), Vec::new());
+            assert_eq!(lines_with(&svg, &["<rect", "#F1F1F1"]).len(), 1, "{svg}");
+            let named = lines_with(&svg, &["<text", "text-anchor=\"middle\"", "font-size=\"21\""]);
+            let height = |line: &&str| line.split(" y=\"").nth(1).unwrap().split('"').next().unwrap().to_owned();
+            named.iter().map(height).collect::<std::collections::BTreeSet<_>>().len()
+        };
+        assert_eq!([heights("v"), heights("a rather long value of it ")], [1, 2]);
+    }
+
+    /// A marker above its place is above it, and at the edge where there is no room.
+    #[test]
+    fn markers_above_stay_inside() {
+        let height = |value: f64, by: f64| {
+            let style = Style { colour: INK, shape: super::super::palette::Shape::Circle };
+            let mark = Mark::Above { place: (1.0, value), by, radius: 4.0, style };
+            let svg = drawn(Scale::Steps(vec![String::new(); 3], None), Vec::new(), vec![mark]);
+            let circle = lines_with(&svg, &["<circle", "#222222"])[0].to_owned();
+            circle.split(" cy=\"").nth(1).unwrap().split('"').next().unwrap().parse::<f64>().unwrap()
+        };
+        let middle = height(75.0, 0.0);
+        assert_eq!([height(75.0, 12.0), height(75.0, -12.0)], [middle - 24.0, middle + 24.0]);
+        assert_eq!(height(f64::INFINITY, -9.0), height(100.0, -9.0));
+        assert!(height(100.0, 12.0) == height(f64::INFINITY, 99.0) && height(100.0, 12.0) < height(100.0, -9.0));
+    }
+}

@@ -5,7 +5,7 @@ use super::canvas::{register, to_svg};
 use super::curves::{Curve, Measured, Values, measured};
 use super::frame::{Entry, Frame, Sample};
 use super::palette::{GREY, Shape, Style, Styles};
-use super::panel::{self, Aside, Axis, Chart, Scale};
+use super::panel::{Aside, Axis, Chart, Panel, Scale};
 use super::{ChartFile, LONGEST_TRACER, cut, draw, made, untimed_caption};
 use crate::report::ReportError;
 use crate::results::Run;
@@ -23,7 +23,7 @@ pub(crate) struct Series {
 
 /// A panel.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Panel {
+pub(crate) struct SeriesPanel {
     /// Its title.
     pub title: String,
     /// The setting's name.
@@ -48,7 +48,7 @@ pub(crate) struct SeriesChart {
     /// What solid and dashed lines are, where it has both.
     pub key: Option<[&'static str; 2]>,
     /// Its panels.
-    pub panels: Vec<Panel>,
+    pub panels: Vec<SeriesPanel>,
 }
 
 /// The files of a chart.
@@ -87,7 +87,7 @@ fn figure(run: &Run, chart: &SeriesChart) -> Chart {
     Chart { frame, panels }
 }
 
-fn panel(panel: &Panel, styles: &Styles) -> panel::Panel {
+fn panel(panel: &SeriesPanel, styles: &Styles) -> Panel {
     // A logarithm never gets to zero.
     let usable = |value: &Option<f64>| value.filter(|value| value.is_finite() && *value > 0.0).map(Measured::exact);
     let curve = |Series { label, values, dashed }: &Series| Curve {
@@ -102,5 +102,5 @@ fn panel(panel: &Panel, styles: &Styles) -> panel::Panel {
     let y = Axis { name: panel.quantity.clone(), scale };
     let drawn = values.panel(panel.title.clone(), y, &curves, Vec::new());
     let zero = panel.series.iter().flat_map(|series| &series.values).any(|value| *value == Some(0.0));
-    panel::Panel { note: drawn.note.map(|note| if zero { "0 throughout" } else { note }), ..drawn }
+    Panel { note: drawn.note.map(|note| if zero { "0 throughout" } else { note }), ..drawn }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use tracebench_api::{ClockKind, Query};
 
 use super::canvas::text_width;
-use super::series::{Panel, Series, SeriesChart, series_chart};
+use super::series::{Series, SeriesChart, SeriesPanel, series_chart};
 use super::*;
 use crate::report::fixture::{self, Quality};
 use crate::report::group::groups;
@@ -195,7 +195,7 @@ fn looks_differ() {
 #[test]
 fn series_are_drawn_whatever_they_hold() {
     let run = fixture::typical();
-    let panel = |values: Vec<Option<f64>>| Panel {
+    let panel = |values: Vec<Option<f64>>| SeriesPanel {
         title: "Bytes".to_owned(),
         setting: "B".to_owned(),
         steps: ["8", "16", "24"].map(str::to_owned).to_vec(),

@@ -7,7 +7,7 @@ mod tests;
 
 use std::collections::BTreeMap;
 
-use super::chart::series::{Panel, Series, SeriesChart, series_chart, series_svg};
+use super::chart::series::{Series, SeriesChart, SeriesPanel, series_chart, series_svg};
 use super::format::{self, significant, thousands};
 use super::group::stems;
 use super::{Contents, ReportError};
@@ -159,7 +159,7 @@ fn chart(record: &NeedRecord, shown: &Shown<'_>) -> Option<SeriesChart> {
             let series = series.chain([limit]).collect();
             let title = format!("{}: {}", contender(first), axis.name);
             let quantity = "rays lost, upper end (%), log".to_owned();
-            panels.push(Panel { title, setting: axis.name.to_owned(), steps, quantity, series });
+            panels.push(SeriesPanel { title, setting: axis.name.to_owned(), steps, quantity, series });
         }
     }
     (!panels.is_empty()).then(|| SeriesChart {

@@ -2,6 +2,7 @@
 
 use tracebench_api::{ClockKind, Query};
 
+use super::super::panel::{Mark, Scale};
 use super::super::sweep_charts;
 use super::super::tests::{check_png, check_svg};
 use super::*;
@@ -46,6 +47,15 @@ fn ordinary_sweeps() {
     }
     assert!(svg("sweep_room_clip_ao.svg").contains("balanced accuracy"));
     assert!(!svg("sweep_room_clip_ao.svg").contains("skipped"));
+    // The tracer's own value is the one that is shaded, and no line joins names.
+    let groups = groups(&run);
+    for view in views(run.sweep.as_ref().unwrap(), &groups) {
+        for panel in chart(&run, &view).panels {
+            let Scale::Steps(names, Some(own)) = &panel.x.scale else { panic!("{panel:?}") };
+            assert_eq!(names[*own], view.axis.own);
+            assert_eq!(panel.marks.iter().any(|mark| matches!(mark, Mark::Line { .. })), view.axis.name != "clip");
+        }
+    }
 }
 
 /// What was skipped is said in its place; a sweep of which nothing is left is drawn all the same.
