@@ -18,6 +18,8 @@
 #[path = "../build/list.rs"]
 mod list;
 
+use std::collections::BTreeSet;
+
 /// One validated shader variant.
 #[derive(Clone, Copy, Debug)]
 pub struct Shader {
@@ -43,6 +45,12 @@ impl Shader {
         };
         self.source.lines().find_map(of)
     }
+}
+
+/// The values that a `u32` constant has in the variants of a file that know it; for the same tests.
+#[must_use]
+pub fn constants(file: &str, name: &str) -> BTreeSet<u32> {
+    ALL.iter().filter(|shader| shader.file == file).filter_map(|shader| shader.constant(name)).collect()
 }
 
 /// An entry point of a shader, and what it needs of a device.

@@ -9,8 +9,7 @@ use tracebench_api::{
 };
 use tracebench_tests::{Numbers, answers, gpu, gpu_that_binds, ray, rectangle as rectangle_of, soup};
 
-use tracebench_shaders::fragment_abuffer::{Boxes, Reorder};
-use tracebench_shaders::{Shader, Variant};
+use tracebench_shaders::constants;
 
 use super::build::{BAND, MOST_ALONE, WORKGROUP_SIZE};
 use super::description;
@@ -22,18 +21,11 @@ pub(crate) const SKIPS: [&str; 3] = ["skip_bounds", "skip_buckets", "skip_lists"
 /// Sizes that the host knows are those of the shaders.
 #[test]
 fn constants_are_those_of_the_shaders() {
-    for (name, expected, shaders) in [
-        ("WORKGROUP_SIZE", WORKGROUP_SIZE, all::<Reorder>()),
-        ("MOST_ALONE", MOST_ALONE, all::<Reorder>()),
-        ("BAND", BAND, all::<Boxes>()),
-    ] {
-        let found: Vec<u32> = shaders.iter().filter_map(|shader| shader.constant(name)).collect();
-        assert!(!found.is_empty() && found.iter().all(|value| *value == expected), "{name}: {found:?}");
+    for (file, name, expected) in
+        [("reorder", "WORKGROUP_SIZE", WORKGROUP_SIZE), ("reorder", "MOST_ALONE", MOST_ALONE), ("boxes", "BAND", BAND)]
+    {
+        assert_eq!(constants(&format!("fragment-abuffer/{file}.wgsl"), name), [expected].into(), "{name}");
     }
-}
-
-fn all<V: Variant>() -> Vec<Shader> {
-    V::ALL.iter().map(|variant| (*variant).into()).collect()
 }
 
 /// Round the origin, 40 pixels along a face's edge, a frame of odd edges.

@@ -27,7 +27,7 @@ pub(super) fn section(places: &[Place<'_>], records: &[Read<'_>], machines: &[St
     if places.is_empty() {
         return html;
     }
-    html += &budget::section(places);
+    html += &budget::section(places, ASKED);
     let _ = write!(
         html,
         "{}<details><summary>At {} and {} agreement</summary>{}</details>\n{}",

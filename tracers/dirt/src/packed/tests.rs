@@ -6,8 +6,7 @@ use std::sync::Arc;
 
 use tracebench_api::glam::Vec3;
 use tracebench_api::{Geometry, Gpu, PhaseClock, Structure, TracerError, Update, Viewpoint};
-use tracebench_shaders::dirt::{PackedTrace, PartLists, PartTrees};
-use tracebench_shaders::{Shader, Variant};
+use tracebench_shaders::constants;
 use tracebench_tests::{Numbers, gpu, gpu_that_binds, soup};
 
 use super::PackedStructure;
@@ -31,22 +30,17 @@ pub(super) const FORMS: [&[(&str, &str)]; 7] = [
 /// Places and sizes that the host knows are those of the shaders.
 #[test]
 fn constants_are_those_of_the_shaders() {
-    let shaders: Vec<Shader> = [all::<PartLists>(), all::<PartTrees>(), all::<PackedTrace>()].concat();
-    for (name, expected) in [
-        ("WORKGROUP_SIZE", WORKGROUP_SIZE),
-        ("LARGE_WORKGROUPS", LARGE_WORKGROUPS),
-        ("FACES", FACES),
-        ("FIRST_NEAR", FIRST_NEAR),
-        ("MISPLACED", MISPLACED),
-        ("MOST_PARTS", MOST_PARTS),
+    for (file, name, expected) in [
+        ("part_lists", "WORKGROUP_SIZE", WORKGROUP_SIZE),
+        ("part_trees", "WORKGROUP_SIZE", WORKGROUP_SIZE),
+        ("part_lists", "LARGE_WORKGROUPS", LARGE_WORKGROUPS),
+        ("part_lists", "FACES", FACES),
+        ("part_lists", "FIRST_NEAR", FIRST_NEAR),
+        ("part_lists", "MISPLACED", MISPLACED),
+        ("part_trees", "MOST_PARTS", MOST_PARTS),
     ] {
-        let found: Vec<u32> = shaders.iter().filter_map(|shader| shader.constant(name)).collect();
-        assert!(!found.is_empty() && found.iter().all(|value| *value == expected), "{name}: {found:?}");
+        assert_eq!(constants(&format!("dirt/{file}.wgsl"), name), [expected].into(), "{file}: {name}");
     }
-}
-
-fn all<V: Variant>() -> Vec<Shader> {
-    V::ALL.iter().map(|variant| (*variant).into()).collect()
 }
 
 /// One of each device, so that drivers compile its pipelines once.

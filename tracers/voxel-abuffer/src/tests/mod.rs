@@ -4,6 +4,7 @@ mod answers;
 mod closed;
 mod planes;
 mod stored;
+mod true_hits;
 
 use std::sync::Arc;
 
