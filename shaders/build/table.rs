@@ -1,4 +1,4 @@
-//! The Rust source by which host code looks shaders up: a module a folder, and in it a constant for a shader without
+//! The Rust source by which host code looks shaders up: a module a folder, and in it a static for a shader without
 //! variants, a struct of flags for one whose flags are free, an enum for one with several lines. Every value of these types
 //! is a variant that was composed, so that one that does not exist does not compile.
 
@@ -63,7 +63,8 @@ impl Table {
 
     /// The source.
     pub fn source(&self) -> String {
-        format!("/// Every variant.\npub const ALL: &[Shader] = &[\n{}];\n{}", self.all, self.modules)
+        // A constant would put all texts into every part of the program that names one.
+        format!("/// Every variant.\npub static ALL: &[Shader] = &[\n{}];\n{}", self.all, self.modules)
     }
 }
 
@@ -104,7 +105,7 @@ fn pattern(listed: &Listed, case: &Case, choice: &[bool]) -> String {
 fn item(listed: &Listed, file: &str, arms: &[(String, usize)]) -> String {
     if let [(_, place)] = arms {
         let name = listed.stem.to_uppercase();
-        return format!("/// `{file}`.\npub const {name}: super::Shader = super::ALL[{place}];\n");
+        return format!("/// `{file}`.\npub static {name}: super::Shader = super::ALL[{place}];\n");
     }
     let name = camel(&listed.stem);
     let fields = |case: &Case, public: &str| -> String {

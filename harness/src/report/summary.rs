@@ -71,7 +71,7 @@ fn clock(run: &Run) -> String {
     let name = |race: &RaceRecord| format!("{} of {}", race.work, race.scene);
     let those = |what: &str, wanted: &dyn Fn(&RaceRecord) -> bool| {
         let found: Vec<String> = run.races.iter().filter(|race| wanted(race)).map(name).collect();
-        if found.is_empty() { String::new() } else { format!("; {what} in {}: {}", found.len(), found.join(", ")) }
+        if found.is_empty() { String::new() } else { format!("; {what} in {}: {}", found.len(), counted(&found)) }
     };
     let (fewest, most) = (fewest.unwrap_or(0), most.unwrap_or(0));
     let few = if fewest < LEAST_ROUNDS as usize { "; fewer than 12 decide nothing" } else { "" };
@@ -82,6 +82,20 @@ fn clock(run: &Run) -> String {
         those("**drift**", &|race| race.drift),
         those("**void times**", &|race| race.twice.iter().any(|twice| !twice.passed)),
     )
+}
+
+/// Each of some names once, in the order in which they come first, with how often those come that come again.
+fn counted(names: &[String]) -> String {
+    let mut once: Vec<(&str, usize)> = Vec::new();
+    for name in names {
+        match once.iter_mut().find(|(other, _)| other == name) {
+            Some((_, times)) => *times += 1,
+            None => once.push((name, 1)),
+        }
+    }
+    let each =
+        once.iter().map(|(name, times)| if *times > 1 { format!("{name} ({times})") } else { (*name).to_owned() });
+    each.collect::<Vec<_>>().join(", ")
 }
 
 /// Where, when and of what something was measured, below a title.
@@ -313,15 +327,21 @@ fn statuses(rows: &[Row<'_>]) -> String {
     sheet.below("How rays ended:", &rows)
 }
 
-/// What did not run.
+/// What did not run, each once: studies ask again from every viewpoint.
 pub(crate) fn skipped(skipped: &[Skipped]) -> String {
+    let mut once: Vec<Skipped> = Vec::new();
+    for each in skipped {
+        if !once.contains(each) {
+            once.push(each.clone());
+        }
+    }
     let or_all = |name: &Option<String>| name.clone().unwrap_or_else(|| "all".to_owned());
     let sheet = Sheet::<Skipped>::new()
         .told("tracer", |each| or_all(&each.tracer))
         .told("scene", |each| each.scene.clone())
         .told("rays", |each| or_all(&each.rays))
         .told("reason", |each| each.reason.clone());
-    if skipped.is_empty() { "\n## Skipped\n\nNothing.\n".to_owned() } else { sheet.below("## Skipped", skipped) }
+    if once.is_empty() { "\n## Skipped\n\nNothing.\n".to_owned() } else { sheet.below("## Skipped", &once) }
 }
 
 fn many_ties(judgement: &Judgement) -> bool {
@@ -333,4 +353,17 @@ fn many_ties(judgement: &Judgement) -> bool {
 
 fn size([width, height]: [u32; 2]) -> String {
     format!("{width}×{height}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::counted;
+
+    /// Names that come again stand once, where they came first, with how often.
+    #[test]
+    fn names_that_come_again_are_counted() {
+        let names = ["builds of room", "diffuse of room", "builds of room", "ao of hall"].map(str::to_owned);
+        assert_eq!(counted(&names), "builds of room (2), diffuse of room, ao of hall");
+        assert_eq!(counted(&[]), "");
+    }
 }

@@ -10,13 +10,15 @@ use std::time::Duration;
 use super::*;
 
 /// A sweep over two scenes with two ray sets: twelve races or so, of points that share structures and points that do not.
-const SWEEP: [&str; 15] = [
+const SWEEP: [&str; 17] = [
     "sweep",
     "--quiet",
     "--preset",
     "smoke",
     "--size",
     "16x8",
+    "--face",
+    "32",
     "--samples",
     "1",
     "--scene",

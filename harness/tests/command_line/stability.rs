@@ -10,7 +10,7 @@ const FEW: [&str; 5] = ["stability", "--quiet", "--case", "edge-on,needles", "--
 #[test]
 fn a_matrix_and_its_files() {
     let bench = Bench::new();
-    let outcome = bench.call(&[&FEW[..], &["all", "--out", "out"]].concat());
+    let outcome = bench.call(&["stability", "--quiet", "--case", "edge-on", "--tracer", "all", "--out", "out"]);
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
     let expected = ["error_vs_strength.png", "error_vs_strength.svg", "run.json", "stability.md"];
     assert_eq!(names(&bench.path("out")), expected.map(str::to_owned).into());

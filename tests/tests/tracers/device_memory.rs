@@ -198,14 +198,14 @@ impl Subject {
     }
 }
 
-/// One triangle, a room, and thousands of equal triangles, whose hierarchies grow too deep for private stacks.
+/// One triangle, a room, and many equal triangles, whose hierarchies grow too deep for private stacks.
 fn scenes(gpu: &Gpu) -> Vec<Geometry> {
     let plate = rectangle([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0])[0];
     let room = procedural("room", 0.02).unwrap().mesh;
     vec![
         soup(&[plate], Some(gpu)),
         Geometry::new(room.positions, room.triangles, Some(gpu)).unwrap(),
-        soup(&vec![plate; 4000], Some(gpu)),
+        soup(&vec![plate; 1200], Some(gpu)),
     ]
 }
 
@@ -241,7 +241,7 @@ fn hold(gpu: &Arc<Gpu>, subjects: &[Subject], scenes: &[Geometry], counts: &[usi
             let context = format!("{} over {} triangles", subject.name, geometry.triangles.len());
             // What is made once, with the first build and trace, is not the structure's.
             let structure = match subject.try_build(geometry, &view([48, 32])) {
-                // A parameter may ask for more than the device holds of thousands of equal triangles.
+                // A parameter may ask for more than the device holds of many equal triangles.
                 Err(TracerError::TooLarge { .. }) if !subject.is_preset && geometry.triangles.len() > 1000 => continue,
                 // Or bind more at once than the device's limits allow.
                 Err(TracerError::Unavailable(_)) if !subject.is_preset => continue,
@@ -292,7 +292,7 @@ fn hold(gpu: &Arc<Gpu>, subjects: &[Subject], scenes: &[Geometry], counts: &[usi
 #[test]
 fn ledgers_are_the_devices_by_every_parameter() {
     let Some(gpu) = telling() else { return };
-    hold(&gpu, &subjects(&gpu), &scenes(&gpu)[..1], &[1, 1000]);
+    hold(&gpu, &subjects(&gpu), &scenes(&gpu)[..1], &[1000]);
 }
 
 /// Proves [`hold`] of every device tracer by every preset over every scene.
@@ -301,7 +301,7 @@ fn ledgers_are_the_devices_over_every_scene() {
     let Some(gpu) = telling() else { return };
     let mut subjects = subjects(&gpu);
     subjects.retain(|subject| subject.is_preset);
-    assert!(hold(&gpu, &subjects, &scenes(&gpu)[1..], &[1, 70_000]) > 0, "no hierarchy was deep");
+    assert!(hold(&gpu, &subjects, &scenes(&gpu)[1..], &[70_000]) > 0, "no hierarchy was deep");
 }
 
 /// Proves [`hold`] of every device tracer by every build parameter over every scene.
@@ -321,17 +321,15 @@ fn smallest(rules: &[Rule], allocation: &Allocation) -> u64 {
 }
 
 /// Negative control: a ledger that lacks a buffer, tells it smaller or larger than it is, tells one that is not there, or
-/// another's name is noticed for every part of every tracer; and a buffer that outlives its structure is.
+/// another's name is noticed for every part of every tracer by every preset; and a buffer that outlives its structure is.
 #[test]
 fn wrong_ledgers_are_noticed() {
     let Some(gpu) = telling() else { return };
     let rules = Rule::all(&gpu);
     let geometry = &scenes(&gpu)[1];
-    for subject in subjects(&gpu) {
-        match subject.try_build(geometry, &view([48, 32])) {
-            Err(TracerError::Unavailable(_)) if !subject.is_preset => continue,
-            built => drop(built.unwrap()),
-        }
+    for subject in subjects(&gpu).into_iter().filter(|subject| subject.is_preset) {
+        // What is made once, with the first build, is not the structure's.
+        drop(subject.build(geometry, &view([48, 32])));
         let before = allocations(&gpu, true);
         let (structure, _) = subject.build(geometry, &view([48, 32]));
         let allocated = added(&before, allocations(&gpu, true));

@@ -153,7 +153,7 @@ pub fn scenes() -> Vec<Hostile> {
         hostile("tiny", make(&far(1e-6, 0.0)), eyes.map(|eye| eye * 1e-6), Vec3::ZERO, 45),
         hostile("far away", make(&far(8.0, 40_000.0)), eyes.map(|eye| eye * 8.0 + 40_000.0), Vec3::splat(40_000.0), 46),
         // Hierarchies over equal boxes grow deep.
-        hostile("equal triangles", make(&vec![far(1.0, 0.0)[0]; 2000]), eyes, Vec3::ZERO, 48),
+        hostile("equal triangles", make(&vec![far(1.0, 0.0)[0]; 500]), eyes, Vec3::ZERO, 48),
         hostile("room", room, [eye, eye.lerp(target, 0.3)], target, 47),
     ]
 }

