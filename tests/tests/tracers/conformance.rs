@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::hostile::{Subject, scenes, subjects};
+use crate::hostile::{Subject, scenes, small_scenes, subjects};
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
     Counter, EndPoint, Geometry, Hit, HitBuffer, ParameterDescription, ParameterScope, Parameters, PhaseClock, Preset,
@@ -128,7 +128,7 @@ fn descriptions_say_what_is_served() {
 #[test]
 fn hits_and_misses_occur() {
     for subject in subjects() {
-        for scene in scenes() {
+        for scene in small_scenes() {
             let structure = subject.build(&scene.geometry, &scene.viewpoints[0]);
             let hits = subject.trace(&*structure, &subject.rays(&scene.rays, Query::Closest));
             let found = hits.iter().filter(|hit| hit.is_hit()).count();
@@ -198,7 +198,7 @@ fn equal_hits_go_to_the_lower_primitive() {
 /// still gives the same hits; a tracer that depends on the viewpoint says so and has views, one that does not has none.
 #[test]
 fn structures_live_side_by_side() {
-    let scenes = scenes();
+    let scenes = small_scenes();
     for subject in subjects() {
         for pair in scenes.windows(2) {
             let [scene, other] = pair else { continue };

@@ -288,23 +288,23 @@ fn hold(gpu: &Arc<Gpu>, subjects: &[Subject], scenes: &[Geometry], counts: &[usi
     with_stacks
 }
 
-/// Proves [`hold`] of every device tracer by every build parameter.
+/// Proves [`hold`] of every device tracer by every build parameter, over one triangle and of a thousand rays.
 #[test]
 fn ledgers_are_the_devices_by_every_parameter() {
     let Some(gpu) = telling() else { return };
     hold(&gpu, &subjects(&gpu), &scenes(&gpu)[..1], &[1000]);
 }
 
-/// Proves [`hold`] of every device tracer by every preset over every scene.
+/// Proves [`hold`] of every device tracer by every preset over the larger scenes, of 70,000 rays.
 #[test]
-fn ledgers_are_the_devices_over_every_scene() {
+fn ledgers_are_the_devices_over_larger_scenes() {
     let Some(gpu) = telling() else { return };
     let mut subjects = subjects(&gpu);
     subjects.retain(|subject| subject.is_preset);
     assert!(hold(&gpu, &subjects, &scenes(&gpu)[1..], &[70_000]) > 0, "no hierarchy was deep");
 }
 
-/// Proves [`hold`] of every device tracer by every build parameter over every scene.
+/// Proves [`hold`] of every device tracer by every build parameter over every scene, of one ray and of many.
 #[test]
 #[ignore = "wider set: every parameter over every scene, a minute and more on a software adapter"]
 fn ledgers_are_the_devices() {

@@ -122,7 +122,17 @@ fn hostile(name: &'static str, geometry: Geometry, eyes: [Vec3; 2], target: Vec3
     Hostile { name, geometry, viewpoints: eyes.map(view), rays }
 }
 
+/// All of them; thousands of equal triangles among them, over which hierarchies grow deep and long lists are given up.
 pub fn scenes() -> Vec<Hostile> {
+    scenes_with(2000)
+}
+
+/// The same with few equal triangles, where nothing is asked of depths and long lists.
+pub fn small_scenes() -> Vec<Hostile> {
+    scenes_with(100)
+}
+
+fn scenes_with(equal_triangles: usize) -> Vec<Hostile> {
     let gpu = gpu();
     let make = |triangles: &[[[f32; 3]; 3]]| soup(triangles, Some(&gpu));
     let one = make(&[[[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.25]]]);
@@ -152,8 +162,7 @@ pub fn scenes() -> Vec<Hostile> {
         hostile("huge", make(&far(1e12, 0.0)), eyes.map(|eye| eye * 1e12), Vec3::ZERO, 44),
         hostile("tiny", make(&far(1e-6, 0.0)), eyes.map(|eye| eye * 1e-6), Vec3::ZERO, 45),
         hostile("far away", make(&far(8.0, 40_000.0)), eyes.map(|eye| eye * 8.0 + 40_000.0), Vec3::splat(40_000.0), 46),
-        // Hierarchies over equal boxes grow deep.
-        hostile("equal triangles", make(&vec![far(1.0, 0.0)[0]; 500]), eyes, Vec3::ZERO, 48),
+        hostile("equal triangles", make(&vec![far(1.0, 0.0)[0]; equal_triangles]), eyes, Vec3::ZERO, 48),
         hostile("room", room, [eye, eye.lerp(target, 0.3)], target, 47),
     ]
 }

@@ -1,6 +1,6 @@
 //! What tracers leave at the end point `surface`: one body for every tracer in the registry, over tiny hostile scenes.
 
-use crate::hostile::{Subject, scenes, subjects};
+use crate::hostile::{Subject, small_scenes, subjects};
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
     EndPoint, Geometry, Hit, HitBuffer, Projection, Query, Ray, RayBuffer, Structure, Surface, SurfaceStatus,
@@ -154,7 +154,7 @@ impl Subject {
 fn surfaces_are_those_of_the_hits() {
     let mut fetched = 0;
     for mut subject in subjects() {
-        for scene in scenes() {
+        for scene in small_scenes() {
             let structure = subject.build(&scene.geometry, &scene.viewpoints[0]);
             for query in [Query::Closest, Query::Any] {
                 let context = format!("{} {:?} on {}, {query:?}", subject.name, subject.parameters, scene.name);
@@ -191,7 +191,7 @@ fn surfaces_are_those_of_the_hits() {
 fn wrong_surfaces_are_noticed() {
     for mut subject in subjects() {
         subject.end = EndPoint::Surface;
-        let scene = scenes().remove(1);
+        let scene = small_scenes().remove(1);
         let structure = subject.build(&scene.geometry, &scene.viewpoints[0]);
         let (hits, surfaces) = subject.surfaces(&*structure, &subject.rays(&scene.rays, Query::Closest));
         let written = |index: &usize| surfaces[*index].status == SurfaceStatus::Written as u32;
@@ -219,7 +219,7 @@ fn wrong_surfaces_are_noticed() {
 fn no_room_for_surfaces_is_an_error() {
     for mut subject in subjects() {
         subject.end = EndPoint::Surface;
-        let scene = scenes().remove(1);
+        let scene = small_scenes().remove(1);
         let structure = subject.build(&scene.geometry, &scene.viewpoints[0]);
         let rays = subject.rays(&scene.rays, Query::Closest);
         let mut hits = HitBuffer::new(scene.rays.len(), subject.residency, Some(&subject.gpu)).unwrap();

@@ -61,7 +61,7 @@ fn what_is_stored_is_what_f64_clips() {
 fn a_spoilt_plane_is_noticed() {
     let gpu = gpu();
     // Few: every check clips them all anew.
-    let few: Vec<_> = hostile().into_iter().step_by(5).collect();
+    let few: Vec<_> = hostile().into_iter().step_by(7).collect();
     let geometry = soup(&few, Some(&gpu));
     let aside = few.iter().map(|corners| corners.map(|[x, y, z]| [x + 0.1, y, z])).collect::<Vec<_>>();
     let other = soup(&aside, Some(&gpu));
@@ -140,7 +140,7 @@ fn every_variant_gives_the_same_bits() {
         }
     }
     let hits = expected.unwrap().0.iter().filter(|hit| hit.is_hit()).count();
-    assert!(hits > 200, "{hits}");
+    assert!(hits > 400, "{hits}");
 }
 
 /// The parameter at which a ray first meets any of the triangles, in f64.
