@@ -142,13 +142,13 @@ fn figures(run: &Run) -> Vec<String> {
     run.controls.iter().chain(&run.runs).map(row).collect()
 }
 
-/// Proves the same of two cases, and of one that rays, truth and answers are the same on every run.
+/// Proves the same of every ninth case, and of one of them that rays, truth and answers are the same on every run.
 #[test]
 fn a_part_of_the_matrix_is_as_expected_and_repeatable() {
-    let cases: Vec<&Case> = CASES.iter().skip(1).step_by(18).collect();
+    let cases: Vec<&Case> = CASES.iter().skip(1).step_by(9).collect();
     let found = run_cases(&cases);
     check(&cases, &found);
-    let again = figures(&run_cases(&cases[1..]));
+    let again = figures(&run_cases(&cases[3..]));
     assert!(again.len() > 30);
     let known = figures(&found);
     assert!(again.iter().all(|row| known.contains(row)), "an answer is another one");
