@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# What a frame costs that rebuilds its structure and traces one diffuse ray a pixel at 512x256: the improved form of DIRT, with tiles as they are
-# and with half as many along an edge, beside every hierarchy at its best and at its quickest build. All scenes in one run, times
-# by the host's clock until work is done. A table goes to results/software-frames/frames.csv, or to the file that OUT names.
+# What a frame costs that rebuilds its structure and traces one diffuse ray a pixel at 512x256: the improved form of DIRT, with tiles as they are,
+# with half and with a quarter as many along an edge, beside every hierarchy at its best and at its quickest build. All scenes in one run,
+# times by the host's clock until work is done. A table goes to results/software-frames/frames.csv, or to the file that OUT names.
 #     tests/frames.sh
 . "$(dirname "$0")/study.sh" software-frames/frames.csv
 
 "$program" run --preset quick --scene "${SCENES:-all}" --rays diffuse --size 512x256 --time-limit 2 --out "$scratch/run" \
-    --tracer bvh-cpu,bvh-cpu@build=fastest,bvh-gpu,bvh-gpu@build=fastest,lbvh-gpu:improved,dirt:improved,dirt:improved@face_tiles=16 > /dev/null
+    --tracer bvh-cpu,bvh-cpu@build=fastest,bvh-gpu,bvh-gpu@build=fastest,lbvh-gpu:improved,dirt:improved,dirt:improved@face_tiles=16,dirt:improved@face_tiles=8 > /dev/null
 # On the host's tracers the host's own clock tells; of the others it tells from submission until done. `over_fastest` is how many times the frame of the
 # fastest hierarchy a frame takes, `build_over_bvh_cpu` how many times as long as `bvh-cpu` builds.
 jq -r '
