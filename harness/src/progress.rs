@@ -11,7 +11,7 @@ const BETWEEN_LINES: Duration = Duration::from_secs(10);
 
 /// Writes a line to stderr. If nobody can read it any more, the work goes on.
 pub fn to_stderr(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{line}");
+    let _ = writeln!(io::stderr(), "{line}");
 }
 
 /// Shows what takes long, unless told to be quiet. On a terminal as a bar, elsewhere as plain lines.
