@@ -14,7 +14,7 @@ fn walk(face: u32) {
             open -= 1u;
             break;
         }
-        if (step_on()) {
+        if (step_on(true)) {
             search_lists(entered_number(), entered.tile, entered.mask);
         }
     }

@@ -35,7 +35,7 @@ fn search_near(cube: f32) {
         let triangle = select(place, word_0(FIRST_NEAR + place), is_listed);
         // The farthest points of a cube are those at its corners.
         if (bitcast<f32>(quad_1(first_corner(grid, triangle)).w) <= 1.75 * cube) {
-            test_triangle(triangle);
+            test_triangle(triangle, true);
         }
         place += 1u;
     }

@@ -82,7 +82,7 @@ var<private> work: vec4<u32>;
 #endif
 
 fn is_done() -> bool {
-    return capped || (found && search.any_hit == 1u);
+    return capped | (found & (search.any_hit == 1u));
 }
 
 // The greatest t at which a hit may still be better than the best one, with room for what t and the legs' ends are off by.
@@ -92,40 +92,37 @@ fn last_t() -> f32 {
 
 // Notes where in the leg the best hit lies.
 fn set_limit() {
-    limit = 1.0;
-    if (found) {
-        let t = last_t();
-        let after = max(t - leg.ts.x, 0.0) * leg.ws.x;
-        let before = max(leg.ts.y - t, 0.0) * leg.ws.y;
-        if (before > 0.0) {
-            limit = min(after / (after + before) + UNIT, 1.0);
-        }
-    }
+    let t = last_t();
+    let after = max(t - leg.ts.x, 0.0) * leg.ws.x;
+    let before = max(leg.ts.y - t, 0.0) * leg.ws.y;
+    limit = select(1.0, min(after / (after + before) + UNIT, 1.0), found & (before > 0.0));
 }
 
-// Tests a triangle; of equal t the lower primitive is kept.
-fn test_triangle(triangle: u32) {
+// Tests a triangle, where `asked`; of equal t the lower primitive is kept. A lane that does not ask reads all the same, and keeps nothing.
+fn test_triangle(triangle: u32, asked: bool) {
 #ifdef COUNTERS
-    work.z += 1u;
+    work.z += select(0u, 1u, asked);
 #endif
     let first = first_corner(grid, triangle);
     let a = bitcast<vec3<f32>>(quad_1(first).xyz);
     let b = bitcast<vec3<f32>>(quad_1(first + 1u).xyz);
     let c = bitcast<vec3<f32>>(quad_1(first + 2u).xyz);
     let crossed = cross_triangle(frame, a, b, c);
-    let nearer = (crossed.t < best.t) || (crossed.t == best.t && triangle < best.primitive);
-    if (crossed.t >= ray.t_min && nearer) {
-        best = Best(crossed.t, triangle, crossed.u, crossed.v);
-        found = true;
-        set_limit();
-    }
+    let nearer = (crossed.t < best.t) | ((crossed.t == best.t) & (triangle < best.primitive));
+    let hits = asked & (crossed.t >= ray.t_min) & nearer;
+    best.t = select(best.t, crossed.t, hits);
+    best.primitive = select(best.primitive, triangle, hits);
+    best.u = select(best.u, crossed.u, hits);
+    best.v = select(best.v, crossed.v, hits);
+    found = found | hits;
+    set_limit();
 }
 
-fn test_reference(reference: u32) {
+fn test_reference(reference: u32, asked: bool) {
 #ifdef COUNTERS
-    atomicOr(&touched[reference >> 5u], 1u << (reference & 31u));
+    atomicOr(&touched[reference >> 5u], select(0u, 1u << (reference & 31u), asked));
 #endif
-    test_triangle(word_0(FIRST_NEAR + grid.triangle_count + reference));
+    test_triangle(word_0(FIRST_NEAR + grid.triangle_count + reference), asked);
 }
 
 // Tests references in a row.
@@ -137,7 +134,7 @@ fn test_references(first: u32, end: u32) {
             open -= 1u;
             break;
         }
-        test_reference(reference);
+        test_reference(reference, true);
         reference += 1u;
     }
 }

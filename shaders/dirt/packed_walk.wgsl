@@ -49,20 +49,25 @@ fn entered_number() -> u32 {
     return tile_number(grid, face, vec2<u32>(entered.tile));
 }
 
-// Enters the cell that comes next; tells whether it is a tile that is to be searched, which is `entered` then.
-fn step_on() -> bool {
-    if (limit <= here || steps >= search.max_steps) {
-        capped = capped || limit > here;
-        is_walking = false;
-        return false;
-    }
-    steps += 1u;
+// Enters the cell that comes next, where `asked`; tells whether it is a tile that is to be searched, which is `entered` then. Without
+// branches: what differs between lanes is chosen by `select`, for drivers that run every branch for all lanes and mask what it writes.
+fn step_on(asked: bool) -> bool {
+    let is_over = (limit <= here) | (steps >= search.max_steps);
+    let goes = asked & !is_over;
+    capped = capped | (asked & is_over & (limit > here));
+    is_walking = is_walking & !(asked & is_over);
+    steps += select(0u, 1u, goes);
 #ifdef COUNTERS
-    work.x += 1u;
+    work.x += select(0u, 1u, goes);
 #endif
     let last_tile = vec2<i32>(i32(grid.tiles) - 1);
     let cell = tile >> vec2<u32>(level);
-    let line = (cell + max(heading, vec2<i32>(0))) << vec2<u32>(level);
+    // The first tiles of this cell and of the next one.
+    let first = cell << vec2<u32>(level);
+    let past = (cell + 1) << vec2<u32>(level);
+    let is_forward = heading > vec2<i32>(0);
+    let is_backward = heading < vec2<i32>(0);
+    let line = select(first, past, is_forward);
     // A ray does not leave the image but at the leg's end: along a seam it may lie on either side of the image's border.
     let is_inner = (heading != vec2<i32>(0)) & (line > vec2<i32>(0)) & (line <= last_tile);
     let leaves = select(vec2<f32>(NEVER), (vec2<f32>(line) - leg.begin.xy) * leg.inverse.xy, is_inner);
@@ -74,30 +79,35 @@ fn step_on() -> bool {
     let w_slack = depth_loss(w_most);
     let mask = mask_between(max(min(w_here, w_there) - w_slack, 0.0), w_most + w_slack);
     // As cell_number has it: tables in uniforms are slow where every lane asks for a place of its own.
-    let held = pair_0(level_begin + u32(cell.y) * edge_of(level) + u32(cell.x));
+    let edge = edge_of(level);
+    let held = pair_0(select(0u, level_begin + u32(cell.y) * edge + u32(cell.x), goes));
     let overlaps = any((held & mask) != vec2<u32>(0u));
-    if (overlaps && level > 0u) {
-        level -= 1u;
-        let edge = edge_of(level);
-        level_begin -= edge * edge;
-        return false;
-    }
-    entered = Entered(tile, begin, end, w_most + w_slack, mask);
+    let descends = goes & overlaps & (level > 0u);
+    let finds = goes & overlaps & (level == 0u);
+    let passes = goes & !descends;
+    entered.tile = select(entered.tile, tile, finds);
+    entered.begin = select(entered.begin, begin, finds);
+    entered.end = select(entered.end, end, finds);
+    entered.w_most = select(entered.w_most, w_most + w_slack, finds);
+    entered.mask = select(entered.mask, mask, finds);
     // Across the nearer of the two sides, and along the other axis to where the ray is then, never back and never out of the cell.
     let at = vec2<i32>(floor(leg.begin.xy + leg.change.xy * end));
-    let low = max(cell << vec2<u32>(level), select(vec2<i32>(0), tile, (heading > vec2<i32>(0))));
-    let high = min(((cell + 1) << vec2<u32>(level)) - 1, select(last_tile, tile, (heading < vec2<i32>(0))));
+    let low = max(first, select(vec2<i32>(0), tile, is_forward));
+    let high = min(past - 1, select(last_tile, tile, is_backward));
     let inside = clamp(at, low, min(high, last_tile));
-    let across = select((cell << vec2<u32>(level)) - 1, (cell + 1) << vec2<u32>(level), (heading > vec2<i32>(0)));
+    let across = select(first - 1, past, is_forward);
     let next = select(vec2<i32>(inside.x, across.y), vec2<i32>(across.x, inside.y), leaves.x <= leaves.y);
     // Up where nothing was, and only into another cell of the level above.
     let above = vec2<u32>(level + 1u);
-    let goes_up = !overlaps && level < search.top_level && any((next >> above) != (tile >> above));
-    is_walking = end < 1.0 && all(next >= vec2<i32>(0)) && all(next <= last_tile);
-    let edge = edge_of(level);
-    level_begin += select(0u, edge * edge, goes_up);
-    level += select(0u, 1u, goes_up);
-    tile = next;
-    here = end;
-    return overlaps;
+    let rises = passes & !overlaps & (level < search.top_level) & any((next >> above) != (tile >> above));
+    let stays = (end < 1.0) & all(next >= vec2<i32>(0)) & all(next <= last_tile);
+    is_walking = select(is_walking, stays, passes);
+    let lower = max(level, 1u) - 1u;
+    let lower_edge = edge_of(lower);
+    level_begin += select(0u, edge * edge, rises);
+    level_begin -= select(0u, lower_edge * lower_edge, descends);
+    level = select(level + select(0u, 1u, rises), lower, descends);
+    tile = select(tile, next, passes);
+    here = select(here, end, passes);
+    return finds;
 }

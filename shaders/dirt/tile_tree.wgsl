@@ -4,7 +4,7 @@
 
 #import tracebench::reads::quad_0
 #import tracebench::dirt_packed_grid::{BOX_MARGIN, BOX_STEP, depth_base, depth_step}
-#import tracebench::dirt_packed_ray::{PLANE_SLACK, leg, limit, work, place_loss, depth_loss}
+#import tracebench::dirt_packed_ray::{PLANE_SLACK, leg, limit, place_loss, depth_loss}
 
 // The planes of a tile's boxes: s of a code is code * factor + near or far, widened towards the ray's beginning or its end.
 struct TilePlanes {
@@ -60,9 +60,6 @@ fn boxes_met(planes: TilePlanes, near: vec3<u32>, far: vec3<u32>) -> vec4<bool> 
 
 // A bit for every child that the ray meets.
 fn meet_node(planes: TilePlanes, node: u32) -> u32 {
-#ifdef COUNTERS
-    work.y += 1u;
-#endif
     let x = quad_0(3u * node);
     let y = quad_0(3u * node + 1u);
     let w = quad_0(3u * node + 2u);

@@ -8,7 +8,7 @@
 
 #import tracebench::reads::quad_1
 #import tracebench::dirt_packed_grid::first_leaf_of
-#import tracebench::dirt_packed_ray::{search, leg, limit, steps, is_done, test_reference}
+#import tracebench::dirt_packed_ray::{search, leg, limit, steps, work, is_done, test_reference}
 #import tracebench::dirt_packed_walk::{is_walking, entered, begin_steps, step_on, entered_number}
 #import tracebench::dirt_tile_tree::{TilePlanes, planes_of, meet_node}
 
@@ -38,7 +38,7 @@ fn has_tree() -> bool {
 
 // Whether the leg is not done.
 fn is_busy() -> bool {
-    return is_walking || has_tile || has_tree();
+    return is_walking | has_tile | has_tree();
 }
 
 fn begin_no_walk() {
@@ -57,7 +57,7 @@ fn begin_walk(walked: u32) {
 
 // The first of some children or parts in the order in which the ray meets them: they are stored from the far end to the near one.
 fn first_of(bits: u32) -> u32 {
-    let recedes = search.nearest_first == 1u && leg.change.z < 0.0;
+    let recedes = (search.nearest_first == 1u) & (leg.change.z < 0.0);
     return select(countTrailingZeros(bits), firstLeadingBit(bits), recedes);
 }
 
@@ -77,42 +77,46 @@ fn climb(node: u32) -> u32 {
 
 // Steps on to the next cell, unless a tile waits to be searched; and if it is one too many, unless the ray may not need it.
 fn walk_on() {
-    if (is_walking && !has_tile && (steps < search.max_steps || !has_tree())) {
-        has_tile = step_on();
-    }
+    let finds = step_on(is_walking & !has_tile & ((steps < search.max_steps) | !has_tree()));
+    has_tile = has_tile | finds;
 }
 
 // Begins the tree of the tile that waits where the one before it is done.
 fn begin_tree() {
-    if (has_tile && all(waiting == vec2<u32>(0u))) {
-        let header = quad_1(entered_number());
-        planes = planes_of(entered.tile, entered.begin, entered.end, entered.w_most, header.w);
+    let begins = has_tile & all(waiting == vec2<u32>(0u));
+    let header = quad_1(entered_number());
+    let entered_planes = planes_of(entered.tile, entered.begin, entered.end, entered.w_most, header.w);
+    if (begins) {
+        planes = entered_planes;
         first_reference = header.x;
         first_leaf = first_leaf_of(header.y);
         first_node = header.z;
         parent = ABOVE;
         // Unless the best hit was found before it since.
         waiting.x = select(0u, 0x80u, entered.begin <= limit);
-        has_tile = false;
     }
+    has_tile = has_tile & !begins;
 }
 
 // Visits the next node, unless parts of two nodes wait.
 fn visit() {
-    if (next_parts == 0u && any(waiting != vec2<u32>(0u))) {
-        parent = climb(parent);
-        let child = first_of(waiting.x & 0xffu);
-        waiting.x &= ~(1u << child);
-        let node = 8u * parent + 1u + child;
-        let met = meet_node(planes, first_node + node);
-        if (node >= first_leaf) {
-            next_parts = met;
-            next_base = first_reference + 8u * (node - first_leaf);
-        } else {
-            waiting = vec2<u32>((waiting.x << 8u) | met, (waiting.y << 8u) | (waiting.x >> 24u));
-            parent = node;
-        }
-    }
+    let visits = (next_parts == 0u) & any(waiting != vec2<u32>(0u));
+    let kept = waiting;
+    let climbed = climb(parent);
+    let child = first_of(waiting.x & 0xffu) & 31u;
+    let rest = vec2<u32>(waiting.x & ~(1u << child), waiting.y);
+    let node = 8u * climbed + 1u + child;
+    let met = meet_node(planes, select(0u, first_node + node, visits));
+#ifdef COUNTERS
+    work.y += select(0u, 1u, visits);
+#endif
+    let is_leaf = visits & (node >= first_leaf);
+    let is_inner = visits & (node < first_leaf);
+    next_parts = select(next_parts, met, is_leaf);
+    next_base = select(next_base, first_reference + 8u * (node - first_leaf), is_leaf);
+    let pushed = vec2<u32>((rest.x << 8u) | met, (rest.y << 8u) | (rest.x >> 24u));
+    waiting = select(select(kept, rest, visits), pushed, is_inner);
+    parent = select(select(parent, climbed, visits), node, is_inner);
     take_next_parts();
 }
 
@@ -125,13 +129,12 @@ fn take_next_parts() {
 }
 
 fn test() {
-    if (parts != 0u) {
-        let part = first_of(parts);
-        parts &= ~(1u << part);
-        test_reference(parts_base + part);
-        if (is_done()) {
-            begin_no_walk();
-        }
+    let tests = parts != 0u;
+    let part = first_of(parts) & 31u;
+    parts &= ~(1u << part);
+    test_reference(select(0u, parts_base + part, tests), tests);
+    if (tests & is_done()) {
+        begin_no_walk();
     }
 }
 
