@@ -15,7 +15,7 @@ use crate::picture::What;
 use crate::plan::{
     LARGEST_EDGE, LARGEST_FACE, Plan, RUN_PRESETS, RunPreset, SAMPLING, SceneSource, TracerRequest, ViewRequest,
 };
-use crate::rays::{MOST_RAYS, RaySet};
+use crate::rays::{BETWEEN_SAMPLES, MOST_RAYS, RaySet, between_samples as image_between_samples};
 use crate::results::{Further, Sampling};
 use crate::tables::Table;
 use crate::viewpoint::Pose;
@@ -123,6 +123,8 @@ pub(super) struct Matter {
     pub(super) tracers: Vec<TracerRequest>,
     pub(super) ray_sets: Vec<RaySet>,
     pub(super) table: Option<&'static str>,
+    /// Whether rays keep off the samples of frames where no image is given for them: for studies over resolutions.
+    pub(super) between_samples: bool,
 }
 
 /// What `run`, `table` and `picture` share.
@@ -242,6 +244,7 @@ impl RunArguments {
             tracers: names::tracers(&self.tracer, &self.work.common.settings)?,
             ray_sets: names::ray_sets(&self.rays)?,
             table: None,
+            between_samples: false,
         })
     }
 }
@@ -277,7 +280,7 @@ impl TableArguments {
             "" => Vec::new(),
             list => names::ray_sets(list)?,
         };
-        Ok(Matter { scenes, tracers, ray_sets, table: Some(table.name()) })
+        Ok(Matter { scenes, tracers, ray_sets, table: Some(table.name()), between_samples: false })
     }
 }
 
@@ -300,16 +303,21 @@ impl WorkArguments {
 
     /// The plan, but for the preset, which waits for the adapter if it is not given.
     pub(super) fn plan(&self, matter: Matter, hardware: impl FnOnce() -> bool) -> Result<Plan, CliError> {
-        let Matter { scenes, tracers, ray_sets, table } = matter;
+        let Matter { scenes, tracers, ray_sets, table, between_samples } = matter;
         let view = self.common.view()?;
         let preset = match &self.preset {
             Some(name) => RunPreset::named(name).ok_or_else(|| CliError::Argument(format!("no preset '{name}'")))?,
             None => RunPreset::for_adapter(hardware()),
         };
         let preset = table.and_then(papers::find).map_or(preset, |(paper, _)| paper.resolved(preset));
+        let frame = self.frame.unwrap_or(preset.frame);
+        let own_image = match between_samples {
+            true => image_between_samples(preset.ray_image, frame, BETWEEN_SAMPLES),
+            false => preset.ray_image,
+        };
         let preset = RunPreset {
-            ray_image: self.size.unwrap_or(preset.ray_image),
-            frame: self.frame.unwrap_or(preset.frame),
+            ray_image: self.size.unwrap_or(own_image),
+            frame,
             face: self.face.unwrap_or(preset.face),
             sampling: self.sampling(preset.sampling),
             scene_scale: self.common.scale.unwrap_or(preset.scene_scale),

@@ -48,6 +48,7 @@ impl ExplainArguments {
             tracers: vec![self.request()?],
             ray_sets: names::ray_sets(&self.rays)?,
             table: None,
+            between_samples: false,
         })
     }
 }

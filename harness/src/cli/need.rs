@@ -34,6 +34,7 @@ impl NeedArguments {
             tracers: names::tracers(&self.tracer, &self.work.common.settings)?,
             ray_sets: names::ray_sets(&self.rays)?,
             table: None,
+            between_samples: true,
         })
     }
 }

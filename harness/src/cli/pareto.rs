@@ -49,6 +49,7 @@ impl ParetoArguments {
             tracers: names::tracers(&self.tracer, &self.work.common.settings)?,
             ray_sets: names::ray_sets(&self.rays)?,
             table: None,
+            between_samples: true,
         })
     }
 

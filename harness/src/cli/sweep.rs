@@ -67,6 +67,7 @@ impl SweepArguments {
             tracers: vec![self.request()?],
             ray_sets: names::ray_sets(&self.rays)?,
             table: None,
+            between_samples: false,
         })
     }
 

@@ -78,6 +78,7 @@ impl TuneArguments {
             tracers: vec![self.request()?],
             ray_sets: names::ray_sets(&self.rays)?,
             table: None,
+            between_samples: false,
         })
     }
 

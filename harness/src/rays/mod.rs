@@ -1,5 +1,6 @@
 //! Ray sets: made from the viewpoint and from ground-truth hits, seeded, on all cores, the same on every machine.
 
+mod centres;
 mod eye;
 mod order;
 mod parameters;
@@ -14,6 +15,7 @@ use glam::DVec3;
 use tracebench_api::{Query, Ray, Viewpoint};
 use tracebench_scenes::CameraPath;
 
+pub use centres::{BETWEEN_SAMPLES, between_samples, shared_centres};
 pub use eye::primary_rays;
 pub use order::TILE;
 pub use parameters::{Order, RayParameters, Target, check_ray_parameters, default_parameters, ray_parameters};

@@ -43,7 +43,7 @@ pub use judgement::{
 pub use key::{same_place, same_pose, same_rays, same_work};
 pub use means::{AtMeans, MARGIN, Means, MeansRecord, ProbeRecord, RAYS_PER_LANE, READS, at_means};
 pub use merge::{MergeError, merge};
-pub use need::{ChangedRays, NeedCurve, NeedPoint, NeedRecord};
+pub use need::{ChangedRays, NeedCurve, NeedPoint, NeedRecord, values_label};
 pub use paired::{Answer, COVERAGE, Doubt, MOST_CHANGE, Paired, Pairing, Timed, of_rounds};
 pub use pareto::{
     CheckedRecord, FrontPoint, FrontScene, PICTURES_FOLDER, ParetoRecord, PointPictures, STILL_REFIT, SetPictures,

@@ -68,6 +68,11 @@ pub struct ChangedRays {
     pub newly_right: u64,
 }
 
+/// Values by axis, as `name=value`.
+pub fn values_label(values: &BTreeMap<String, String>) -> String {
+    values.iter().map(|(name, value)| format!("{name}={value}")).collect::<Vec<_>>().join(" ")
+}
+
 impl NeedPoint {
     /// Whether a row is this point's, in whatever place.
     pub fn is_of(&self, row: &TracerRun) -> bool {
@@ -76,7 +81,7 @@ impl NeedPoint {
 
     /// What is shrunk, as `name=value`.
     pub fn label(&self) -> String {
-        self.shrunk.iter().map(|(axis, value)| format!("{axis}={value}")).collect::<Vec<_>>().join(" ")
+        values_label(&self.shrunk)
     }
 }
 

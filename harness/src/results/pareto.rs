@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::{Deserialize, Serialize};
 use tracebench_api::Query;
 
-use super::{SceneRecord, TracerRun, ViewpointRecord};
+use super::{SceneRecord, TracerRun, ViewpointRecord, values_label};
 
 /// The way of rows that were refitted to vertices that stand still, for what a refit takes.
 pub const STILL_REFIT: &str = "refit, standing still";
@@ -138,7 +138,7 @@ impl FrontPoint {
 
     /// What it has otherwise than its preset, as `name=value`.
     pub fn values_label(&self) -> String {
-        self.values.iter().map(|(name, value)| format!("{name}={value}")).collect::<Vec<_>>().join(" ")
+        values_label(&self.values)
     }
 
     /// Tracer, preset and values.

@@ -201,9 +201,7 @@ fn why(place: &Place<'_>, level: f64, aim: Aim, found: &Entry<'_>) -> String {
     }
     said.push(match check(&place.shown.fronts.elsewhere, field.rays, found.point, by, level) {
         Check::Holds(_) => "from another viewpoint it is right as often".to_owned(),
-        Check::WithinNoise(_, by) => {
-            format!("from another viewpoint it misses by {} points, within noise", significant(by * 100.0, 2))
-        }
+        Check::WithinNoise(_) => "from another viewpoint it is right as often within noise".to_owned(),
         Check::Misses(_, by) => {
             format!("**from another viewpoint it misses by {} points**", significant(by * 100.0, 2))
         }

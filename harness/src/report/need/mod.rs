@@ -11,7 +11,7 @@ use super::chart::series::{Series, SeriesChart, SeriesPanel, series_chart, serie
 use super::format::{self, significant, thousands};
 use super::group::stems;
 use super::{Contents, ReportError};
-use crate::results::{NeedRecord, Run, SceneRecord};
+use crate::results::{NeedCurve, NeedRecord, Run, SceneRecord};
 use crate::studies::need::{Axis, Curve, Step, curves};
 
 /// The page.
@@ -67,7 +67,7 @@ pub(super) fn for_page(run: &Run, record: &NeedRecord) -> Result<NeedPage, Repor
         for (tracer, preset) in contenders(each) {
             let is_of = |curve: &&&Curve<'_>| curve.record.tracer == tracer && curve.record.preset == preset;
             let curves: Vec<&Curve<'_>> = each.curves.iter().filter(is_of).copied().collect();
-            let Some(name) = curves.first().map(|first| contender(first)) else { continue };
+            let Some(name) = curves.first().map(|first| contender(first.record)) else { continue };
             let one = Shown { scene: each.scene, rays: each.rays, curves, chart: each.chart.clone() };
             if let Some(chart) = chart(record, &one) {
                 own.push((name, series_svg(run, &chart)?));
@@ -126,8 +126,8 @@ fn contenders<'a>(shown: &Shown<'a>) -> Vec<(&'a str, &'a str)> {
 }
 
 /// A tracer with its preset unless it is the published one.
-fn contender(curve: &Curve<'_>) -> String {
-    let (tracer, preset) = (&curve.record.tracer, &curve.record.preset);
+fn contender(curve: &NeedCurve) -> String {
+    let (tracer, preset) = (&curve.tracer, &curve.preset);
     if preset == "published" { tracer.clone() } else { format!("{tracer}:{preset}") }
 }
 
@@ -157,7 +157,7 @@ fn chart(record: &NeedRecord, shown: &Shown<'_>) -> Option<SeriesChart> {
                 Some(Series { label: format!("from {}", curve.record.viewpoint), values, dashed: false })
             });
             let series = series.chain([limit]).collect();
-            let title = format!("{}: {}", contender(first), axis.name);
+            let title = format!("{}: {}", contender(first.record), axis.name);
             let quantity = "rays lost, upper end (%), log".to_owned();
             panels.push(SeriesPanel { title, setting: axis.name.to_owned(), steps, quantity, series });
         }

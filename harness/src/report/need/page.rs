@@ -6,6 +6,7 @@ use super::csv::{self, Row};
 use super::{Shown, contender};
 use crate::report::format::{significant, thousands};
 use crate::report::markdown::inline;
+use crate::report::metrics;
 use crate::report::sheet::{Cell, Sheet};
 use crate::report::summary;
 use crate::results::{NeedCurve, NeedRecord, Run};
@@ -39,9 +40,13 @@ pub(super) fn page(run: &Run, record: &NeedRecord, curves: &[Curve<'_>], shown: 
 fn needs(shown: &Shown<'_>) -> String {
     let bytes = |step: &Step<'_>| step.bytes().map(|bytes| Cell::Bytes(bytes as f64));
     let sheet = Sheet::<&Curve<'_>>::new()
-        .told("tracer", |curve| contender(curve))
+        .told("tracer", |curve| contender(curve.record))
         .told("from", |curve| curve.record.viewpoint.clone())
         .told("rule", |curve| curve.record.rule.name())
+        .told("right as a whole ↑", |curve| {
+            let (value, interval) = curve.whole.right()?;
+            Some(Cell::Share(value, Some(interval), curve.whole.trace.map_or(0, metrics::trials)))
+        })
         .told("stored (MiB)", |curve| bytes(&curve.whole))
         .told("touched (MiB)", |curve| curve.whole.touched_bytes().map(Cell::Bytes))
         .told("needed (MiB) ↓", |curve| bytes(curve.needed(false)))
@@ -78,7 +83,7 @@ fn steps(shown: &Shown<'_>) -> String {
         return String::new();
     }
     let sheet = Sheet::<Row<'_>>::new()
-        .told("tracer", |row| contender(row.curve))
+        .told("tracer", |row| contender(row.curve.record))
         .told("from", |row| row.curve.record.viewpoint.clone())
         .told("less of", |row| row.less.clone())
         .then(csv::of_steps);
@@ -89,10 +94,10 @@ fn steps(shown: &Shown<'_>) -> String {
 fn elsewhere(curves: &[Curve<'_>]) -> String {
     let place = |curve: &NeedCurve| format!("{} from {}", curve.scene, curve.viewpoint);
     let sheet = Sheet::<Transfer<'_>>::new()
-        .told("tracer", |each| each.from.tracer.clone())
+        .told("tracer", |each| contender(each.from))
         .told("rays", |each| each.rays.to_owned())
         .told("found in", |each| place(each.from))
-        .told("needs", |each| format!("{}={}", each.axis, each.value))
+        .told("needs", |each| each.values_label())
         .told("tried in", |each| place(each.to))
         .told("rays lost there (%) ↓", |each| each.lost.map(|(value, interval)| Cell::Percent(value, interval)))
         .told("serves", |each| match each.serves {

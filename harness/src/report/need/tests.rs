@@ -64,8 +64,7 @@ fn needs_have_their_files() {
     let written = write_run(&planted(), folder.path(), fixture::tables).unwrap();
     let page = std::fs::read_to_string(folder.path().join("need.md")).unwrap();
     // A quarter of the 6 MiB of the part that holds references.
-    let first =
-        "| dirt | door | tight | 32.00 | 1.500 | 16.00 | buckets=8 | 16.00 | buckets=8 | buckets: 8, 4 is too small |";
+    let first = "| dirt | door | tight | 99.9977 % [99.99327, 99.99922] | 32.00 | 1.500 | 16.00 | buckets=8 | 16.00 | buckets=8 | buckets: 8, 4 is too small |";
     assert!(page.contains(first), "{page}");
     assert!(page.contains("buckets: not at all, 8 is too small"), "{page}");
     assert!(page.contains("0 of 1 serve") && page.contains("**no**"), "{page}");

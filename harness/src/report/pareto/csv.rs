@@ -155,7 +155,7 @@ impl Operating<'_> {
     fn checked(&self) -> &'static str {
         match self.check() {
             Check::Holds(_) => "holds",
-            Check::WithinNoise(..) => "within_noise",
+            Check::WithinNoise(_) => "within_noise",
             Check::Misses(..) => "misses",
             Check::NotMeasured => "not_measured",
         }
@@ -163,7 +163,7 @@ impl Operating<'_> {
 
     fn right_there(&self) -> Option<Amount> {
         match self.check() {
-            Check::Holds(wrong) | Check::WithinNoise(wrong, _) | Check::Misses(wrong, _) => {
+            Check::Holds(wrong) | Check::WithinNoise(wrong) | Check::Misses(wrong, _) => {
                 Some(wrong.share.times(-1.0).and(Amount::exact(1.0)))
             }
             Check::NotMeasured => None,

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::{Shown, as_read, cost_name};
+use crate::rays::shared_centres;
 use crate::report::format::{percent, percent_with_interval, significant, thousands};
 use crate::report::markdown::inline;
 use crate::report::sheet::{Cell, Column, Sheet};
@@ -13,6 +14,9 @@ use crate::studies::pareto::{
     Aim, Amount, By, Check, Class, Cost, Entry, Field, LEVELS, Overtaking, Standing, Wrong, best, check, classes,
     contested, farthest,
 };
+
+/// The share of rays through samples from which on a page warns.
+const MOST_SHARED_CENTRES: f64 = 0.01;
 
 /// The whole page.
 pub(super) fn page(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> String {
@@ -39,6 +43,7 @@ pub(super) fn page(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> Str
             (None, Some(reason)) => writeln!(text, "{here}. **They were not checked elsewhere**: {}.", inline(reason)),
             (None, None) => writeln!(text, "{here}. No point was chosen, so none was checked elsewhere."),
         };
+        text += &through_samples(record, scene);
         text += &in_short(scene);
         for field in &scene.fronts.fields {
             let title =
@@ -50,6 +55,24 @@ pub(super) fn page(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> Str
         }
     }
     text + &summary::skipped(&run.skipped)
+}
+
+/// A warning where rays go through the very samples of some structures: `--size` may ask for that.
+fn through_samples(record: &ParetoRecord, scene: &Shown<'_>) -> String {
+    let image = scene.fronts.scene.viewpoint.ray_image;
+    let is_shared = |frame: &[u32; 2]| shared_centres(image, *frame) > MOST_SHARED_CENTRES;
+    let frames: BTreeSet<[u32; 2]> = record.points.iter().map(|point| point.frame).filter(is_shared).collect();
+    if frames.is_empty() {
+        return String::new();
+    }
+    let edges = |[width, height]: [u32; 2]| format!("{width}x{height}");
+    let frames: Vec<String> = frames.into_iter().map(edges).collect();
+    format!(
+        "\n**Rays from {} pixels go through the samples of structures with frames of {}**: methods that sample are right there, whatever \
+         they do elsewhere. Without `--size` no ray but one does so.\n",
+        edges(image),
+        frames.join(", ")
+    )
 }
 
 /// Who to take, by ray set and agreement: of any-hit sets by the balanced accuracy, of others by the rule that methods which sample can
@@ -87,7 +110,7 @@ fn checks(scene: &Shown<'_>) -> String {
             for found in field.entries.iter().filter(|entry| chosen.contains(&(entry.index, &entry.point.tracer))) {
                 match check(&scene.fronts.elsewhere, field.rays, found.point, by, level) {
                     Check::Holds(_) => holds += 1,
-                    Check::WithinNoise(..) => within_noise += 1,
+                    Check::WithinNoise(_) => within_noise += 1,
                     Check::Misses(_, missed) => (misses, most) = (misses + 1, most.max(missed)),
                     Check::NotMeasured => {}
                 }
@@ -100,8 +123,8 @@ fn checks(scene: &Shown<'_>) -> String {
     }
     let by = if misses > 0 { format!(", by up to {} points", significant(most * 100.0, 2)) } else { String::new() };
     format!(
-        "\nOf {all} operating points, of all tracers by every rule, {holds} hold there, {within_noise} miss within noise and {misses} \
-         miss{by}.\n"
+        "\nOf {all} operating points, of all tracers by every rule, {holds} hold there, {within_noise} are within noise of what \
+         was asked, and {misses} miss{by}. A point with several aims counts once.\n"
     )
 }
 
@@ -169,9 +192,7 @@ fn operating_point(scene: &Shown<'_>, field: &Field<'_>, by: By, level: f64, aim
     let trials = metrics::trials(found.trace);
     let there = match check(&scene.fronts.elsewhere, field.rays, found.point, by, level) {
         Check::Holds(wrong) => format!("{}, holds", right(&wrong, trials)),
-        Check::WithinNoise(wrong, by) => {
-            format!("{}, misses by {} points, within noise", right(&wrong, trials), significant(by * 100.0, 2))
-        }
+        Check::WithinNoise(wrong) => format!("{}, within noise", right(&wrong, trials)),
         Check::Misses(wrong, by) => {
             format!("{}, **misses by {} points**", right(&wrong, trials), significant(by * 100.0, 2))
         }

@@ -8,7 +8,7 @@ use tracebench_api::{ClockKind, Query};
 use crate::report::chart::{check_png, check_svg};
 use crate::report::fixture::{self, FrontQuality, Quality};
 use crate::report::{read_run, write_derived, write_run};
-use crate::results::Run;
+use crate::results::{Judgement, Run};
 
 const SETS: [(&str, Query); 2] = [("diffuse", Query::Closest), ("ao", Query::Any)];
 
@@ -134,6 +134,37 @@ fn tables_tell_standings() {
         assert!(page.contains(wanted), "{wanted}");
     }
     assert!(!page.contains("NaN") && !page.contains("oracle stride"));
+}
+
+/// Proves that a ray set of which no ray hits anything has no front, and that the others keep theirs; and that a page warns where rays go
+/// through the samples of structures, and nowhere else.
+#[test]
+fn rays_that_tell_nothing_are_told() {
+    let page_of = |run: &Run| {
+        let folder = TempDir::new().unwrap();
+        write_run(run, folder.path(), fixture::tables).unwrap();
+        (std::fs::read_to_string(folder.path().join("pareto.md")).unwrap(), rows(&folder, "pareto.csv").len())
+    };
+    // The frames of the planted points are the ray image.
+    let run = several();
+    let (page, points) = page_of(&run);
+    let [width, height] = run.pareto.as_ref().unwrap().scenes[0].viewpoint.ray_image;
+    assert!(page.contains("### diffuse") && page.contains("### ao"), "{page}");
+    assert!(page.contains(&format!("Rays from {width}x{height} pixels go through the samples")), "{page}");
+    let mut apart = run.clone();
+    apart.runs.iter_mut().for_each(|row| row.viewpoint.frame = [510, 254]);
+    apart.pareto.as_mut().unwrap().points.iter_mut().for_each(|point| point.frame = [510, 254]);
+    let (page, others) = page_of(&apart);
+    assert!(!page.contains("go through the samples") && others == points, "{page}");
+    let mut run = several();
+    for trace in run.runs.iter_mut().flat_map(|row| &mut row.traces).filter(|trace| trace.rays == "diffuse") {
+        let Judgement::Closest(closest) = &mut trace.judgement else { panic!("closest") };
+        let classes = &mut closest.classes.tight;
+        classes.true_miss += classes.true_hit + classes.false_miss + classes.early + classes.late;
+        (classes.true_hit, classes.false_miss, classes.early, classes.late) = (0, 0, 0, 0);
+    }
+    let (page, fewer) = page_of(&run);
+    assert!(!page.contains("### diffuse") && page.contains("### ao") && 2 * fewer == points, "{page}");
 }
 
 /// Without a check elsewhere it is said so; points that could not be timed or judged are in no front, and pages are drawn all the same.

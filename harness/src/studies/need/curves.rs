@@ -1,10 +1,15 @@
 //! What follows from structures that were shrunk: how far each thing may shrink, what is needed, stored and touched, and whether a need that
 //! was found in one place serves in others.
 
+use std::collections::BTreeMap;
+
 use crate::contenders::Touch;
 use crate::registry;
-use crate::results::{ChangedRays, NeedCurve, NeedPoint, NeedRecord, Ratio, Run, Timed, TraceRecord, TracerRun};
+use crate::results::{
+    ChangedRays, NeedCurve, NeedPoint, NeedRecord, Ratio, Rule, Run, Timed, TraceRecord, TracerRun, values_label,
+};
 use crate::statistics::paired_difference;
+use crate::studies::tune;
 
 /// One tracer's structures in one place over one ray set.
 #[derive(Clone, Debug)]
@@ -43,6 +48,7 @@ pub struct Step<'a> {
     pub changed: Option<ChangedRays>,
     /// How many times as long as of the whole structure its traces take.
     pub times_as_long: Option<Ratio>,
+    rule: Rule,
     most_lost_share: f64,
     most_times_as_long: f64,
 }
@@ -65,17 +71,28 @@ pub struct Transfer<'a> {
     pub to: &'a NeedCurve,
     /// The ray set.
     pub rays: &'a str,
-    /// The axis.
-    pub axis: &'a str,
-    /// The smallest value that does where it was found.
-    pub value: &'a str,
+    /// What is needed there: the smallest value of an axis that does, or of several axes at once.
+    pub values: &'a BTreeMap<String, String>,
     /// What it does to rays there: newly wrong less newly right, a share with its interval; none where it was not measured.
     pub lost: Option<(f64, [f64; 2])>,
     /// Whether it serves there; none where it was not measured.
     pub serves: Option<bool>,
 }
 
+impl Transfer<'_> {
+    /// What is needed, as `name=value`.
+    pub fn values_label(&self) -> String {
+        values_label(self.values)
+    }
+}
+
 impl<'a> Step<'a> {
+    /// The share of rays that are rightly answered by the curve's rule, with its interval; none where nothing was judged.
+    pub fn right(&self) -> Option<(f64, [f64; 2])> {
+        let trace = self.trace?;
+        Some((tune::score(&trace.judgement, self.rule)?, tune::interval(&trace.judgement, self.rule)?))
+    }
+
     /// Newly wrong less newly right rays, a share with its 95 % interval.
     pub fn lost(&self) -> Option<(f64, [f64; 2])> {
         let ChangedRays { rays, newly_wrong, newly_right } = self.changed?;
@@ -148,6 +165,29 @@ impl<'a> Axis<'a> {
 }
 
 impl<'a> Curve<'a> {
+    /// Every smaller structure.
+    pub fn steps(&self) -> impl Iterator<Item = &Step<'a>> {
+        self.axes.iter().flat_map(|axis| &axis.steps).chain(&self.joint)
+    }
+
+    /// What was found to be needed: as far as each axis may shrink alone, by both measures, and the smallest structures of all.
+    fn needs(&self) -> Vec<&'a BTreeMap<String, String>> {
+        let mut found: Vec<&BTreeMap<String, String>> = Vec::new();
+        let of_axis = |axis: &Axis<'a>, need: Need<'a>| {
+            let smallest = need.smallest?;
+            Some(&axis.steps.iter().find(|step| step.value(axis.name) == Some(smallest))?.point.shrunk)
+        };
+        let singles =
+            self.axes.iter().flat_map(|axis| [axis.need(), axis.need_in_time()].map(|need| of_axis(axis, need)));
+        let smallest = [false, true].map(|in_time| Some(&self.needed(in_time).point.shrunk));
+        for values in singles.chain(smallest).flatten().filter(|values| !values.is_empty()) {
+            if !found.contains(&values) {
+                found.push(values);
+            }
+        }
+        found
+    }
+
     /// The structure of the fewest bytes that is enough, the whole one among them.
     pub fn needed(&self, in_time: bool) -> &Step<'a> {
         let is_enough = |step: &Step<'a>| if in_time { step.is_enough_in_time() } else { step.is_enough() };
@@ -196,7 +236,7 @@ pub(super) fn of_record<'a>(
             let other = trace_of(beside)?;
             run.paired(&Timed::trace(row, trace), &Timed::trace(beside, other)).ratio
         });
-        Step { point, row, trace, changed, times_as_long, most_lost_share, most_times_as_long }
+        Step { point, row, trace, changed, times_as_long, rule: curve.rule, most_lost_share, most_times_as_long }
     };
     let of_set = |trace: &'a TraceRecord| {
         let rays = trace.rays.as_str();
@@ -234,24 +274,17 @@ fn trace_of_rays<'r>(row: &'r TracerRun, rays: &str) -> Option<&'r TraceRecord> 
 pub fn transfers<'a>(curves: &[Curve<'a>]) -> Vec<Transfer<'a>> {
     let mut found = Vec::new();
     for from in curves {
-        for axis in &from.axes {
-            let Some(value) = axis.need().smallest else { continue };
+        for values in from.needs() {
             for to in curves {
                 let same = (&to.record.tracer, &to.record.preset, to.rays)
                     == (&from.record.tracer, &from.record.preset, from.rays);
-                let beside = to.axes.iter().find(|other| other.name == axis.name).filter(|_| same);
-                let Some(beside) = beside.filter(|_| !std::ptr::eq(from.record, to.record)) else { continue };
-                let step = beside.steps.iter().find(|step| step.value(axis.name) == Some(value));
+                if !same || std::ptr::eq(from.record, to.record) {
+                    continue;
+                }
+                let step = to.steps().find(|step| step.point.shrunk == *values);
                 let lost = step.and_then(Step::lost);
-                found.push(Transfer {
-                    from: from.record,
-                    to: to.record,
-                    rays: from.rays,
-                    axis: axis.name,
-                    value,
-                    lost,
-                    serves: lost.and(step).map(Step::is_enough),
-                });
+                let serves = lost.and(step).map(Step::is_enough);
+                found.push(Transfer { from: from.record, to: to.record, rays: from.rays, values, lost, serves });
             }
         }
     }

@@ -149,7 +149,8 @@ pub fn execute(plan: &Plan, required: bool, context: &Context<'_>) -> Result<Run
             let here = Plan { scenes: vec![source.clone()], view: wanted, ..plan.clone() };
             for (place, request) in plan.tracers.iter().enumerate() {
                 let index = PLACES * (index * plan.tracers.len() + place) + 2 * view;
-                match curve(index, &here, view as u32, request, &mut run, context) {
+                let before = joint_before(&record.curves, request);
+                match curve(index, &here, view as u32, (request, &before), &mut run, context) {
                     Ok(curve) => record.curves.extend(curve),
                     Err(error @ RunError::NoOtherView { .. }) => {
                         let (scene, reason) = (source.to_string(), error.to_string());
@@ -183,7 +184,7 @@ fn curve(
     index: usize,
     plan: &Plan,
     view: u32,
-    request: &TracerRequest,
+    (request, before): (&TracerRequest, &[BTreeMap<String, String>]),
     run: &mut Run,
     context: &Context<'_>,
 ) -> Result<Option<NeedCurve>, RunError> {
@@ -202,7 +203,10 @@ fn curve(
     };
     measure::add(run, found);
     // As far as each axis may shrink alone, all at once: by ray set, and by both measures.
-    let together = joint(run, &curve);
+    let mut together = joint(run, &curve);
+    // What was found together elsewhere is tried here as well.
+    let further = before.iter().filter(|values| !together.contains(values)).cloned().collect::<Vec<_>>();
+    together.extend(further);
     let mut joints: Vec<Shrunk> = singles.first().cloned().into_iter().collect();
     joints.extend(together.into_iter().filter_map(|values| shrunk(request, plan.preset, values)));
     joints.truncate(WINDOW);
@@ -212,6 +216,18 @@ fn curve(
         measure::add(run, found);
     }
     Ok(Some(curve))
+}
+
+/// What several axes had at once of a tracer in other places, each once.
+fn joint_before(curves: &[NeedCurve], request: &TracerRequest) -> Vec<BTreeMap<String, String>> {
+    let mut joints: Vec<BTreeMap<String, String>> = Vec::new();
+    let is_own = |curve: &&NeedCurve| curve.tracer == request.name() && curve.preset == request.preset.name();
+    for point in curves.iter().filter(is_own).flat_map(|curve| &curve.points) {
+        if point.shrunk.len() > 1 && !joints.contains(&point.shrunk) {
+            joints.push(point.shrunk.clone());
+        }
+    }
+    joints
 }
 
 /// What several axes have at once, each as far as it may shrink alone; only where that is more than one.

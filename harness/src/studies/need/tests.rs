@@ -175,13 +175,32 @@ fn needs_are_tried_elsewhere() {
     run.need = Some(record(vec![here, there]));
     let of = |run: &Run| {
         let curves = curves(run, run.need.as_ref().unwrap());
-        let told = |each: &Transfer<'_>| (each.from.viewpoint.clone(), each.value.to_owned(), each.serves);
+        let told = |each: &Transfer<'_>| (each.from.viewpoint.clone(), each.values_label(), each.serves);
         transfers(&curves).iter().map(told).collect::<Vec<_>>()
     };
-    let expected = |from: &str, value: &str, serves| (from.to_owned(), value.to_owned(), serves);
+    let expected = |from: &str, value: &str, serves| (from.to_owned(), format!("buckets={value}"), serves);
     assert_eq!(of(&run), [expected("door", "4", Some(false)), expected("window", "8", Some(true))]);
     run.need.as_mut().unwrap().curves[1].points[2].changed.clear();
     assert_eq!(of(&run)[0], expected("door", "4", None));
+    // Several things at once, where they are the smallest that is enough.
+    let mut together = run.clone();
+    for (curve, newly_wrong) in together.need.as_mut().unwrap().curves.iter_mut().zip([0, 700]) {
+        let mut point = curve.points[2].clone();
+        point.shrunk.insert("layers".to_owned(), "1".to_owned());
+        point.parameters.insert("layers".to_owned(), 1.into());
+        point.changed.insert("diffuse".to_owned(), ChangedRays { rays: 100_000, newly_wrong, newly_right: 0 });
+        let whole = &curve.points[2];
+        let row = together.runs.iter().find(|row| curve.holds(row) && whole.is_of(row)).unwrap();
+        let mut row = row.clone();
+        row.tracer.parameters.clone_from(&point.parameters);
+        row.memory.structure_bytes = 1 << 20;
+        together.runs.push(row);
+        curve.points.push(point);
+    }
+    let told = of(&together);
+    let values = "buckets=4 layers=1".to_owned();
+    assert!(told.contains(&("door".to_owned(), values.clone(), Some(false))), "{told:?}");
+    assert!(!told.contains(&("window".to_owned(), values, Some(true))), "{told:?}");
     run.need.as_mut().unwrap().curves[1].tracer = "other".to_owned();
     assert!(of(&run).is_empty());
 }

@@ -202,7 +202,18 @@ pub(super) fn is_at(row: &TracerRun, scene: &FrontScene, viewpoint: &ViewpointRe
         && bare(&row.viewpoint) == bare(viewpoint)
 }
 
-/// Every ray set that was traced from a scene's viewpoint, in the order of first appearance.
+/// Whether not one ray hits anything: whoever misses always is right then, and no point is better than another.
+pub(super) fn sees_nothing(trace: &TraceRecord) -> bool {
+    match &trace.judgement {
+        Judgement::Closest(closest) => {
+            let classes = &closest.classes.tight;
+            classes.true_hit + classes.false_miss + classes.early + classes.late == 0 && closest.ties < trace.count
+        }
+        Judgement::Any(any) => any.occlusion.true_occluded + any.occlusion.false_free == 0,
+    }
+}
+
+/// Every ray set that was traced from a scene's viewpoint and hit anything, in the order of first appearance.
 pub fn fields<'a>(
     run: &'a Run,
     record: &'a ParetoRecord,
@@ -214,7 +225,7 @@ pub fn fields<'a>(
     let mut fields: Vec<Field<'a>> = Vec::new();
     for (index, point) in record.points.iter().enumerate() {
         let Some(row) = rows.iter().copied().find(|row| point.is_of(row)) else { continue };
-        for trace in &row.traces {
+        for trace in row.traces.iter().filter(|trace| !sees_nothing(trace)) {
             let entry = Entry { index, point, row, trace };
             match fields.iter_mut().find(|field| field.rays == trace.rays) {
                 Some(field) => field.entries.push(entry),

@@ -2,7 +2,7 @@
 //! the same rays. What follows from the rows, fronts, operating points and break-even, is derived and not kept.
 //!
 //! In every scene all points are measured from its viewpoint. Points that are an operating point there are measured again
-//! from another viewpoint with rays of another seed; traced with fewer rays, for what a ray takes beside what a trace does; and
+//! from another viewpoint with rays of another seed and image; traced with fewer rays, for what a ray takes beside what a trace does; and
 //! refitted.
 
 mod design;
@@ -33,6 +33,7 @@ pub use verdicts::{Class, ClassCost, SceneFronts, classes, contested, scene_fron
 use crate::measure::session::{PreparedRays, Session};
 use crate::measure::{self, Context, Effort, Film, Measured, Place, Placed, Request, RunError, Told};
 use crate::plan::{Plan, RunPreset, ViewRequest};
+use crate::rays::between_samples;
 use crate::results::{
     CheckedRecord, FrontScene, ParetoRecord, Run, STILL_REFIT, SetPictures, Skipped, TracerRun, ViewpointRecord,
     WayRecord,
@@ -50,6 +51,9 @@ pub const RAYS_PER_PIXEL: [f64; 2] = [1.0, 16.0];
 
 /// Parts of the edges of the ray image at which chosen points are traced besides: a quarter and a sixteenth of the rays.
 const SMALLER_IMAGES: [u32; 2] = [2, 4];
+
+/// The part of the edges of the ray image at which chosen points are checked: other places in their pixels.
+const CHECKED_PART: [u32; 2] = [7, 8];
 
 /// By how much the seed of rays differs by which chosen points are checked: seeds that differ in their lowest bit alone draw the same
 /// numbers.
@@ -134,6 +138,7 @@ impl Pareto {
         let all: Vec<usize> = (0..self.points.len()).collect();
         let Some(found) = self.place(index, plan, &all, context)? else { return Ok(()) };
         let (scene, viewpoint) = (found.scene.clone(), found.viewpoint.clone());
+        run.skipped.extend(blind(&found, &viewpoint));
         self.add(run, &all, found, &scene.name);
         self.record.scenes.push(FrontScene {
             scene,
@@ -208,7 +213,7 @@ impl Pareto {
         measure::measure_scene(index, plan, scene, &requests, Effort::timed(plan), None, context).map(Some)
     }
 
-    /// Some points from another viewpoint, with rays of another seed.
+    /// Some points from another viewpoint, with rays of another seed and from other places in their pixels.
     fn elsewhere(
         &self,
         index: usize,
@@ -217,7 +222,9 @@ impl Pareto {
         context: &Context<'_>,
     ) -> Result<Option<(Measured, CheckedRecord)>, RunError> {
         let seed = plan.seed.wrapping_add(FURTHER_SEED);
-        let plan = Plan { view: ViewRequest::Other(Box::new(plan.view.clone())), seed, ..plan.clone() };
+        let ray_image = between_samples(plan.preset.ray_image, plan.preset.frame, CHECKED_PART);
+        let preset = RunPreset { ray_image, ..plan.preset };
+        let plan = Plan { preset, view: ViewRequest::Other(Box::new(plan.view.clone())), seed, ..plan.clone() };
         let Some(found) = self.place(index, &plan, points, context)? else { return Ok(None) };
         let viewpoint: ViewpointRecord = found.viewpoint.clone();
         Ok(Some((found, CheckedRecord { seed, viewpoint })))
@@ -298,6 +305,25 @@ impl Pareto {
             self.record.points[points[request]].skipped.insert(place.to_owned(), refusal.reason);
         }
     }
+}
+
+/// Ray sets that hit nothing from a viewpoint: there is no front over them.
+fn blind(found: &Measured, viewpoint: &ViewpointRecord) -> Vec<Skipped> {
+    let mut all: Vec<Skipped> = Vec::new();
+    for row in found.rows.iter().flatten() {
+        for trace in row.traces.iter().filter(|trace| field::sees_nothing(trace)) {
+            let reason = format!(
+                "no ray of it hits anything from viewpoint {}: nothing can be told by it; choose another one by --view",
+                viewpoint.name
+            );
+            let skipped =
+                Skipped { tracer: None, scene: row.scene.name.clone(), rays: Some(trace.rays.clone()), reason };
+            if !all.contains(&skipped) {
+                all.push(skipped);
+            }
+        }
+    }
+    all
 }
 
 /// Points that could not be measured, by place and reason; all of a tracer's as one.

@@ -89,11 +89,11 @@ pub fn chosen(fields: &[Field<'_>]) -> BTreeSet<usize> {
 /// What became of a chosen point elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Check {
-    /// It agrees there as often as it was chosen for.
+    /// It agrees there as often as it was chosen for: the whole interval does.
     Holds(Wrong),
-    /// It does not, by so many shares, and the interval of what it does holds what was asked for: so many rays cannot tell.
-    WithinNoise(Wrong, f64),
-    /// It does not, by so many shares.
+    /// The interval of what it does there contains what was asked for: so many rays cannot tell.
+    WithinNoise(Wrong),
+    /// It does not, by so many shares: not even the upper end of the interval does.
     Misses(Wrong, f64),
     /// It was not measured there.
     NotMeasured,
@@ -104,12 +104,12 @@ pub fn check(elsewhere: &[Field<'_>], rays: &str, point: &FrontPoint, by: By, le
     let field = elsewhere.iter().find(|field| field.rays == rays);
     let entry = field.and_then(|field| field.entries.iter().find(|entry| entry.point == point));
     let Some(wrong) = entry.and_then(|entry| Wrong::of(entry.trace, by)) else { return Check::NotMeasured };
-    let right = 1.0 - wrong.share.value;
-    if meets(right, level) {
+    let [least, most] = [wrong.share.interval[1], wrong.share.interval[0]].map(|wrong| 1.0 - wrong);
+    if meets(least, level) {
         Check::Holds(wrong)
-    } else if meets(1.0 - wrong.share.interval[0], level) {
-        Check::WithinNoise(wrong, level - right)
+    } else if meets(most, level) {
+        Check::WithinNoise(wrong)
     } else {
-        Check::Misses(wrong, level - right)
+        Check::Misses(wrong, level - (1.0 - wrong.share.value))
     }
 }

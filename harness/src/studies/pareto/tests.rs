@@ -163,6 +163,8 @@ fn operating_points_are_the_cheapest() {
         check(&scene.elsewhere, "diffuse", &record.points[5], by, 0.999)
     };
     assert!(matches!(checked(1.0), Check::Holds(_)), "{:?}", checked(1.0));
+    // As many as were asked for are wrong: so many rays cannot tell.
+    assert!(matches!(checked(2.5), Check::WithinNoise(_)), "{:?}", checked(2.5));
     let Check::Misses(wrong, missed) = checked(40.0) else { panic!("{:?}", checked(40.0)) };
     assert!((missed - (wrong.share.value - 0.001)).abs() < 1e-12 && missed > 0.01);
     assert_eq!(check(&[], "diffuse", &record.points[5], by, 0.999), Check::NotMeasured);
