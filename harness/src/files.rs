@@ -3,6 +3,7 @@
 use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::{PoisonError, RwLock, RwLockWriteGuard};
 
 /// Why something could not be written. Every message names the file and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -81,8 +82,17 @@ pub(crate) fn json(what: &str, document: &impl serde::Serialize) -> Result<Vec<u
     Ok(json)
 }
 
+/// Held for reading while a file is written.
+static WRITING: RwLock<()> = RwLock::new(());
+
+/// Lets no file be begun while what is given is there; those that were begun are whole by then. For who ends the process.
+pub(crate) fn stop_writing() -> RwLockWriteGuard<'static, ()> {
+    WRITING.write().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Writes a file beside its place and renames it, so that readers see the old contents or the new, never a part.
 pub(crate) fn write(path: &Path, contents: &[u8]) -> Result<(), FileError> {
+    let _writing = WRITING.read().unwrap_or_else(PoisonError::into_inner);
     let fail = |source| FileError::Write { path: path.to_owned(), source };
     check_place(path).map_err(fail)?;
     // Of a link the target is written, and the link stays.

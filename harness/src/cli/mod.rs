@@ -19,6 +19,7 @@ mod pareto;
 mod reproduce;
 mod run;
 mod stability;
+mod stop;
 mod sweep;
 mod table;
 mod tune;
@@ -45,6 +46,9 @@ struct CommandLine {
     /// Show no progress.
     #[arg(long, global = true)]
     quiet: bool,
+    /// End when standard input does, which who starts this process holds open.
+    #[arg(long, global = true, hide = true)]
+    until_stdin_ends: bool,
     #[command(subcommand)]
     verb: Verb,
 }
@@ -136,6 +140,7 @@ pub fn main() -> ExitCode {
         }
     };
     let progress = Progress::new(command_line.quiet);
+    stop::watch(command_line.until_stdin_ends);
     let outcome = match &command_line.verb {
         Verb::Adapters(arguments) => list::adapters(arguments, &progress),
         Verb::List(arguments) => list::list(arguments),

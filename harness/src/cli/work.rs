@@ -7,7 +7,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::arguments::{Matter, WorkArguments};
-use super::{CliError, open_device};
+use super::{CliError, open_device, stop};
 use crate::machine;
 use crate::means;
 use crate::measure::{self, Context, Journal, RunError, records};
@@ -214,6 +214,7 @@ impl<'a> Bench<'a> {
             false => Journal::begin(&self.out.path, &words, &machine, self.means.as_ref()),
         };
         let journal = begun.map_err(|error| CliError::Run(error.into())).inspect_err(|_| self.out.abandon())?;
+        stop::keeps(Some(self.out.kept(self.arguments.out.is_some())));
         // Held until the work is done.
         let _turn = (self.clock == Clock::Timed).then(wait_for_turn);
         let cache = Cache::of_user();
@@ -239,6 +240,7 @@ impl<'a> Bench<'a> {
         say_skipped(&run.skipped, progress);
         report::write_run(&run, &self.out.path, tables::of_run)?;
         journal.finish();
+        stop::keeps(None);
         Ok(run)
     }
 }
@@ -314,6 +316,11 @@ impl OutputFolder {
             }
         }
         Err(CliError::Other(format!("{} is full of runs of this second", parent.path.display())))
+    }
+
+    /// What is told of it if the process is ended; `named` if it was given.
+    pub(super) fn kept(&self, named: bool) -> stop::Kept {
+        stop::Kept { folder: self.path.clone(), named, made: self.made.clone() }
     }
 
     /// A run that failed before anything ended leaves nothing; a folder that is not empty stays, whatever happens here.

@@ -227,25 +227,38 @@ impl Journal {
         Ok(files::write(&folder.join(&file), &files::json(&file, &ended)?)?)
     }
 
-    /// Takes it away: everything stands in the record now.
-    pub fn finish(&self) {
-        if let Some(folder) = &self.folder {
-            let ended = folder.with_file_name(ENDED);
-            // One that cannot be removed is in nobody's way.
-            let _ = fs::remove_dir_all(&ended);
-            let _ = fs::rename(folder, &ended);
-            let _ = fs::remove_dir_all(&ended);
-        }
+    /// Whether another process measures into a folder of results.
+    pub fn is_busy(results: &Path) -> bool {
+        let file = File::options().write(true).open(results.join(FOLDER).join(LOCK));
+        file.is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
     }
 
-    /// Whether any race has ended: of places alone nothing was measured.
+    /// Takes it away: everything stands in the record now.
+    pub fn finish(&self) {
+        self.results().into_iter().for_each(Self::take_away);
+    }
+
+    /// Takes away what is in a folder of results.
+    pub fn take_away(results: &Path) {
+        let (folder, ended) = (results.join(FOLDER), results.join(ENDED));
+        // One that cannot be removed is in nobody's way.
+        let _ = fs::remove_dir_all(&ended);
+        let _ = fs::rename(folder, &ended);
+        let _ = fs::remove_dir_all(&ended);
+    }
+
+    /// Whether any race has ended.
     pub fn holds(&self) -> bool {
+        self.results().is_some_and(Self::holds_in)
+    }
+
+    /// Whether any race has ended in a folder of results: of places alone nothing was measured.
+    pub fn holds_in(results: &Path) -> bool {
         let is_race = |entry: fs::DirEntry| {
             let name = entry.file_name().to_string_lossy().into_owned();
             ![PLAN, LOCK].contains(&&*name) && !name.ends_with("-place.json")
         };
-        let races = |folder: &PathBuf| fs::read_dir(folder).into_iter().flatten().flatten().any(is_race);
-        self.folder.as_ref().is_some_and(races)
+        fs::read_dir(results.join(FOLDER)).into_iter().flatten().flatten().any(is_race)
     }
 
     /// Takes it away if no race has ended yet.

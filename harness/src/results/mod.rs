@@ -137,6 +137,20 @@ fn first_controls() -> Vec<String> {
 }
 
 impl Run {
+    /// The verb that has measured it.
+    pub fn verb(&self) -> &'static str {
+        let sections = [
+            ("tune", self.tuning.is_some()),
+            ("stability", self.cases.is_some()),
+            ("explain", self.explanation.is_some()),
+            ("pareto", self.pareto.is_some()),
+            ("need", self.need.is_some()),
+            ("table", self.updates.is_some() || self.table.is_some()),
+            ("sweep", self.sweep.is_some()),
+        ];
+        sections.into_iter().find(|(_, is_there)| *is_there).map_or("run", |(verb, _)| verb)
+    }
+
     /// Whether it is of a kind that takes no times: its rows have no samples.
     pub fn is_untimed(&self) -> bool {
         self.tuning.is_some() || self.cases.is_some() || self.explanation.is_some()

@@ -11,6 +11,7 @@ mod reproductions;
 mod resume;
 mod runs;
 mod stability;
+mod stops;
 mod surfaces;
 mod sweeps;
 mod tables;

@@ -52,7 +52,7 @@ fn content(run: &Value) -> BTreeMap<String, String> {
 }
 
 /// The races that have ended in a folder, with their contents.
-fn races(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+pub(super) fn races(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let is_race = |name: &String| name.contains("-rays-") || name.contains("-builds");
     let folder = folder.join("races");
     names(&folder)

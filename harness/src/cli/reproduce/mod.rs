@@ -2,11 +2,10 @@
 
 mod page;
 mod steps;
+mod turn;
 
-use std::fs::File;
-use std::io::{Read as _, Seek as _, SeekFrom};
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -14,14 +13,14 @@ use serde::{Deserialize, Serialize};
 
 use super::output::print;
 use super::work::OutputFolder;
-use super::{CliError, page as html};
+use super::{CliError, page as html, stop};
 use crate::files;
 use crate::means;
-use crate::measure::Journal;
 use crate::plan::RUN_PRESETS;
-use crate::progress::Progress;
+use crate::progress::{self, Progress};
 use crate::report;
 use steps::Step;
+use turn::{Turn, wait_while};
 
 #[derive(Args)]
 pub(super) struct ReproduceArguments {
@@ -65,7 +64,7 @@ fn budget(text: &str) -> Result<Budget, String> {
 enum State {
     /// All of it was measured.
     Done,
-    /// It was out of time; what had ended is kept, and `--resume` goes on with it.
+    /// It was out of time or stopped; what had ended is kept, and `--resume` goes on with it.
     BrokenOff,
     /// It ended otherwise than well, for this reason; what it wrote is there.
     Failed(String),
@@ -103,9 +102,6 @@ const MOST_REPORT: Duration = Duration::from_secs(15);
 /// How long pages may be behind what was measured: whoever breaks off has those of the steps until then.
 const PAGES_EVERY: Duration = Duration::from_secs(120);
 
-/// How often it is asked whether a step has ended.
-const PATIENCE: Duration = Duration::from_millis(50);
-
 pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> Result<(), CliError> {
     let begun = Instant::now();
     let whole = arguments.budget == Budget::Whole;
@@ -126,52 +122,76 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
         Budget::Within(time) => Some(begun + time - MOST_REPORT.min(time.mul_f64(REPORT_SHARE))),
         Budget::Whole => None,
     };
+    let is_over = || ends.is_some_and(|ends| Instant::now() >= ends);
+    stop::take_over();
+    // Held until all is written.
+    let _own = own(&out.path, progress)?;
     let earlier = if arguments.resume { Some(read(&out.path)?) } else { None };
     let preset = preset_of(arguments.preset.as_deref(), earlier.as_ref(), &out.path)?;
     let all = with_preset(steps::steps(whole), preset.as_deref());
     let before = earlier.map_or_else(Vec::new, |earlier| earlier.steps);
-    let mut found = Reproduction { preset, steps: Vec::new() };
-    let mut pages_written: Option<Instant> = None;
     // There from the start: what is broken off in the first step can be gone on with.
-    write(&out.path, &Reproduction { preset: found.preset.clone(), steps: rest_of(&all, &before) })?;
+    let mut found = Reproduction { preset, steps: rest_of(&all, &before) };
+    write(&out.path, &found)?;
+    let mut pages_written: Option<Instant> = None;
+    let mut busy = None;
     for (index, step) in all.iter().enumerate() {
         // What was broken off, failed or was left out has another turn.
-        let earlier = before.iter().find(|one| one.arguments == step.arguments);
-        let taken = match earlier {
-            Some(earlier) if earlier.state == State::Done => earlier.clone(),
-            _ => {
-                let words = step.arguments.join(" ");
-                let took_s = earlier.map_or(0.0, |earlier| earlier.took_s);
-                let (state, seconds) = if ends.is_some_and(|ends| Instant::now() >= ends) {
-                    (State::LeftOut, 0.0)
-                } else {
-                    let passed = begun.elapsed().as_secs();
-                    progress.say(&format!("{} of {}, after {passed} s: {words}", index + 1, all.len()));
-                    take(step, &out.path, ends)?
-                };
-                // A step that was begun stays so, whether or not it had another turn.
-                let state = match earlier.map(|earlier| &earlier.state) {
-                    Some(before @ (State::BrokenOff | State::Failed(_))) if state == State::LeftOut => before.clone(),
-                    _ => state,
-                };
-                Taken { name: step.name.clone(), arguments: step.arguments.clone(), state, took_s: took_s + seconds }
-            }
+        let state = found.steps[index].state.clone();
+        if state == State::Done || is_over() || stop::asked() {
+            continue;
+        }
+        // Whoever ends this process now leaves a step that was begun.
+        if state == State::LeftOut {
+            found.steps[index].state = State::BrokenOff;
+            write(&out.path, &found)?;
+        }
+        let turn = Turn { step, folder: out.path.join(&step.name), ends, means: means_of(&out.path), progress };
+        let passed = begun.elapsed().as_secs();
+        let what = format!("{} of {}, after {passed} s: {}", index + 1, all.len(), step.arguments.join(" "));
+        let Some((now, seconds)) = turn.take(&state, &what)? else {
+            found.steps[index].state = state;
+            write(&out.path, &found)?;
+            busy = Some(turn.folder);
+            break;
         };
-        found.steps.push(taken);
-        // What was not reached yet is kept as it was left.
-        let steps = found.steps.iter().cloned().chain(rest_of(&all[index + 1..], &before)).collect();
-        let so_far = Reproduction { preset: found.preset.clone(), steps };
-        write(&out.path, &so_far)?;
-        let is_over = ends.is_some_and(|ends| Instant::now() >= ends);
-        if !is_over && pages_written.is_none_or(|written| written.elapsed() >= PAGES_EVERY) {
-            pages(&so_far, &out.path, begun.elapsed(), &Progress::new(true))?;
+        found.steps[index].state = now;
+        found.steps[index].took_s += seconds;
+        write(&out.path, &found)?;
+        if !is_over() && !stop::asked() && pages_written.is_none_or(|written| written.elapsed() >= PAGES_EVERY) {
+            pages(&found, &out.path, begun.elapsed(), &Progress::new(true))?;
             pages_written = Some(Instant::now());
         }
     }
+    let stopped = stop::hand_back();
     for path in pages(&found, &out.path, begun.elapsed(), progress)? {
         print(&format!("{}\n", path.display()))?;
     }
-    outcome(&found)
+    if let Some(signal) = stopped {
+        progress::to_stderr(&stop::kept_line(&out.kept(arguments.out.is_some())));
+        stop::end(signal);
+    }
+    match busy {
+        Some(folder) => Err(CliError::Other(format!(
+            "another process still measures into {}; wait for it or end it, then go on with --resume",
+            folder.display()
+        ))),
+        None => outcome(&found),
+    }
+}
+
+/// Keeps other reproductions out of a folder; one that is about to end is waited for.
+fn own(out: &Path, progress: &Progress) -> Result<Option<File>, CliError> {
+    // A system that opens no folders, or has no locks, keeps nobody out.
+    let Ok(folder) = File::open(out) else { return Ok(None) };
+    let is_taken = || matches!(folder.try_lock(), Err(TryLockError::WouldBlock));
+    match wait_while(is_taken, out, None, progress) {
+        true => Ok(Some(folder)),
+        false => Err(CliError::Other(format!(
+            "another reproduction measures into {}; wait for it, or choose another folder with --out",
+            out.display()
+        ))),
+    }
 }
 
 /// Writes the list of steps, and the one page of what was measured of them, if anything was.
@@ -235,40 +255,6 @@ fn with_preset(mut steps: Vec<Step>, preset: Option<&str>) -> Vec<Step> {
     steps
 }
 
-/// Measures a step by this program, until it ends or is out of time; with the seconds that it took.
-fn take(step: &Step, out: &Path, ends: Option<Instant>) -> Result<(State, f64), CliError> {
-    let begun = Instant::now();
-    let folder = out.join(&step.name);
-    let failed = |what: &str, error: std::io::Error| CliError::Other(format!("cannot {what}: {error}"));
-    let program = std::env::current_exe().map_err(|error| failed("find this program", error))?;
-    let mut errors = tempfile::tempfile().map_err(|error| failed("keep what a step says", error))?;
-    let told = errors.try_clone().map_err(|error| failed("keep what a step says", error))?;
-    let mut command = Command::new(program);
-    command.arg("--quiet").args(&step.arguments).arg("--out").arg(&folder);
-    if Journal::is_in(&folder) {
-        command.arg("--resume");
-    }
-    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(told);
-    if let Some(means) = means_of(out) {
-        command.env(means::VARIABLE, means);
-    }
-    let mut child = command.spawn().map_err(|error| failed("start this program once more", error))?;
-    let state = loop {
-        match child.try_wait().map_err(|error| failed("wait for a step", error))? {
-            Some(status) if status.success() => break State::Done,
-            Some(_) => break State::Failed(last_line(&mut errors)),
-            None if ends.is_some_and(|ends| Instant::now() >= ends) => {
-                // It may have ended just now: then there is nothing to end.
-                let _ = child.kill();
-                let ended = child.wait().map_err(|error| failed("end a step", error))?;
-                break if ended.success() { State::Done } else { State::BrokenOff };
-            }
-            None => std::thread::sleep(PATIENCE),
-        }
-    };
-    Ok((state, begun.elapsed().as_secs_f64()))
-}
-
 /// The means of the first step that has ended: all others take the same, and none probes again.
 fn means_of(out: &Path) -> Option<String> {
     if std::env::var_os(means::VARIABLE).is_some_and(|text| !text.is_empty()) {
@@ -279,14 +265,6 @@ fn means_of(out: &Path) -> Option<String> {
     done.filter_map(|one| report::read_run(&out.join(&one.name)).ok()?.provenance.means)
         .map(|record| record.means.words())
         .next()
-}
-
-fn last_line(errors: &mut File) -> String {
-    let mut text = Vec::new();
-    let read = errors.seek(SeekFrom::Start(0)).and_then(|_| errors.read_to_end(&mut text));
-    let text = String::from_utf8_lossy(&text);
-    let line = text.lines().rev().find(|line| !line.trim().is_empty()).filter(|_| read.is_ok());
-    line.map_or_else(|| "it said nothing".to_owned(), |line| line.trim_start_matches("error: ").to_owned())
 }
 
 fn write(out: &Path, found: &Reproduction) -> Result<(), CliError> {

@@ -41,7 +41,7 @@ fn text(found: &Reproduction, out: &str, took: Duration, pages: impl Fn(&Taken) 
         .told("step", |step| step.name.clone())
         .told("state", |step| match &step.state {
             State::Done => "measured".to_owned(),
-            State::BrokenOff => "out of time, gone on with by `--resume`".to_owned(),
+            State::BrokenOff => "broken off, gone on with by `--resume`".to_owned(),
             State::Failed(reason) => format!("failed: {reason}"),
             State::LeftOut => "left out".to_owned(),
         })
@@ -54,7 +54,7 @@ fn text(found: &Reproduction, out: &str, took: Duration, pages: impl Fn(&Taken) 
     let (left, taken): (Vec<&Taken>, _) = found.steps.iter().partition(|step| step.state == State::LeftOut);
     text += &sheet.markdown(&taken);
     if !left.is_empty() {
-        text += "\n## Left out\n\nThere was no time for these. With more of it `reproduce` goes on:\n\n```sh\n";
+        text += "\n## Left out\n\nThese were not reached. With more time `reproduce` goes on:\n\n```sh\n";
         let _ = writeln!(text, "tracebench reproduce --out {out} --resume --budget 1h\n```\n");
         for step in left {
             let _ = writeln!(text, "- {}: {}", step.name, command(step));
@@ -91,7 +91,7 @@ mod tests {
         let line = |name: &str| text.lines().find(|line| line.contains(name)).unwrap().to_owned();
         assert!(line("| first").contains("measured | 2 | [first.md](first/first.md)"), "{text}");
         assert!(line("| second").contains("no \\| room"), "{text}");
-        assert!(line("| third").contains("out of time"));
+        assert!(line("| third").contains("broken off"));
         let (before, after) = text.split_once("## Left out").unwrap();
         assert!(
             after.contains("- fourth: `tracebench table fourth`")
