@@ -238,3 +238,25 @@ fn choice_of_scene() {
     doc.json.as_object_mut().unwrap().remove("scenes");
     assert_eq!(doc.import().unwrap().mesh.triangles.len(), 6);
 }
+
+/// Proves that a scene of which f32 keeps few steps, since it is far from the origin for its size, says how many and what to do, and that one
+/// which is as far but larger, or as small but near, says nothing.
+#[test]
+fn far_scenes_say_what_is_left_of_them() {
+    for (scale, offset, steps) in
+        [(1.0_f32, 1e7_f32, Some("keep only 1 steps")), (1.0, 0.0, None), (1e6, 1e7, None), (1e-6, 0.0, None)]
+    {
+        let mut doc = Doc::new();
+        let square = SQUARE.map(|corner| corner.map(|at| at * scale + offset));
+        let positions = doc.positions(&square);
+        let indices = doc.indices(&[0, 1, 2, 0, 2, 3], 5121);
+        doc.mesh(json!([{"attributes": {"POSITION": positions}, "indices": indices}]));
+        let warnings = doc.import().unwrap().notes.warnings;
+        match steps {
+            Some(steps) => {
+                assert!(warnings[0].contains(steps) && warnings[0].contains("towards the origin"), "{warnings:?}");
+            }
+            None => assert_eq!(warnings, Vec::<String>::new(), "{scale} {offset}"),
+        }
+    }
+}

@@ -16,6 +16,7 @@ mod rounds;
 mod run;
 mod scene;
 pub mod session;
+mod sound;
 mod tracing;
 mod trial;
 mod twice;

@@ -13,7 +13,7 @@ use super::place::{Effort, Film, Refusal, Request};
 use super::records;
 use super::rounds::Rounds;
 use super::session::{Session, SessionError};
-use super::{Contender, RunError};
+use super::{Contender, RunError, sound};
 use crate::plan::{Resolution, TracerRequest};
 use crate::progress::Progress;
 use crate::results::{BuildRecord, MemoryRecord, RaceRecord, Sampling};
@@ -326,13 +326,8 @@ impl<'a> Race<'a> {
             let before: Vec<bool> = self.lanes.iter().map(|lane| lane.out.is_none()).collect();
             let session = self.session;
             let statistics = self.attempt(stall, |one| {
-                let found = one.contender.structure()?.validate(session.geometry())?;
-                match found.iter().find(|(_, value)| !value.is_finite()) {
-                    Some((name, value)) => {
-                        Err(TracerError::Failed(format!("its structure says that {name} is {value}")))
-                    }
-                    None => Ok(found.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()),
-                }
+                let found = sound::statistics(one.contender.structure()?, session.geometry())?;
+                Ok(found.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
             });
             self.stalls[stall].statistics = statistics.unwrap_or_default();
             // What is unsound is so with or without others beside it.

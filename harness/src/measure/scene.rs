@@ -94,6 +94,9 @@ pub fn prepare(
     progress: &Progress,
 ) -> Result<LoadedScene, RunError> {
     progress.say(&format!("scene {}: {} triangles", scene.name, scene.mesh.triangles.len()));
+    for warning in &scene.notes.warnings {
+        progress.say(&format!("  warning: {warning}"));
+    }
     let gpu = device.as_ref().ok();
     let record = records::scene_record(&scene);
     progress.say("  ground truth");

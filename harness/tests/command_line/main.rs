@@ -3,6 +3,7 @@
 mod clock;
 mod compare;
 mod docs;
+mod far;
 mod fronts;
 mod pages;
 mod papers;

@@ -10,6 +10,7 @@ mod degenerate;
 mod document;
 mod elements;
 mod extensions;
+mod far;
 mod form;
 mod gather;
 mod geometry;
@@ -31,6 +32,8 @@ use self::motion::Motion;
 use self::strip::Facts;
 use crate::error::SceneError;
 use crate::scene::{ImportNotes, Origin, Scene};
+
+pub use self::far::is_far;
 
 /// Most triangles of an imported scene, each mesh counted once for every node that holds it.
 pub const MAX_TRIANGLES: u64 = 50_000_000;
@@ -87,6 +90,7 @@ fn name_of(path: &Path) -> String {
 ///   reverses the winding, so that the outside stays outside.
 /// - Triangles of exactly zero area are dropped and counted, duplicates are kept and counted. Only vertices of kept
 ///   triangles are kept and looked at.
+/// - A scene so far from the origin that f32 has few places for its vertices is told of by a warning.
 /// - Skins and morph targets move vertices, and the first animation plays: [`Scene::animation`]. The mesh is the state
 ///   at time 0, and the triangles that are dropped are those that have zero area then.
 /// - Of materials only base colour, metallic and roughness factors are kept. Images are never read.
@@ -133,6 +137,8 @@ fn import_labelled(bytes: &[u8], base_dir: Option<&Path>, name: &str, label: &st
              scale the scene up"
         )));
     }
+    let greatest = scene.bounds_min.iter().chain(&scene.bounds_max).fold(0.0, |most: f32, at| most.max(at.abs()));
+    scene.notes.warnings.extend(far::warning(diagonal, f64::from(greatest)));
     scene.animation = duration_s.map(|duration_s| {
         Motion { label: label.to_owned(), bytes: bytes.into_owned(), rig, parts, instances, sources }
             .animation(duration_s)
