@@ -28,6 +28,10 @@ pub(super) fn write(file: &Path, paths: &[PathBuf], progress: &Progress) -> Resu
             return Err(CliError::Argument(format!("{}: it is given twice", path.display())));
         }
         known.push(place);
+        for name in reports::kept::others(path, &run) {
+            progress
+                .say(&format!("left out: {name} beside {} is not the picture that its record names", path.display()));
+        }
         records.push((path.display().to_string(), run));
     }
     if records.is_empty() {

@@ -16,6 +16,7 @@ pub(crate) mod fixture;
 pub(crate) mod format;
 pub(crate) mod group;
 mod html;
+pub(crate) mod kept;
 pub(crate) mod markdown;
 pub(crate) mod means;
 pub(crate) mod metrics;
@@ -57,6 +58,7 @@ use crate::files;
 use crate::results::{FrontScene, PICTURES_FOLDER, Run, SCHEMA};
 use crate::studies::stability::Stability;
 use crate::studies::tune::Tuning;
+use kept::Kept;
 
 /// The file that holds everything.
 pub const RUN_FILE: &str = "run.json";
@@ -93,11 +95,13 @@ pub fn write_run(run: &Run, directory: &Path, tables: Tables) -> Result<Vec<Path
 /// # Errors
 /// If the folder or a file cannot be written.
 pub fn take_pictures(run: &Run, from: &[PathBuf], directory: &Path) -> Result<(), ReportError> {
-    let folders = from.iter().map(|path| if path.is_dir() { path.as_path() } else { path.parent().unwrap_or(path) });
-    let folders: Vec<PathBuf> = folders.map(|folder| folder.join(PICTURES_FOLDER)).collect();
     let into = directory.join(PICTURES_FOLDER);
     for name in run.pareto.iter().flat_map(|record| &record.scenes).flat_map(FrontScene::picture_files) {
-        if let Some(bytes) = folders.iter().find_map(|folder| fs::read(folder.join(name)).ok()) {
+        let found = from.iter().find_map(|record| match kept::picture(record, name) {
+            Kept::Picture(bytes) => Some(bytes),
+            _ => None,
+        });
+        if let Some(bytes) = found {
             files::create_directory(&into)?;
             files::write(&into.join(name), &bytes)?;
         }

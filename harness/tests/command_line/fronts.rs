@@ -152,7 +152,16 @@ fn shards_of_fronts_are_joined() {
     let page = bench.call(&["report", "--html", "page.html", "both"]);
     assert_eq!(page.status, 0, "{page:?}");
     // Of each scene truth, and answer, class and error of its point.
-    assert_eq!(std::fs::read_to_string(bench.path("page.html")).unwrap().matches("<img ").count(), 8);
+    let page = || std::fs::read_to_string(bench.path("page.html")).unwrap();
+    assert_eq!(page().matches("<img ").count(), 8);
+    // One that is another picture now is left out with its point, and named.
+    let set = &both["pareto"]["scenes"][0]["pictures"][0];
+    let [class, answer] = ["class", "answer"].map(|what| set["points"][0][what].as_str().unwrap());
+    std::fs::copy(bench.path("both/pictures").join(answer), bench.path("both/pictures").join(class)).unwrap();
+    let outcome = bench.call(&["report", "--html", "page.html", "both"]);
+    assert!(outcome.status == 0 && outcome.stderr.contains(&format!("left out: {class} beside both")), "{outcome:?}");
+    assert_eq!(page().matches("<img ").count(), 4);
+    assert!(page().contains(&format!("not the pictures that the record names: <code>{class}</code>")));
 }
 
 /// Proves that needs are measured from both viewpoints, that the page and the table are there, and that `report` makes the same files.

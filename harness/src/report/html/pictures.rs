@@ -1,18 +1,19 @@
 //! Pictures of what points on fronts answer: truth, answer, class and error in one place, switched there. They are files beside the
 //! record; where one is missing or is not what its name says, it is not shown.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use data_encoding::BASE64;
 use tracebench_api::Query;
 
 use super::Place;
 use super::pieces::{Piece, Rank, Tags, escape};
-use crate::hash::sha256_of;
 use crate::picture::painted::{ERROR_DECADES, class_legend};
 use crate::report::format::significant;
-use crate::results::{PICTURES_FOLDER, PointPictures, SetPictures};
+use crate::report::kept::{self, Kept};
+use crate::results::{PointPictures, Run, SetPictures};
 
 /// Names of what can be shown of a point, beside truth.
 const OF_A_POINT: [&str; 3] = ["answer", "class", "error"];
@@ -28,18 +29,28 @@ pub(super) fn pictures(places: &[Place<'_>], machines: &[String]) -> Vec<Piece> 
             tags: place.tags().text(),
         })
     };
-    places.iter().enumerate().filter_map(piece).collect()
+    places.iter().enumerate().filter_map(piece).chain(others(places)).collect()
 }
 
 /// A file beside a record as an address that holds it, if it is what its name says.
 fn address(record: &str, name: &str) -> Option<String> {
-    let path = Path::new(record);
-    let folder: PathBuf = if path.is_dir() { path.to_owned() } else { path.parent()?.to_owned() };
-    // A record names files of that folder alone.
-    let hash =
-        name.strip_suffix(".png").filter(|hash| !hash.is_empty() && hash.bytes().all(|c| c.is_ascii_hexdigit()))?;
-    let bytes = std::fs::read(folder.join(PICTURES_FOLDER).join(name)).ok()?;
-    sha256_of(&bytes).starts_with(hash).then(|| format!("data:image/png;base64,{}", BASE64.encode(&bytes)))
+    match kept::picture(Path::new(record), name) {
+        Kept::Picture(bytes) => Some(format!("data:image/png;base64,{}", BASE64.encode(&bytes))),
+        _ => None,
+    }
+}
+
+/// A word on files that are not the pictures after which they are named.
+fn others(places: &[Place<'_>]) -> Option<Piece> {
+    let records: BTreeMap<&str, &Run> = places.iter().map(|place| (place.read.path, &*place.read.run)).collect();
+    let all: BTreeSet<String> =
+        records.into_iter().flat_map(|(path, run)| kept::others(Path::new(path), run)).collect();
+    let names: Vec<String> = all.iter().map(|name| format!("<code>{}</code>", escape(name))).collect();
+    let text = format!(
+        "<p>Left out, since these files are not the pictures that the record names: {}.</p>\n",
+        names.join(", ")
+    );
+    (!names.is_empty()).then_some(Piece::Fixed(text))
 }
 
 fn figure(number: usize, place: &Place<'_>, set: &SetPictures, machine: &str) -> Option<String> {
