@@ -27,8 +27,24 @@ pub enum ReportError {
         /// Why.
         source: io::Error,
     },
+    /// A compressed file that is damaged, or only the beginning of one.
+    #[error("cannot unpack {}: {source}; it is damaged or cut short: copy it once more, or run again", path.display())]
+    Packed {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// What no run can have come to.
+    #[error("{} is no record of a run: {reason}; it was changed or made by something else: run again", path.display())]
+    Unmeasured {
+        /// The file.
+        path: PathBuf,
+        /// What it says.
+        reason: String,
+    },
     /// A file that is not JSON, or only the beginning of it.
-    #[error("{} is not a whole JSON document (truncated, or not a {file}): {source}", path.display())]
+    #[error("{} is not a whole JSON document (truncated, or not a {file}): {source}; copy it once more, or run again", path.display())]
     NotJson {
         /// The file.
         path: PathBuf,

@@ -90,7 +90,7 @@ pub fn write_run(run: &Run, directory: &Path, tables: Tables) -> Result<Vec<Path
     Ok(paths)
 }
 
-/// Takes the pictures that a record names from beside other records, as far as they are there.
+/// Takes the pictures that a record names from beside other records, as far as they are there and what they are called.
 ///
 /// # Errors
 /// If the folder or a file cannot be written.
@@ -247,7 +247,8 @@ fn read(path: &Path, file: &'static str, wanted: u32) -> Result<Run, ReportError
     let mut text = fs::read(&path).map_err(fail)?;
     if text.starts_with(&GZIP) {
         let mut plain = Vec::new();
-        MultiGzDecoder::new(&text[..]).read_to_end(&mut plain).map_err(fail)?;
+        let unpacked = MultiGzDecoder::new(&text[..]).read_to_end(&mut plain);
+        unpacked.map_err(|source| ReportError::Packed { path: path.clone(), source })?;
         text = plain;
     }
     let value: serde_json::Value =
@@ -258,7 +259,16 @@ fn read(path: &Path, file: &'static str, wanted: u32) -> Result<Run, ReportError
         Some(schema) => return Err(ReportError::Schema { path, found: schema.to_string(), wanted }),
         None => return Err(ReportError::NoSchema { path, file }),
     }
-    serde_json::from_value(value).map_err(|source| ReportError::NotAsSaid { path, file, wanted, source })
+    let run: Run = serde_json::from_value(value).map_err(|source| ReportError::NotAsSaid {
+        path: path.clone(),
+        file,
+        wanted,
+        source,
+    })?;
+    match run.fault() {
+        None => Ok(run),
+        Some(reason) => Err(ReportError::Unmeasured { path, reason }),
+    }
 }
 
 /// What a compressed file begins with (RFC 1952).

@@ -8,6 +8,7 @@
 
 mod cases;
 mod explanation;
+mod fault;
 mod judgement;
 mod key;
 mod means;

@@ -4,6 +4,7 @@ mod clock;
 mod compare;
 mod docs;
 mod far;
+mod faults;
 mod fronts;
 mod pages;
 mod papers;

@@ -1,0 +1,48 @@
+//! What no measurement can have come to, whoever wrote it into a record.
+
+use super::{Judgement, Run, Times, TracerRun};
+
+impl Run {
+    /// Why the record is none of a run, if it is none: without rows, with a share outside of 0 to 1, or with a time below zero.
+    pub fn fault(&self) -> Option<String> {
+        // Of a shard another one may have all rows; where cases were asked, a tracer may have been there for none.
+        if self.runs.is_empty() && self.provenance.shard.is_none() && self.cases.is_none() {
+            return Some("it has no rows (`runs` is empty)".to_owned());
+        }
+        [&self.runs, &self.controls, &self.anchors].into_iter().flatten().find_map(of_row)
+    }
+}
+
+fn of_row(row: &TracerRun) -> Option<String> {
+    let place = format!("{} in {}", row.tracer.name, row.scene.name);
+    if let Some(time) = below_zero(&row.build.times).or(Some(row.build.setup_ms).filter(|time| !is_time(*time))) {
+        return Some(format!("{place}: a build took {time} ms"));
+    }
+    row.traces.iter().find_map(|trace| {
+        let place = format!("{place}, {}", trace.rays);
+        if let Some(time) = below_zero(&trace.times) {
+            return Some(format!("{place}: a trace took {time} ms"));
+        }
+        let share = shares(&trace.judgement).into_iter().flatten().find(|share| !(0.0..=1.0).contains(share))?;
+        Some(format!("{place}: {share} is a share of right answers, and no number from 0 to 1"))
+    })
+}
+
+fn is_time(time: f64) -> bool {
+    time >= 0.0
+}
+
+fn below_zero(times: &Times) -> Option<f64> {
+    let Times { samples_ms, median_ms, submit_to_done_samples_ms, .. } = times;
+    let all = samples_ms.iter().chain([median_ms]).chain(submit_to_done_samples_ms);
+    all.copied().find(|time| !is_time(*time))
+}
+
+fn shares(judgement: &Judgement) -> [Option<f64>; 3] {
+    match judgement {
+        Judgement::Closest(closest) => {
+            [closest.agreement.hit_miss, closest.agreement.tight, closest.agreement.footprint]
+        }
+        Judgement::Any(any) => [any.occlusion.balanced_accuracy, None, None],
+    }
+}

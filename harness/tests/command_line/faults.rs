@@ -1,0 +1,36 @@
+//! Records that nothing can have measured.
+
+use super::*;
+
+/// Proves that a record which no run can have come to is refused, wherever records are read, and one that is cut short with what to do.
+#[test]
+fn records_that_nothing_measured() {
+    let bench = Bench::new();
+    let run = bench.run(&["--tracer", "bvh-cpu", "--rays", "primary", "--samples", "1"], "out");
+    let change = |path: &str, value: Value| {
+        let mut run = run.clone();
+        *run.pointer_mut(path).unwrap() = value;
+        std::fs::write(bench.path("changed.json"), run.to_string()).unwrap();
+    };
+    change("/seed", json!(2));
+    assert_eq!(bench.call(&["report", "changed.json"]).status, 0, "the change of nothing that matters");
+    let agreement = "/runs/0/traces/0/judgement/agreement/footprint";
+    for (path, value, part) in [
+        ("/runs", json!([]), "no rows"),
+        (agreement, json!(1.5), "bvh-cpu in room, primary: 1.5 is a share"),
+        (agreement, json!(-0.1), "-0.1 is a share"),
+        ("/runs/0/traces/0/median_ms", json!(-3.0), "a trace took -3 ms"),
+        ("/runs/0/build/samples_ms/0", json!(-3.0), "a build took -3 ms"),
+    ] {
+        change(path, value);
+        for words in [&["report", "changed.json"][..], &["compare", "out", "changed.json"]] {
+            bench.fails(words, 1, &["changed.json is no record of a run", part, "run again"]);
+        }
+    }
+    let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    std::io::Write::write_all(&mut packer, run.to_string().as_bytes()).unwrap();
+    let packed = packer.finish().unwrap();
+    std::fs::create_dir(bench.path("cut")).unwrap();
+    std::fs::write(bench.path("cut/run.json.gz"), &packed[..packed.len() / 2]).unwrap();
+    bench.fails(&["report", "cut"], 1, &["cannot unpack cut/run.json.gz", "run again"]);
+}
