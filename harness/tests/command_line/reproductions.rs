@@ -55,4 +55,15 @@ fn what_cannot_be_reproduced_is_refused() {
         assert_eq!(outcome.status, status, "{words:?}: {outcome:?}");
         assert!(outcome.stderr.contains(part), "{words:?}: {outcome:?}");
     }
+    // A list that cannot be read, and what another verb measured.
+    std::fs::create_dir(bench.path("broken")).unwrap();
+    for text in ["{\"preset\":", "{\"preset\": null}"] {
+        std::fs::write(bench.path("broken/reproduce.json"), text).unwrap();
+        let words = ["reproduce", "--out", "broken", "--resume"];
+        bench.fails(&words, 1, &["cannot read broken/reproduce.json", "remove it and leave --resume out"]);
+    }
+    bench.run(&["--tracer", "bvh-cpu", "--rays", "primary", "--samples", "1"], "run");
+    let there = names(&bench.path("run"));
+    bench.fails(&["reproduce", "--out", "run"], 2, &["run holds what `run` measured", "--out"]);
+    assert_eq!(names(&bench.path("run")), there);
 }

@@ -16,9 +16,10 @@ use super::work::OutputFolder;
 use super::{CliError, page as html, stop};
 use crate::files;
 use crate::means;
+use crate::measure::Journal;
 use crate::plan::RUN_PRESETS;
 use crate::progress::{self, Progress};
-use crate::report;
+use crate::report::{self, ReportError};
 use steps::Step;
 use turn::{Turn, wait_while};
 
@@ -115,7 +116,12 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
                 path.display()
             )));
         }
-        Some(path) => OutputFolder::open(path)?,
+        Some(path) => {
+            if !arguments.resume {
+                refuse_another(path)?;
+            }
+            OutputFolder::open(path)?
+        }
         None => OutputFolder::fresh()?,
     };
     let ends = match arguments.budget {
@@ -178,6 +184,17 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
         ))),
         None => outcome(&found),
     }
+}
+
+/// Refuses a folder that another verb's results are in.
+fn refuse_another(out: &Path) -> Result<(), CliError> {
+    let what = match report::read_run(out) {
+        Ok(run) => format!("what `{}` measured", run.verb()),
+        Err(ReportError::Missing { .. }) if Journal::is_in(out) => "a run that was broken off".to_owned(),
+        Err(ReportError::Missing { .. }) => return Ok(()),
+        Err(_) => format!("a {}", report::RUN_FILE),
+    };
+    Err(CliError::Argument(format!("{} holds {what}: choose another folder with --out", out.display())))
 }
 
 /// Keeps other reproductions out of a folder; one that is about to end is waited for.
@@ -275,7 +292,13 @@ fn write(out: &Path, found: &Reproduction) -> Result<(), CliError> {
 
 fn read(out: &Path) -> Result<Reproduction, CliError> {
     let path = out.join(FILE);
-    let broken = |reason: String| CliError::Other(format!("cannot read {}: {reason}", path.display()));
+    let broken = |reason: String| {
+        CliError::Other(format!(
+            "cannot read {}: {reason}; remove it and leave --resume out: what was measured below {} is kept and gone on with",
+            path.display(),
+            out.display()
+        ))
+    };
     let text = std::fs::read(&path).map_err(|error| broken(error.to_string()))?;
     serde_json::from_slice(&text).map_err(|error| broken(error.to_string()))
 }
