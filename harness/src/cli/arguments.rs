@@ -180,8 +180,14 @@ pub(super) struct PictureArguments {
     #[command(flatten)]
     pub common: CommonArguments,
     /// PNG file to write.
-    #[arg(long, value_name = "F.png")]
+    #[arg(long, value_name = "F.png", value_parser = png_file)]
     pub out: PathBuf,
+}
+
+fn png_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_png = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("png"));
+    is_png.then_some(path).ok_or_else(|| "a name that ends in .png: pictures are PNGs".to_owned())
 }
 
 fn interval(text: &str) -> Result<f64, String> {

@@ -156,14 +156,15 @@ fn outputs_that_cannot_be_written() {
     let picture = ["picture", "--scene", "room", "--tracer", "bvh-cpu", "--size", "8x8", "--out", "no/such/p.png"];
     bench.fails(&picture, 1, &["no/such/p.png"]);
     // Nothing but a regular file is replaced: with enough rights, /dev/null could be.
-    let folder = ["picture", "--scene", "room", "--tracer", "bvh-cpu", "--size", "8x8", "--out", "."];
+    std::fs::create_dir(bench.path("folder.png")).unwrap();
+    let folder = ["picture", "--scene", "room", "--tracer", "bvh-cpu", "--size", "8x8", "--out", "folder.png"];
     bench.fails(&folder, 1, &["no regular file"]);
     #[cfg(target_os = "linux")]
     {
-        let device = bench.path("device");
+        let device = bench.path("device.png");
         std::os::unix::fs::symlink("/dev/null", &device).unwrap();
-        let picture = ["picture", "--scene", "room", "--tracer", "bvh-cpu", "--size", "8x8", "--out", "device"];
-        bench.fails(&picture, 1, &["device", "no regular file"]);
+        let picture = ["picture", "--scene", "room", "--tracer", "bvh-cpu", "--size", "8x8", "--out", "device.png"];
+        bench.fails(&picture, 1, &["device.png", "no regular file"]);
         assert!(device.is_symlink());
         // A link to a file stays one, and the file is written.
         std::fs::write(bench.path("target.png"), b"old").unwrap();
@@ -173,6 +174,11 @@ fn outputs_that_cannot_be_written() {
         assert!(bench.path("link.png").is_symlink());
         assert!(std::fs::read(bench.path("target.png")).unwrap().starts_with(b"\x89PNG"));
         bench.fails(&["run", "--scene", "/dev/zero", "--tracer", "bvh-cpu"], 1, &["/dev/zero", "no regular file"]);
+    }
+    for out in ["x.jpg", "x"] {
+        let picture = ["picture", "--scene", "room", "--tracer", "bvh-cpu", "--size", "8x8", "--out", out];
+        bench.fails(&picture, 2, &[out, "ends in .png"]);
+        assert!(!bench.path(out).exists());
     }
     // Refused before the scene is loaded: the message is of the file, not of the scene that is not there either.
     let picture = ["picture", "--scene", "gone.glb", "--tracer", "bvh-cpu", "--size", "8x8", "--out", "no/such/p.png"];
