@@ -24,7 +24,7 @@ pub(super) struct ParetoArguments {
     #[arg(long, default_value = "diffuse,ao")]
     rays: String,
     /// The most points of a tracer, over its parameters and resolutions; fewer are the first of more.
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_POINTS as u32,
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_POINTS as u32, allow_negative_numbers = true,
           value_parser = clap::value_parser!(u32).range(1..=MOST_POINTS as i64))]
     points: u32,
     /// Rays a pixel of which the time of a frame is told, with the build; several with commas.
@@ -116,6 +116,7 @@ mod tests {
         assert_eq!((extent.rays_per_pixel, dirt), (vec![2.0, 8.0], 5));
         for (arguments, part) in [
             (&["--points", "0"][..], "1..=256"),
+            (&["--points", "-1"], "1..=256"),
             (&["--rays-per-pixel", "0"], "0.001"),
             (&["--rays-per-pixel", "1,2,3,4"], "3 numbers"),
             (&["--tracer", "dirtt"], "'dirt'"),
