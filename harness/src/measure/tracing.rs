@@ -172,7 +172,11 @@ impl Race<'_> {
             judgement.wrong_rays_mut().clear();
         } else if let Some(request) = self.lanes[lane].request.as_ref().filter(|_| self.effort.timed) {
             let label = records::request_record(request).label();
-            self.progress.say(&format!("  {}: {label} done", rays.set.name));
+            // A study asks for one tracer at several.
+            let at = request
+                .resolution
+                .map_or_else(String::new, |of| format!(" at frame {}x{}, faces {}", of.frame[0], of.frame[1], of.face));
+            self.progress.say(&format!("  {}: {label}{at} done", rays.set.name));
         }
         let end = session.end();
         let record = records::trace_record(Traced {
