@@ -100,7 +100,7 @@ function sorting() {
 function pictures() {
   const figure = document.querySelector(".pictures:not(.out)");
   if (!figure) { told.push("nothing of pictures"); return; }
-  const shown = () => all("img", figure).filter((image) => !image.hidden);
+  const shown = () => all("img", figure).filter(seen);
   const select = figure.querySelector("select");
   for (const radio of all("input", figure)) {
     radio.click();
