@@ -76,12 +76,28 @@ function budgets() {
   put("mib", half);
   check("fewer bytes leave others, or nobody", rows().every((row, index) => row[3].startsWith("nobody") || (mib(row) <= half && row[3] !== free[index][3])));
   put("mib", 0);
-  check("no bytes leave nobody", rows().every((row) => row[3] === "nobody"));
+  const why = free[0].length - 1;
+  check("no bytes leave nobody, and say who comes closest and what it lacks", rows().every((row) => row[3].startsWith("nobody; closest: ")
+    && /^memory [\d.,]+ MiB where 0 are allowed|^right in .* where /.test(row[why])));
   put("mib", "");
+  // The fastest of all is closest to twice its speed, where it is right so often; what it lacks is half of that.
+  const speed = (row) => Number(row[8].replaceAll(",", ""));
+  const [most] = free.filter((row) => !row[3].startsWith("nobody")).sort((one, other) => speed(other) - speed(one));
+  put("speed", 2 * speed(most));
+  const slow = rows().find((row) => row.slice(0, 3).join() === most.slice(0, 3).join());
+  check("too much speed leaves the fastest closest", slow[3] === `nobody; closest: ${most[3]}` && slow[why].startsWith(`speed ${most[8]} `));
+  put("speed", "");
+  put("right", 100);
+  check("why a point is taken is said", rows().every((row) => row[3].startsWith("nobody") ? / where 100 % are asked/.test(row[why]) : /points? right so often$/.test(row[why])));
+  put("right", form.elements.right.defaultValue);
   check("and all is as before", JSON.stringify(rows()) === JSON.stringify(free) && !location.hash.includes("budget"));
-  const [name] = free[0][3].split(/[ :]/);
+  location.hash = "#budget-aim=zzz&budget-right=101&budget-mib=few&budget-pixel=-1";
+  recall();
+  check("what the address says and nobody can read is as if it were not there", JSON.stringify(rows()) === JSON.stringify(free));
+  remember();
+  const [name] = free[0][3].replace("nobody; closest: ", "").split(/[ :]/);
   boxOf("tracer", name).click();
-  check(`without ${name} another one is taken`, !rows()[0][3].startsWith(name));
+  check(`without ${name} another one is taken`, !rows()[0][3].split(/[ :]/).includes(name));
   boxOf("tracer", name).click();
 }
 

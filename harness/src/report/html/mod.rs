@@ -31,7 +31,7 @@ use records::Kind;
 pub const MOST_BYTES: usize = 10_000_000;
 
 const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = include_str!("page.js");
+const SCRIPT: &str = concat!(include_str!("budget.js"), include_str!("page.js"));
 const RULES: &str = include_str!("../../../../RULES.md");
 
 /// Says what papers' claims come to by records of their tables, a page a paper in Markdown. Claims know reports, reports know no claim.

@@ -1,4 +1,3 @@
-"use strict";
 // Leaving out: every part says in data-scene, data-rays and data-tracer what it belongs to. The address holds what is left out.
 const form = document.getElementById("choice");
 const KINDS = ["scene", "rays", "tracer"];
@@ -26,42 +25,6 @@ function show() {
   if (budget) within(out);
 }
 
-// Whom a budget leaves: of every case the point that costs least of what is asked for.
-const budget = document.getElementById("budget");
-const own = (field) => field.defaultValue ?? field.options[0].value;
-const cases = budget ? JSON.parse(document.getElementById("budget-points").textContent) : [];
-const short = (number) => Number(number.toPrecision(4)).toLocaleString("en");
-
-function within(out) {
-  const asked = {};
-  for (const { name, value } of budget.elements) asked[name] = name === "aim" ? value : value === "" ? null : Number(value);
-  const rows = [];
-  for (const { scene, rays, machine, by, count, pixels, points } of cases) {
-    if (out.scene.has(scene) || out.rays.has(rays)) continue;
-    const all = points.filter(([tracer]) => !out.tracer.has(tracer)).map(([, label, right, told, trace, build, mib]) => {
-      const frame = build + ((asked.pixel ?? 0) * pixels / count) * trace;
-      return { label, right, told, trace, build, mib, frame, speed: count / (trace * 1e3) };
-    });
-    const affordable = all.filter((point) => ["mib", "build", "frame"].every((cost) => asked[cost] === null || point[cost] <= asked[cost])
-      && (asked.speed === null || point.speed >= asked.speed));
-    // A share of whole rays that is just so counts.
-    const enough = affordable.filter((point) => point.right >= (asked.right ?? 0) / 100 - 1e-12);
-    const least = (of, cost) => of.reduce((best, point) => (best && cost(best) <= cost(point) ? best : point), null);
-    const take = least(enough, (point) => point[asked.aim]);
-    const nearest = take ?? least(affordable, (point) => -point.right);
-    const first = take ? take.label : nearest ? `nobody; most often right within the rest: ${nearest.label}` : "nobody";
-    const costs = nearest ? [nearest.mib, nearest.build, nearest.frame, nearest.speed].map(short) : Array(4).fill("–");
-    rows.push([rays, scene, machine, first, nearest ? `${nearest.told} by ${by}` : "–", ...costs]);
-  }
-  document.getElementById("within").tBodies[0].replaceChildren(...rows.map((cells) => {
-    const row = document.createElement("tr");
-    for (const cell of cells) row.insertCell().textContent = cell;
-    return row;
-  }));
-}
-budget?.addEventListener("input", () => { within(leftOut()); remember(); });
-budget?.addEventListener("submit", (event) => event.preventDefault());
-
 function remember() {
   const parameters = new URLSearchParams();
   const out = leftOut();
@@ -76,7 +39,7 @@ function recall() {
     const out = new Set(parameters.getAll(`without-${kind}`));
     form.querySelectorAll(`input[name=${kind}]`).forEach((box) => { box.checked = !out.has(box.value); });
   }
-  for (const field of budget?.elements ?? []) field.value = parameters.get(`budget-${field.name}`) ?? own(field);
+  for (const field of budget?.elements ?? []) fill(field, parameters.get(`budget-${field.name}`));
   show();
 }
 
