@@ -59,45 +59,47 @@ function fronts() {
 function budgets() {
   const form = document.getElementById("budget");
   if (!form) { told.push("nothing of budgets"); return; }
+  const column = (begin) => all("#within thead th").findIndex((head) => head.textContent.startsWith(begin));
+  const [take, why] = [column("take"), column("why")];
   const rows = () => all("#within tbody tr").map((row) => [...row.cells].map((cell) => cell.textContent));
   const put = (name, value) => { form.elements[name].value = value; form.dispatchEvent(new Event("input", { bubbles: true })); };
   const needs = all("#answer table").find((table) => table.id !== "within" && table.tHead.textContent.includes("need"));
+  const of = (begin) => all("thead th", needs).findIndex((head) => head.textContent.startsWith(begin));
   for (const [value, need] of [["trace", "fastest"], ["mib", "smallest"], ["build", "quickest to build"]]) {
     put("aim", value);
-    const said = [...needs.tBodies[0].rows].map((row) => [...row.cells].map((cell) => cell.textContent)).filter((cells) => cells[4] === need);
+    const said = [...needs.tBodies[0].rows].map((row) => [...row.cells].map((cell) => cell.textContent)).filter((cells) => cells[of("need")] === need);
     check(`whom it takes as ${need} is whom the program takes`, said.length === rows().length && rows().length > 0
-      && rows().every((row, index) => row[3].startsWith(said[index][5])));
+      && rows().every((row, index) => row[take].startsWith(said[index][of("take")])));
   }
   check("the address has it", location.hash.includes("budget-aim=build"));
   put("aim", "trace");
   const free = rows();
-  const mib = (row) => Number(row[5].replaceAll(",", ""));
+  const mib = (row) => Number(row[column("structure")].replaceAll(",", ""));
   const half = Math.min(...free.map(mib)) / 2;
   put("mib", half);
-  check("fewer bytes leave others, or nobody", rows().every((row, index) => row[3].startsWith("nobody") || (mib(row) <= half && row[3] !== free[index][3])));
+  check("fewer bytes leave others, or nobody", rows().every((row, index) => row[take].startsWith("nobody") || (mib(row) <= half && row[take] !== free[index][take])));
   put("mib", 0);
-  const why = free[0].length - 1;
-  check("no bytes leave nobody, and say who comes closest and what it lacks", rows().every((row) => row[3].startsWith("nobody; closest: ")
+  check("no bytes leave nobody, and say who comes closest and what it lacks", rows().every((row) => row[take].startsWith("nobody; closest: ")
     && /^memory [\d.,]+ MiB where 0 are allowed|^right in .* where /.test(row[why])));
   put("mib", "");
   // The fastest of all is closest to twice its speed, where it is right so often; what it lacks is half of that.
-  const speed = (row) => Number(row[8].replaceAll(",", ""));
-  const [most] = free.filter((row) => !row[3].startsWith("nobody")).sort((one, other) => speed(other) - speed(one));
+  const speed = (row) => Number(row[column("speed")].replaceAll(",", ""));
+  const [most] = free.filter((row) => !row[take].startsWith("nobody")).sort((one, other) => speed(other) - speed(one));
   put("speed", 2 * speed(most));
-  const slow = rows().find((row) => row.slice(0, 3).join() === most.slice(0, 3).join());
-  check("too much speed leaves the fastest closest", slow[3] === `nobody; closest: ${most[3]}` && slow[why].startsWith(`speed ${most[8]} `));
+  const slow = rows().find((row) => row.slice(0, take).join() === most.slice(0, take).join());
+  check("too much speed leaves the fastest closest", slow[take] === `nobody; closest: ${most[take]}` && slow[why].startsWith(`speed ${most[column("speed")]} `));
   put("speed", "");
   put("right", 100);
-  check("why a point is taken is said", rows().every((row) => row[3].startsWith("nobody") ? / where 100 % are asked/.test(row[why]) : /points? right so often$/.test(row[why])));
+  check("why a point is taken is said", rows().every((row) => row[take].startsWith("nobody") ? / where 100 % are asked/.test(row[why]) : /points? right so often$/.test(row[why])));
   put("right", form.elements.right.defaultValue);
   check("and all is as before", JSON.stringify(rows()) === JSON.stringify(free) && !location.hash.includes("budget"));
   location.hash = "#budget-aim=zzz&budget-right=101&budget-mib=few&budget-pixel=-1";
   recall();
   check("what the address says and nobody can read is as if it were not there", JSON.stringify(rows()) === JSON.stringify(free));
   remember();
-  const [name] = free[0][3].replace("nobody; closest: ", "").split(/[ :]/);
+  const [name] = free[0][take].replace("nobody; closest: ", "").split(/[ :]/);
   boxOf("tracer", name).click();
-  check(`without ${name} another one is taken`, !rows()[0][3].split(/[ :]/).includes(name));
+  check(`without ${name} another one is taken`, !rows()[0][take].split(/[ :]/).includes(name));
   boxOf("tracer", name).click();
 }
 

@@ -16,18 +16,12 @@ const MAKERS: Makers = Makers { tables: tables::of_run, claims: papers::claims_o
 pub(super) fn write(file: &Path, paths: &[PathBuf], progress: &Progress) -> Result<(), CliError> {
     spares(file)?;
     let mut records: Vec<(String, Run)> = Vec::new();
-    let mut known: Vec<PathBuf> = Vec::new();
     for path in paths {
         if let Some(name) = claims_alone(path) {
             progress.say(&format!("{}: {name} is judged again by the records of its tables", path.display()));
             continue;
         }
         let run = reports::read_run(path)?;
-        let place = std::fs::canonicalize(super::run::folder_of(path)).unwrap_or_else(|_| path.clone());
-        if known.contains(&place) {
-            return Err(CliError::Argument(format!("{}: it is given twice", path.display())));
-        }
-        known.push(place);
         for name in reports::kept::others(path, &run) {
             progress
                 .say(&format!("left out: {name} beside {} is not the picture that its record names", path.display()));

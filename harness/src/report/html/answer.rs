@@ -3,27 +3,40 @@
 use std::fmt::Write as _;
 
 use super::read::{Names, Read};
-use super::{Place, budget, markdown};
+use super::{Place, budget, in_short, markdown};
 use crate::report::format::{NONE, significant};
 use crate::report::markdown::inline;
 use crate::report::metrics;
 use crate::report::pareto::page::{aimed, asked, right, too_few, with_cost};
 use crate::report::pareto::{as_read, cost_name};
-use crate::report::sheet::{Cell, Sheet};
+use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::verdict::{self, Verdict};
 use crate::results::Run;
 use crate::studies::pareto::{Aim, Check, Entry, Field, LEVELS, Wrong, best, check, farthest};
 
 /// The agreement that is asked for where one stands for all.
-const ASKED: f64 = LEVELS[1];
+pub(super) const ASKED: f64 = LEVELS[1];
 
 /// The answer in a sentence, who to take and why, and every method.
-pub(super) fn section(places: &[Place<'_>], records: &[Read<'_>], machines: &[String], names: &Names) -> String {
-    let mut text = sentences(places, machines) + &doubts(records);
+pub(super) fn section(
+    places: &[Place<'_>],
+    records: &[Read<'_>],
+    machines: &[String],
+    copies: &[[String; 2]],
+    names: &Names,
+) -> String {
+    let mut text = doubts(records);
+    for [copy, of] in copies {
+        let _ = writeln!(text, "\n**Left out, since it is the same record as {}:** {}.", inline(of), inline(copy));
+    }
     for (number, machine) in (1..).zip(machines) {
         let _ = writeln!(text, "\nMachine {number}: {}.", inline(machine));
     }
-    let mut html = format!("<div class=\"answer\">{}</div>\n", markdown::plain_html(&text, 3, names));
+    let mut html = format!(
+        "<div class=\"answer\">{}</div>\n<div class=\"notes\">{}</div>\n",
+        in_short::text(places, machines),
+        markdown::plain_html(&text, 3, names)
+    );
     if places.is_empty() {
         return html;
     }
@@ -51,48 +64,6 @@ fn every_method() -> String {
     )
 }
 
-/// A sentence a machine.
-fn sentences(places: &[Place<'_>], machines: &[String]) -> String {
-    let mut text = String::new();
-    for machine in 1..=machines.len() {
-        let mut own: Vec<&Place<'_>> = places.iter().filter(|place| place.read.machine == machine).collect();
-        if own.is_empty() {
-            continue;
-        }
-        // Smoke runs count where there is nothing else.
-        if own.iter().any(|place| !is_smoke(&place.read.run)) {
-            own.retain(|place| !is_smoke(&place.read.run));
-        }
-        let winners = Aim::ALL.map(|aim| {
-            let mut won: Vec<(&str, usize)> = Vec::new();
-            for place in &own {
-                let Some(found) = best(place.field, &place.field.entries, place.by, ASKED, aim) else { continue };
-                match won.iter_mut().find(|(tracer, _)| *tracer == found.point.tracer) {
-                    Some((_, cases)) => *cases += 1,
-                    None => won.push((&found.point.tracer, 1)),
-                }
-            }
-            won.sort_by_key(|(_, cases)| std::cmp::Reverse(*cases));
-            let each =
-                |(tracer, cases): &(&str, usize)| format!("**{}** (in {cases} of {})", inline(tracer), own.len());
-            let each: Vec<String> = won.iter().map(each).collect();
-            format!("{}: {}", aim.name(), if each.is_empty() { "nobody".to_owned() } else { each.join(", ") })
-        });
-        let cases = if own.len() == 1 { "case" } else { "cases" };
-        let _ = writeln!(
-            text,
-            "\nOn machine {machine}, where at least {} of the answers must be right, take as {}. {} {cases} of a ray set in a scene.",
-            asked(ASKED),
-            winners.join("; as "),
-            own.len()
-        );
-    }
-    if text.is_empty() {
-        text += "\nNo record here is of fronts or a plain run, so none says who to take.\n";
-    }
-    text
-}
-
 /// So many records are named in a sentence of the first screen; all stand under *Machines and records*, with the same words.
 const MOST_NAMED: usize = 2;
 
@@ -100,7 +71,7 @@ const MOST_NAMED: usize = 2;
 fn doubts(records: &[Read<'_>]) -> String {
     let mut text = String::new();
     let mut say = |of: &dyn Fn(&Run) -> bool, what: &str| {
-        let paths: Vec<String> = records.iter().filter(|read| of(&read.run)).map(|read| inline(read.path)).collect();
+        let paths: Vec<String> = records.iter().filter(|read| of(&read.run)).map(|read| inline(&read.name)).collect();
         let named = paths[..paths.len().min(MOST_NAMED)].join(", ");
         match paths.len().saturating_sub(MOST_NAMED) {
             _ if paths.is_empty() => {}
@@ -119,7 +90,7 @@ fn is_void(run: &Run) -> bool {
     verdict::controls(run) != Verdict::Sound
 }
 
-fn is_smoke(run: &Run) -> bool {
+pub(super) fn is_smoke(run: &Run) -> bool {
     run.preset == "smoke"
 }
 
@@ -136,6 +107,7 @@ fn needs<'a>(places: &'a [Place<'a>], level: f64) -> String {
         .told("rays", |(place, ..)| place.field.rays)
         .told("scene", |(place, ..)| place.field.scene.scene.name.clone())
         .told("machine", |(place, ..)| place.read.machine.to_string())
+        .with(of_record(places, |(place, ..)| place))
         .told("right at least", move |(place, ..)| {
             format!("{} by {}{}", asked(level), place.by.name(), too_few(level, place.field))
         })
@@ -151,6 +123,15 @@ fn needs<'a>(places: &'a [Place<'a>], level: f64) -> String {
     let take = |place: &Place<'a>, aim| best(place.field, &place.field.entries, place.by, level, aim);
     let rows = places.iter().flat_map(|place| Aim::ALL.map(|aim| (place, aim, take(place, aim))));
     sheet.markdown(&rows.collect::<Vec<_>>())
+}
+
+/// The record of a row, where several answer the same.
+fn of_record<'a, R>(places: &[Place<'_>], place: fn(&R) -> &Place<'a>) -> Vec<Column<'a, R>>
+where
+    R: 'a,
+{
+    let is_told = places.iter().any(|place| place.is_shared);
+    is_told.then(|| Column::told("record", move |row: &R| place(row).read.name.clone())).into_iter().collect()
 }
 
 /// What a point costs.
@@ -224,6 +205,7 @@ fn methods(places: &[Place<'_>]) -> String {
     let sheet = Sheet::<Method<'_>>::new()
         .told("rays", |(place, ..)| place.field.rays)
         .told("machine", |(place, ..)| place.read.machine.to_string())
+        .with(of_record(places, |(place, ..)| place))
         .told("tracer", |(_, tracer, _)| (*tracer).to_owned())
         .told("scene", |(place, ..)| place.field.scene.scene.name.clone())
         .told("right at best", |(place, _, own)| {

@@ -61,7 +61,7 @@ function within(out) {
   const { right, pixel, aim } = budget.elements;
   const asked = limits();
   const rows = [];
-  for (const { scene, rays, machine, by, count, pixels, points } of cases) {
+  for (const { scene, rays, machine, record, by, count, pixels, points } of cases) {
     if (out.scene.has(scene) || out.rays.has(rays)) continue;
     const all = points.filter(([tracer]) => !out.tracer.has(tracer)).map(([, label, right, told, trace, build, mib]) => {
       const frame = build + (Number(pixel.value) * pixels / count) * trace;
@@ -69,7 +69,7 @@ function within(out) {
     });
     const { point, first, why } = taken(all, asked, Number(right.value), aim);
     const costs = point ? [point.mib, point.build, point.frame, point.speed].map((cost) => short(cost)) : Array(4).fill("–");
-    rows.push([rays, scene, machine, first + (point?.label ?? ""), point ? `${point.told} by ${by}` : "–", ...costs, why]);
+    rows.push([rays, scene, machine, ...(record === null ? [] : [record]), first + (point?.label ?? ""), point ? `${point.told} by ${by}` : "–", ...costs, why]);
   }
   document.getElementById("within").tBodies[0].replaceChildren(...rows.map((cells) => {
     const row = document.createElement("tr");

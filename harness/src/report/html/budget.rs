@@ -25,10 +25,14 @@ pub(super) fn section(places: &[Place<'_>], asked: f64) -> String {
         limit("frame", "frame", "most", ms),
         limit("speed", "speed", "least", mrays),
     ];
+    let is_shared = places.iter().any(|place| place.is_shared);
+    let record = if is_shared { "<th scope=\"col\">record</th>" } else { "" };
     // Whole thousandths of a percent: binary fractions are not for reading.
     let right = (asked * 1e5).round() / 1e3;
     // A script ends at its end tag, wherever that stands.
-    let points = json!(places.iter().map(of_place).collect::<Vec<_>>()).to_string().replace('<', "\\u003c");
+    let points = json!(places.iter().map(|place| of_place(place, is_shared)).collect::<Vec<_>>())
+        .to_string()
+        .replace('<', "\\u003c");
     format!(
         r#"<h3>Within your budget</h3>
 <p>An empty field asks for nothing. Where nobody meets every limit, the closest is named with what it lacks: of the points that are right so often the one that breaks a limit by the smallest factor; without such a point the most often right one. A frame is one build and so many rays a pixel of the ray image.</p>
@@ -41,18 +45,19 @@ pub(super) fn section(places: &[Place<'_>], asked: f64) -> String {
 {speed_at_least}
 <label>take the <select name="aim"><option value="trace">{fastest}</option><option value="mib">{smallest}</option><option value="build">{quickest}</option><option value="frame">quickest frame</option></select></label>
 </form>
-<div class="wide" tabindex="0"><table id="within"><thead><tr><th scope="col">rays</th><th scope="col">scene</th><th scope="col">machine</th><th scope="col">take</th><th scope="col">right</th><th scope="col">{bytes}</th><th scope="col">{build}</th><th scope="col">frame ({ms})</th><th scope="col">{speed}</th><th scope="col">why</th></tr></thead><tbody></tbody></table></div>
+<div class="wide" tabindex="0"><table id="within"><thead><tr><th scope="col">rays</th><th scope="col">scene</th><th scope="col">machine</th>{record}<th scope="col">take</th><th scope="col">right</th><th scope="col">{bytes}</th><th scope="col">{build}</th><th scope="col">frame ({ms})</th><th scope="col">{speed}</th><th scope="col">why</th></tr></thead><tbody></tbody></table></div>
 <script type="application/json" id="budget-points">{points}</script>
 "#
     )
 }
 
-fn of_place(place: &Place<'_>) -> Value {
+fn of_place(place: &Place<'_>, is_shared: bool) -> Value {
     let field = place.field;
     json!({
         "scene": field.scene.scene.name,
         "rays": field.rays,
         "machine": place.read.machine,
+        "record": is_shared.then_some(&place.read.name),
         "by": place.by.name(),
         "count": field.count,
         "pixels": field.rays_of_frame(1.0),

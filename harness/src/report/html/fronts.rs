@@ -123,7 +123,7 @@ fn points(place: &Place<'_>) -> String {
         "<div class=\"wide\" tabindex=\"0\"><table><thead><tr><th scope=\"col\">point</th><th scope=\"col\">parameters</th>\
          <th scope=\"col\">frame, faces (px)</th></tr></thead><tbody>\n{rows}</tbody></table></div>"
     );
-    details(&format!("Points of {} with all parameters", place.read.path), "", &table)
+    details(&format!("Points of {} with all parameters", place.read.name), "", &table)
 }
 
 fn id(place: &Place<'_>, index: usize) -> String {

@@ -8,6 +8,7 @@ mod answer;
 mod budget;
 mod causes;
 mod fronts;
+mod in_short;
 mod markdown;
 mod pictures;
 mod pieces;
@@ -24,7 +25,7 @@ use super::{ReportError, Tables, summary};
 use crate::results::{ParetoRecord, Run};
 use crate::studies::pareto::{By, Field};
 use pieces::{Piece, Tags, escape, fit};
-use read::{Names, Read};
+use read::{Names, Read, Records};
 use records::Kind;
 
 /// The most bytes of a page.
@@ -65,6 +66,8 @@ struct Place<'a> {
     field: &'a Field<'a>,
     /// The rule that stands for all: by which charts show methods that sample.
     by: By,
+    /// Whether another record answers the same.
+    is_shared: bool,
 }
 
 impl Place<'_> {
@@ -73,7 +76,8 @@ impl Place<'_> {
     }
 
     fn title(&self) -> String {
-        format!("{}, {}, machine {}", self.field.scene.scene.name, self.field.rays, self.read.machine)
+        let record = if self.is_shared { format!(", record {}", self.read.name) } else { String::new() };
+        format!("{}, {}, machine {}{record}", self.field.scene.scene.name, self.field.rays, self.read.machine)
     }
 }
 
@@ -82,7 +86,7 @@ impl Place<'_> {
 /// # Errors
 /// If a chart cannot be drawn.
 pub fn page(records: &[(String, Run)], makers: Makers, command: &str, most_bytes: usize) -> Result<Page, ReportError> {
-    let (all, machines) = read::read(records);
+    let Records { all, machines, copies } = read::read(records);
     let names = Names::of(&all);
     let shown: Vec<Vec<Shown<'_>>> =
         all.iter().map(|read| read.points.as_ref().map_or_else(Vec::new, |points| shown(&read.run, points))).collect();
@@ -108,11 +112,12 @@ pub fn page(records: &[(String, Run)], makers: Makers, command: &str, most_bytes
     sections.add("machine", "Machines and records", vec![Piece::Fixed(sources(&all, &names))]);
     let rules = markdown::plain_html(RULES, 3, &names);
     sections.add("rules", "Rules", vec![Piece::Fixed(fronts::details("How is measured and judged", "", &rules))]);
-    let head = head(&names, &sections, &answer::section(&places, &all, &machines, &names));
+    let head = head(&names, &sections, &answer::section(&places, &all, &machines, &copies, &names));
     let foot = foot(command);
     // What is left out is named once more below.
-    let room = most_bytes.saturating_sub(head.len() + foot.len());
-    Ok(sections.finish(head, &foot, room))
+    let copies = same(&copies);
+    let room = most_bytes.saturating_sub(head.len() + copies.len() + foot.len());
+    Ok(sections.finish(head, &copies, &foot, room))
 }
 
 fn places<'a>(all: &'a [Read<'a>], shown: &'a [Vec<Shown<'a>>]) -> Vec<Place<'a>> {
@@ -124,12 +129,24 @@ fn places<'a>(all: &'a [Read<'a>], shown: &'a [Vec<Shown<'a>>]) -> Vec<Place<'a>
         for shown in shown {
             for field in &shown.fronts.fields {
                 if let Some(by) = By::all(field.query).last() {
-                    places.push(Place { read, number, record, shown, field, by: *by });
+                    places.push(Place { read, number, record, shown, field, by: *by, is_shared: false });
                 }
             }
         }
     }
+    let case = |place: &Place<'a>| (place.field.scene.scene.name.as_str(), place.field.rays, place.read.machine);
+    let cases: Vec<_> = places.iter().map(case).collect();
+    for place in &mut places {
+        place.is_shared = cases.iter().filter(|known| **known == case(place)).count() > 1;
+    }
     places
+}
+
+/// Records that are the same as others.
+fn same(copies: &[[String; 2]]) -> String {
+    let items: String =
+        copies.iter().map(|[copy, of]| format!("<li>{}: the same as {}</li>", escape(copy), escape(of))).collect();
+    if items.is_empty() { items } else { format!("<p>Records that are given twice:</p><ul>{items}</ul>\n") }
 }
 
 /// Sections with their titles; those that have nothing are not there.
@@ -150,13 +167,14 @@ impl Sections {
         self.pieces.push(Piece::Fixed("</section>\n".to_owned()));
     }
 
-    fn finish(self, head: String, foot: &str, room: usize) -> Page {
+    fn finish(self, head: String, copies: &str, foot: &str, room: usize) -> Page {
         let (middle, dropped) = fit(&self.pieces, room);
         let mut left_out =
             "<section id=\"left-out\"><h2>Left out</h2>\n<p>Pictures of answers that do not lie beside their record. "
                 .to_owned();
         left_out += "Charts of fronts by the other rules, PNGs and tables for programs: <code>tracebench report FOLDER</code> writes them \
                      beside each record.</p>\n";
+        left_out += copies;
         if dropped.is_empty() {
             left_out += "<p>Nothing else: there was room for all.</p>\n";
         } else {
@@ -200,7 +218,7 @@ fn sources(all: &[Read<'_>], names: &Names) -> String {
         let text = summary::head(&read.run, "Record") + &summary::skipped(&read.run.skipped);
         // The title stands above.
         let text = text.trim_start_matches("# Record");
-        let title = format!("{} (machine {}{})", read.path, read.machine, answer::doubts_in_short(&read.run));
+        let title = format!("{} (machine {}{})", read.name, read.machine, answer::doubts_in_short(&read.run));
         fronts::details(&title, "", &markdown::plain_html(text, 3, names))
     };
     all.iter().map(of).collect()

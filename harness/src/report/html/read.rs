@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use super::pieces::Tags;
-use crate::report::group;
+use crate::report::{RUN_FILE, group};
 use crate::results::{FrontPoint, FrontScene, ParetoRecord, Run, TracerRun};
 use crate::studies::pareto::RAYS_PER_PIXEL;
 
@@ -13,6 +13,8 @@ use crate::studies::pareto::RAYS_PER_PIXEL;
 pub(super) struct Read<'a> {
     /// Where it was read from.
     pub path: &'a str,
+    /// What the page calls it.
+    pub name: String,
     /// It, as tables show it.
     pub run: Cow<'a, Run>,
     /// Its points, if fronts are made of them: those of a study of fronts; of a plain run every row.
@@ -21,8 +23,19 @@ pub(super) struct Read<'a> {
     pub machine: usize,
 }
 
-/// Reads records, and lists their machines.
-pub(super) fn read(records: &[(String, Run)]) -> (Vec<Read<'_>>, Vec<String>) {
+/// What the page is made of.
+#[derive(Debug)]
+pub(super) struct Records<'a> {
+    /// Records, each once.
+    pub all: Vec<Read<'a>>,
+    /// Their machines.
+    pub machines: Vec<String>,
+    /// Names of records that are the same as another one, with that one's.
+    pub copies: Vec<[String; 2]>,
+}
+
+/// Reads records, and lists their machines. What is given twice, or lies elsewhere as the same, is one.
+pub(super) fn read(records: &[(String, Run)]) -> Records<'_> {
     let mut machines: Vec<String> = Vec::new();
     let mut number = |run: &Run| {
         let label = run.provenance.machine.label();
@@ -32,12 +45,39 @@ pub(super) fn read(records: &[(String, Run)]) -> (Vec<Read<'_>>, Vec<String>) {
             machines.len() - 1
         }) + 1
     };
-    let mut all = Vec::new();
-    for (path, run) in records {
+    let names = called(&records.iter().map(|(path, _)| path.as_str()).collect::<Vec<_>>());
+    let (mut all, mut copies) = (Vec::new(), Vec::new());
+    for (place, ((path, run), name)) in records.iter().zip(&names).enumerate() {
+        if let Some(first) = records[..place].iter().position(|(_, known)| known == run) {
+            copies.push([name.clone(), names[first].clone()]);
+            continue;
+        }
         let run = run.aligned();
-        all.push(Read { path, points: points(&run), machine: number(&run), run });
+        all.push(Read { path, name: name.clone(), points: points(&run), machine: number(&run), run });
     }
-    (all, machines)
+    Records { all, machines, copies }
+}
+
+/// What records are called: the folder of each, with as many of those around it as tell it from the others'.
+pub(super) fn called(paths: &[&str]) -> Vec<String> {
+    let folders: Vec<Vec<&str>> = paths.iter().map(|path| folder(path)).collect();
+    let tail = |parts: &[&str], count: usize| parts[parts.len().saturating_sub(count)..].join("/");
+    let name = |(path, own): (&&str, &Vec<&str>)| {
+        let others = || folders.iter().filter(|other| *other != own);
+        let is_own = |count: &usize| others().all(|other| tail(other, *count) != tail(own, *count));
+        let name = tail(own, (1..own.len()).find(is_own).unwrap_or(own.len()));
+        if name.is_empty() { (*path).to_owned() } else { name }
+    };
+    paths.iter().zip(&folders).map(name).collect()
+}
+
+/// The names on the way to the folder of a record.
+fn folder(path: &str) -> Vec<&str> {
+    let mut parts: Vec<&str> = path.split('/').filter(|part| !part.is_empty() && *part != ".").collect();
+    if parts.len() > 1 && parts.last().is_some_and(|last| last.starts_with(RUN_FILE)) {
+        parts.pop();
+    }
+    parts
 }
 
 /// Whether every row of a record is something to choose: it is no study, and rows of a table are chosen for what that is of.

@@ -74,14 +74,14 @@ fn page(read: &Read<'_>, contents: &Contents, machine: &str, names: &Names) -> V
     };
     let of = |(name, text): &(String, Vec<u8>)| {
         let text = String::from_utf8_lossy(text);
-        let title = format!("{} ({})", title_of(&text).unwrap_or(name), read.path);
+        let title = format!("{} ({})", title_of(&text).unwrap_or(name), read.name);
         if is_full(name) {
             let html = html(&text, 3, names, &|place, alt, tags| chart(place, alt, tags).unwrap_or_default());
-            return vec![heavy(Rank::Full, format!("{name} of {}", read.path), details(&title, "", &html))];
+            return vec![heavy(Rank::Full, format!("{name} of {}", read.name), details(&title, "", &html))];
         }
         with_charts(&title, &text, names, &|place, alt, tags| {
             let html = chart(place, alt, tags)?;
-            Some(vec![heavy(Rank::Chart, format!("{place} of {}", read.path), html)])
+            Some(vec![heavy(Rank::Chart, format!("{place} of {}", read.name), html)])
         })
     };
     pages.into_iter().flat_map(of).collect()
@@ -94,12 +94,12 @@ fn is_full(name: &str) -> bool {
 
 /// The page of needs, with a chart a tracer.
 fn needs(read: &Read<'_>, NeedPage { text, charts }: &NeedPage, machine: &str, names: &Names) -> Vec<Piece> {
-    with_charts(&format!("What structures need ({})", read.path), text, names, &|place, alt, tags| {
+    with_charts(&format!("What structures need ({})", read.name), text, names, &|place, alt, tags| {
         let chart = |(tracer, svg): &(String, String)| {
             let alt = format!("{tracer}, {alt}");
             let tags = Tags { tracer: names.tracer(tracer), ..tags };
             let html = figure(svg, &alt, &caption(&alt, tags, machine), tags);
-            heavy(Rank::Chart, format!("{place} of {tracer} in {}", read.path), html)
+            heavy(Rank::Chart, format!("{place} of {tracer} in {}", read.name), html)
         };
         Some(charts.get(place.strip_suffix(".svg")?)?.iter().map(chart).collect())
     })

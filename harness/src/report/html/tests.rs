@@ -92,7 +92,8 @@ fn a_page_needs_nothing_else() {
     assert!(html.len() < MOST_BYTES && dropped.is_empty() && html.contains("there was room for all"));
     let answer = part(&html, "<section id=\"answer\"", "<section id=\"fronts\"");
     for told in [
-        "fastest: <strong>fair</strong> (in 2 of 2); as smallest",
+        "for diffuse in room: fastest <strong>fair</strong>; smallest <strong>",
+        "<li data-rays=\"ao\">for ao in room: fastest",
         "no other tracer is right so often",
         "rough stride=3 is faster but right in",
         "<strong>from another viewpoint it misses by",
@@ -264,10 +265,42 @@ fn smoke_runs_are_no_cases_beside_others() {
         part(&html, "<section id=\"answer\"", "<section id=").to_owned()
     };
     let both = answer(&[("whole", planted()), ("smoke", smoke())]);
-    assert!(both.contains("fastest: <strong>fair</strong> (in 2 of 2)"), "{both}");
-    let twice = answer(&[("whole", planted()), ("again", planted())]);
-    assert!(twice.contains("(in 4 of 4)"), "{twice}");
-    assert!(answer(&[("smoke", smoke())]).contains("(in 2 of 2)"));
+    assert!(both.contains("for diffuse in room: fastest <strong>fair</strong>;"), "{both}");
+    assert!(answer(&[("smoke", smoke())]).contains("for diffuse in room: fastest <strong>fair</strong>;"));
+}
+
+/// Proves that of records of the same scene and ray set every row says whose it is, and that each is a case; and that one which is given
+/// again, or lies elsewhere as the same, is none, and is named.
+#[test]
+fn records_of_the_same_are_told_apart() {
+    let other = || Run { seed: planted().seed + 1, ..planted() };
+    let html = page_of(&[("a/fronts", planted()), ("b/fronts/run.json", other())], MOST_BYTES).html;
+    let answer = part(&html, "<section id=\"answer\"", "<section id=");
+    assert!(answer.contains("for diffuse in room (2 records): fastest <strong>fair</strong> (in 2 of 2)"), "{answer}");
+    for name in ["a/fronts", "b/fronts"] {
+        let cell = format!("<td>{name}</td>");
+        // Three aims in three tables of needs, and three tracers, of two ray sets.
+        assert_eq!(answer.matches(&cell).count(), 2 * (3 * 3 + 4), "{name}: {answer}");
+        assert!(answer.contains(&format!("\"record\":\"{name}\"")));
+        assert!(html.contains(&format!("diffuse, machine 1, record {name}")));
+    }
+    assert_eq!(html.matches("<th scope=\"col\">record</th>").count(), 5);
+    let html = page_of(&[("fronts", planted()), ("copy", planted()), ("fronts", planted())], MOST_BYTES).html;
+    let answer = part(&html, "<section id=\"answer\"", "<section id=");
+    assert!(answer.contains("for diffuse in room: fastest <strong>fair</strong>;"), "{answer}");
+    assert!(answer.contains("the same record as fronts:</strong> copy."), "{answer}");
+    assert!(!html.contains("<th scope=\"col\">record</th>"));
+    let left_out = part(&html, "<section id=\"left-out\"", "</section>");
+    assert!(left_out.contains("<li>copy: the same as fronts</li><li>fronts: the same as fronts</li>"), "{left_out}");
+}
+
+/// Proves that a record is called as its folder is, with as much of the way there as tells it from others, and never by the whole way.
+#[test]
+fn records_are_called_as_their_folders() {
+    let called = |paths: &[&str]| read::called(paths);
+    assert_eq!(called(&["/home/x/fronts", "./need/run.json.gz", "run.json"]), ["fronts", "need", "run.json"]);
+    assert_eq!(called(&["/r/a/table1/", "/r/b/table1", "/r/b/table2"]), ["a/table1", "b/table1", "table2"]);
+    assert_eq!(called(&["/r/a", "/r/a", "."]), ["a", "a", "."]);
 }
 
 /// Proves that the first screen names few of many doubtful records, and that each still says below what speaks against it.
