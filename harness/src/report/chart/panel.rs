@@ -122,7 +122,7 @@ impl Panel {
             let [left, right] = [-0.5, 0.5].map(|half| x.at(step as f64 + half));
             canvas.fill((left, rect.top), (right, rect.bottom), SHADE)?;
         }
-        let ticks = x.ticks(&self.x.scale);
+        let ticks = x.ticks(&self.x.scale, |text| text_width(text, TICK_SIZE));
         // Names of steps stand on two lines where one is too narrow.
         let room = x.step().unwrap_or(f64::INFINITY);
         let wide = |text: &String| text_width(text, TICK_SIZE) > room - STEP_GAP;
@@ -131,7 +131,7 @@ impl Panel {
             let text = text.as_ref().map(|text| shorten(text, TICK_SIZE, lines as f64 * room - STEP_GAP));
             rect.tick_below(canvas, *place, text.as_deref(), index % lines)?;
         }
-        for (place, text) in y.ticks(&self.y.scale) {
+        for (place, text) in y.ticks(&self.y.scale, |_| TICK_SIZE) {
             rect.tick_left(canvas, place, text.as_deref())?;
         }
         if row > 0.0 {

@@ -13,6 +13,8 @@ const AIR: f64 = 10.0;
 const DEEPEST: f64 = -9.0;
 /// Marks that would coincide stand this far apart where there is room.
 const ASIDE: f64 = 13.0;
+/// Between labels of neighbouring ticks.
+const LABEL_GAP: f64 = 4.0;
 /// The most ticks of a span.
 const SPAN_TICKS: f64 = 6.0;
 
@@ -121,13 +123,17 @@ impl Along {
         gap * (place as f64 - (of as f64 - 1.0) / 2.0)
     }
 
-    /// Ticks: places with their labels.
-    pub(super) fn ticks(&self, scale: &Scale) -> Vec<(f64, Option<String>)> {
+    /// Ticks: places with their labels, each as long along the axis as is said. Logarithms have as many as do not touch.
+    pub(super) fn ticks(&self, scale: &Scale, length: impl Fn(&str) -> f64) -> Vec<(f64, Option<String>)> {
         match (scale, self) {
             (Scale::Log(_, most) | Scale::LogAndZero(_, most), Self::Log(axis) | Self::LogAndZero(axis, _)) => {
-                let ticks = axis.ticks(*most);
-                let texts = labels(&ticks);
-                ticks.iter().map(|tick| axis.at(tick.value)).zip(texts).collect()
+                let of = |most: usize| -> Vec<(f64, Option<String>)> {
+                    let ticks = axis.ticks(most);
+                    let texts = labels(&ticks);
+                    ticks.iter().map(|tick| axis.at(tick.value)).zip(texts).collect()
+                };
+                let fewer = (1..=*most).rev().map(of).find(|ticks| are_apart(ticks, &length));
+                fewer.unwrap_or_else(|| of(*most))
             }
             (_, Self::LogAndZero(axis, _)) => {
                 let ticks = axis.ticks(9).into_iter().filter(|tick| tick.value <= 1.0 + 1e-9);
@@ -148,6 +154,14 @@ impl Along {
             }
         }
     }
+}
+
+/// Whether there are labels, each so long, and gaps between them.
+fn are_apart(ticks: &[(f64, Option<String>)], length: impl Fn(&str) -> f64) -> bool {
+    let labelled: Vec<(f64, f64)> =
+        ticks.iter().filter_map(|(place, text)| Some((*place, length(text.as_ref()?) / 2.0))).collect();
+    !labelled.is_empty()
+        && labelled.windows(2).all(|pair| (pair[1].0 - pair[0].0).abs() >= pair[0].1 + pair[1].1 + LABEL_GAP)
 }
 
 /// A step of 1, 2 or 5 times a power of ten of which no more than so many fit.
@@ -184,6 +198,22 @@ mod tests {
             assert!(labels.iter().all(|label| label.len() <= 7), "{labels:?}");
         }
         assert_eq!((round_step(60.0, 6.0), step_label(0.30000000000000004, 0.1).as_str()), (10.0, "0.3"));
+    }
+
+    /// Labels of logarithms do not touch: there are fewer of them where they are long or the axis is short, and never none.
+    #[test]
+    fn logarithmic_labels_do_not_touch() {
+        let labelled = |range: (f64, f64), room: f64, letter: f64| -> Vec<String> {
+            let scale = Scale::Log(range, 8);
+            let ticks = Along::new(&scale, 0.0, room).ticks(&scale, |text| letter * text.len() as f64);
+            assert!(are_apart(&ticks, |text| letter * text.len() as f64), "{ticks:?}");
+            ticks.into_iter().filter_map(|(_, text)| text).collect()
+        };
+        let range = (3.4, 5.0);
+        assert_eq!(labelled(range, 270.0, 0.0), ["5000", "10000", "20000", "50000", "100000"]);
+        assert_eq!(labelled(range, 270.0, 10.0), ["10000", "100000"]);
+        assert_eq!(labelled((0.0, 2.0), 270.0, 6.0), ["1", "2", "5", "10", "20", "50", "100"]);
+        assert_eq!(labelled((0.0, 5.0), 90.0, 6.0), ["1", "100", "10000"]);
     }
 
     /// Zero stands beside logarithms, upwards as from left to right, and an interval of something above it never gets there;
