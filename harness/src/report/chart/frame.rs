@@ -1,6 +1,7 @@
 //! What the charts share: panels in a grid, title above, legend and caption below, gutters for labels beside.
 
 use plotters::prelude::DrawingBackend;
+use plotters::style::RGBColor;
 
 use super::canvas::{Align, Canvas, Drawn, shorten, text_width, wrap};
 use super::palette::{CONTROL, GREY, GRID, INK, Style};
@@ -26,6 +27,8 @@ const LEGEND_SAMPLE: f64 = 34.0;
 const CAPTION_SIZE: f64 = 10.5;
 const CAPTION_LINE: f64 = 15.0;
 
+/// Width of a line that stands out.
+pub(super) const STRONG: f64 = 4.0;
 /// Size of tick labels.
 pub(super) const TICK_SIZE: f64 = 10.5;
 /// Size of axes' names.
@@ -40,6 +43,8 @@ pub(super) enum Sample {
     Hollow(Style),
     /// A filled marker on a line.
     Line(Style),
+    /// A strong line.
+    Strong(Style),
     /// The dashes of controls.
     Dashes,
     /// Bars of intervals.
@@ -216,6 +221,7 @@ fn draw_sample<DB: DrawingBackend>(canvas: &Canvas<DB>, sample: Sample, (x, y): 
             canvas.path(&[(x - 13.0, y), (x + 13.0, y)], style.colour, 2.0)?;
             canvas.filled_marker((x, y), 4.0, style)
         }
+        Sample::Strong(style) => canvas.path(&[(x - 13.0, y), (x + 13.0, y)], style.colour, STRONG),
         Sample::Dashes => canvas.dashed((x - 13.0, y), (x + 13.0, y), CONTROL, 1.0),
         Sample::Bars => {
             canvas.path(&[(x - 9.0, y), (x + 9.0, y)], GREY, 1.0)?;
@@ -275,13 +281,17 @@ impl Rect {
     }
 
     /// Names in the gutter on the right, moved apart, each led to its height.
-    pub(super) fn names_right<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, names: &[(String, f64)]) -> Drawn {
-        let wanted: Vec<f64> = names.iter().map(|(_, y)| *y).collect();
+    pub(super) fn names_right<DB: DrawingBackend>(
+        &self,
+        canvas: &Canvas<DB>,
+        names: &[(String, f64, RGBColor)],
+    ) -> Drawn {
+        let wanted: Vec<f64> = names.iter().map(|(_, y, _)| *y).collect();
         let places = super::axis::spread(&wanted, 12.5, self.top + 4.0, self.bottom - 4.0);
-        for ((name, y), place) in names.iter().zip(places) {
+        for ((name, y, colour), place) in names.iter().zip(places) {
             canvas.path(&[(self.right, *y), (self.right + 5.0, *y), (self.right + 11.0, place)], CONTROL, 0.5)?;
             let name = shorten(name, TICK_SIZE, RIGHT - 14.0);
-            canvas.text(&name, (self.right + 13.0, place), Align::Start, TICK_SIZE, GREY)?;
+            canvas.text(&name, (self.right + 13.0, place), Align::Start, TICK_SIZE, *colour)?;
         }
         Ok(())
     }

@@ -115,7 +115,8 @@ fn mixed(RGBColor(r, g, b): RGBColor, RGBColor(to_r, to_g, to_b): RGBColor, part
     RGBColor(mix(r, to_r), mix(g, to_g), mix(b, to_b))
 }
 
-fn faint(style: Style) -> Style {
+/// What stands behind.
+pub(super) fn faint(style: Style) -> Style {
     Style { colour: mixed(style.colour, RGBColor(255, 255, 255), WHITENED), ..style }
 }
 

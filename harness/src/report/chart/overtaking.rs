@@ -1,39 +1,62 @@
-//! Break-even: what a frame takes by its number of rays.
+//! Break-even: what a frame takes by its number of rays. Points of one tracer look alike: numbers tell them apart.
 
 use super::axis::log_range;
 use super::canvas::register;
-use super::frame::{Entry as Line, Frame, Sample};
-use super::front::FrontStyles;
+use super::frame::{Entry as Line, Frame, STRONG, Sample};
+use super::front::{FrontStyles, faint};
 use super::palette::{GREY, Shape, Style};
 use super::panel::{Aside, Axis, Chart, Mark, Panel, Place, Scale};
 use super::{LONGEST_NAME, LONGEST_SET, cut, untimed_caption};
 use crate::report::format::{self, percent, thousands};
 use crate::results::Run;
-use crate::studies::pareto::{BEYOND, Class, ClassCost, Field, Overtaking};
+use crate::studies::pareto::{BEYOND, Class, ClassCost, Entry, Field, Overtaking};
 
 const PLOT_HEIGHT: f64 = 240.0;
 const MEASURED: f64 = 3.0;
+/// Widths of lines of points that are cheapest somewhere, and of those that never are.
+const WIDTHS: [f64; 2] = [1.5, 0.75];
 /// Places of a line.
 const PLACES: u32 = 64;
+
+/// Numbers of points, from 1, in the order in which they are met.
+struct Numbers<'a>(Vec<Entry<'a>>);
+
+impl<'a> Numbers<'a> {
+    fn of(classes: &[Class<'a>]) -> Self {
+        let mut met: Vec<Entry<'a>> = Vec::new();
+        for cost in classes.iter().flat_map(|class| &class.costs) {
+            if met.iter().all(|known| known.index != cost.entry.index) {
+                met.push(cost.entry);
+            }
+        }
+        Self(met)
+    }
+
+    fn get(&self, entry: &Entry<'_>) -> String {
+        let place = self.0.iter().position(|known| known.index == entry.index);
+        place.map_or_else(String::new, |place| (place + 1).to_string())
+    }
+}
 
 /// The chart of who overtakes whom: a panel a class.
 pub(super) fn chart(run: &Run, field: &Field<'_>, classes: &[Class<'_>], styles: &FrontStyles) -> Chart {
     // Texts are measured while the figure is laid out; a font that fails is reported when it is drawn.
     let _ = register();
-    let panels: Vec<Panel> = classes.iter().map(|class| panel(class, styles)).collect();
+    let numbers = Numbers::of(classes);
+    let panels: Vec<Panel> = classes.iter().map(|class| panel(class, styles, &numbers)).collect();
     let grey = Style { colour: GREY, shape: Shape::Circle };
     let line = |sample, label: &str| Line { sample, label: label.to_owned() };
     let key = vec![
+        line(Sample::Strong(grey), "the cheapest"),
+        line(Sample::Line(faint(grey)), "never the cheapest"),
         line(Sample::Filled(grey), "measured"),
         line(Sample::Dashes, "the cheapest is overtaken, decided by intervals that do not overlap"),
     ];
-    let mut legend: Vec<Line> = Vec::new();
-    for cost in classes.iter().flat_map(|class| &class.costs) {
-        let name = cost.entry.point.contender();
-        if legend.iter().all(|line| line.label != name) {
-            legend.push(Line { sample: Sample::Line(styles.get(cost.entry.point)), label: name });
-        }
-    }
+    let named = |entry: &Entry<'_>| Line {
+        sample: Sample::Line(styles.get(entry.point)),
+        label: format!("{}: {}", numbers.get(entry), entry.point.label()),
+    };
+    let legend: Vec<Line> = numbers.0.iter().map(named).collect();
     let scene = &field.scene.scene;
     let rays = format!("{}, {}", cut(field.rays, LONGEST_SET), format::query(field.query));
     let by = classes.first().map_or("", |class| class.by.name());
@@ -47,36 +70,72 @@ pub(super) fn chart(run: &Run, field: &Field<'_>, classes: &[Class<'_>], styles:
     Chart { frame, panels }
 }
 
-fn panel(class: &Class<'_>, styles: &FrontStyles) -> Panel {
-    let curve = |cost: &ClassCost<'_>| {
-        let rays = || cost.cost.traces.samples.iter().map(|(rays, _)| *rays);
-        let least = rays().fold(f64::INFINITY, f64::min) / BEYOND;
-        let most = rays().fold(0.0, f64::max) * BEYOND;
+/// What a point takes.
+struct Curve {
+    style: Style,
+    /// Whether it is never the cheapest.
+    is_behind: bool,
+    line: Vec<Place>,
+    measured: Vec<Place>,
+    /// Where it is the cheapest.
+    strong: Vec<Vec<Place>>,
+    number: String,
+}
+
+fn curve(class: &Class<'_>, place: usize, cost: &ClassCost<'_>, styles: &FrontStyles, numbers: &Numbers<'_>) -> Curve {
+    let rays = || cost.cost.traces.samples.iter().map(|(rays, _)| *rays);
+    let least = rays().fold(f64::INFINITY, f64::min) / BEYOND;
+    let most = rays().fold(0.0, f64::max) * BEYOND;
+    let point = |rays: f64| (rays, cost.cost.at(rays).value);
+    let drawn = |all: Vec<Place>| -> Vec<Place> { all.into_iter().filter(|(_, ms)| *ms > 0.0).collect() };
+    let between = |least: f64, most: f64| {
         let at = |place: u32| least * (most / least).powf(f64::from(place) / f64::from(PLACES));
-        let point = |rays: f64| (rays, cost.cost.at(rays).value);
-        let line: Vec<Place> = (0..=PLACES).map(|place| point(at(place))).filter(|(_, ms)| *ms > 0.0).collect();
-        let measured: Vec<Place> = rays().map(point).filter(|(_, ms)| *ms > 0.0).collect();
-        (styles.get(cost.entry.point), line, measured)
+        drawn((0..=PLACES).map(|place| point(at(place))).collect())
     };
+    let until = |next: usize| class.stretches.get(next).map_or(most, |stretch| stretch.from).min(most);
+    let own = class.stretches.iter().enumerate().filter(|(_, stretch)| stretch.who == place);
+    let strong: Vec<Vec<Place>> = own
+        .map(|(index, stretch)| (stretch.from.max(least), until(index + 1)))
+        .filter(|(from, to)| from < to)
+        .map(|(from, to)| between(from, to))
+        .collect();
+    let style = styles.get(cost.entry.point);
+    Curve {
+        style: if strong.is_empty() { faint(style) } else { style },
+        is_behind: strong.is_empty(),
+        line: between(least, most),
+        measured: drawn(rays().map(point).collect()),
+        strong,
+        number: numbers.get(&cost.entry),
+    }
+}
+
+fn panel(class: &Class<'_>, styles: &FrontStyles, numbers: &Numbers<'_>) -> Panel {
     let decided = |overtakes: &Overtaking| match overtakes {
         Overtaking::At { rays, .. } => Some(*rays),
         Overtaking::Always(_) | Overtaking::Undecided(_) => None,
     };
     let overtakes: Vec<&Overtaking> = class.stretches.iter().filter_map(|stretch| stretch.overtakes.as_ref()).collect();
-    let curves: Vec<(Style, Vec<Place>, Vec<Place>)> = class.costs.iter().map(curve).collect();
-    let all = || curves.iter().flat_map(|(_, line, _)| line);
+    let of = |(place, cost): (usize, &ClassCost<'_>)| curve(class, place, cost, styles, numbers);
+    let mut curves: Vec<Curve> = class.costs.iter().enumerate().map(of).collect();
+    // Those that are cheapest somewhere lie on top.
+    curves.sort_by_key(|curve| !curve.is_behind);
+    let all = || curves.iter().flat_map(|curve| &curve.line);
     let scales = [log_range(all().map(|(rays, _)| *rays)), log_range(all().map(|(_, ms)| *ms))];
     let [x, y] = scales.map(|range| Scale::Log(range, 6));
     let aside = Aside::default();
+    let line =
+        |places: &[Place], colour, width| Mark::Line { places: places.to_vec(), colour, width, dashed: false, aside };
     let mut marks: Vec<Mark> = overtakes.iter().filter_map(|found| decided(found)).map(Mark::Rule).collect();
-    for (style, line, _) in &curves {
-        marks.push(Mark::Line { places: line.clone(), colour: style.colour, width: 1.5, dashed: false, aside });
+    for Curve { style, is_behind, line: places, measured, strong, .. } in &curves {
+        marks.push(line(places, style.colour, WIDTHS[usize::from(*is_behind)]));
+        marks.extend(strong.iter().map(|places| line(places, style.colour, STRONG)));
+        let marker =
+            |place: &Place| Mark::Marker { place: *place, radius: MEASURED, style: *style, hollow: false, aside };
+        marks.extend(measured.iter().map(marker));
     }
-    for (style, place) in
-        curves.iter().flat_map(|(style, _, measured)| measured.iter().map(move |place| (style, place)))
-    {
-        marks.push(Mark::Marker { place: *place, radius: MEASURED, style: *style, hollow: false, aside });
-    }
+    let name = |curve: &Curve| Some((*curve.line.last()?, curve.number.clone(), curve.style.colour));
+    marks.push(Mark::Names(curves.iter().filter_map(name).collect()));
     let undecided = overtakes.iter().filter(|found| decided(found).is_none()).count();
     if undecided > 0 {
         let changes = if undecided == 1 { "change" } else { "changes" };

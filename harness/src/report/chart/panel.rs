@@ -48,6 +48,8 @@ pub(super) enum Mark {
     Upwards(f64, &'static str),
     /// Words at the foot.
     Words(String),
+    /// Names beside the right edge, of lines that end at their places.
+    Names(Vec<(Place, String, RGBColor)>),
 }
 
 /// A control's name, and the places that its dashes lead through, on to the right edge.
@@ -152,7 +154,7 @@ impl Panel {
             if places.iter().all(|place| y.holds(place.1)) {
                 canvas.dashed_path(&points, CONTROL, 1.0)?;
             }
-            names.push((name.clone(), height));
+            names.push((name.clone(), height, GREY));
         }
         rect.names_right(canvas, &names)?;
         rect.edge(canvas)
@@ -208,6 +210,15 @@ fn draw_mark<DB: DrawingBackend>(canvas: &Canvas<DB>, mark: &Mark, rect: Rect, [
         Mark::Words(words) => {
             let words = shorten(words, TICK_SIZE, rect.right - rect.left - 8.0);
             canvas.text(&words, (rect.right - 4.0, rect.bottom - 9.0), Align::End, TICK_SIZE, GREY)
+        }
+        Mark::Names(all) => {
+            let mut names = Vec::new();
+            for (place, name, colour) in all {
+                let (left, top) = at(place, Aside::default());
+                canvas.path(&[(left, top), (rect.right, top)], CONTROL, 0.5)?;
+                names.push((name.clone(), top, *colour));
+            }
+            rect.names_right(canvas, &names)
         }
     }
 }

@@ -7,7 +7,7 @@ use tracebench_api::{ClockKind, Query};
 use super::canvas::text_width;
 use super::series::{Series, SeriesChart, SeriesPanel, series_chart};
 use super::*;
-use crate::report::fixture::{self, Quality};
+use crate::report::fixture::{self, FrontQuality, Quality};
 use crate::report::group::groups;
 use crate::results::Judgement;
 
@@ -226,4 +226,36 @@ fn series_are_drawn_whatever_they_hold() {
         assert!(["tiles", "solid", "broken (dashed)", "24", "bytes (MiB)"].iter().all(|text| svg.contains(text)));
         assert!(!svg.contains("NaN") && [nothing, zero].map(|note| svg.contains(note)) == notes, "{svg}");
     }
+}
+
+/// Proves that points of one tracer are told apart where it is told who overtakes whom: each has a number, once in the legend with its
+/// parameters and beside its line in every panel, and who is cheapest has a strong line.
+#[test]
+fn break_even_names_every_point() {
+    let point = |name, speed, build| FrontQuality {
+        name,
+        quality: Quality { missed: 0.0, blur: 0.0, speed, ..FAIR },
+        mib: 10,
+        build,
+    };
+    let points =
+        [point("quick", 1.0, 1.0), point("fast", 9.0, 900.0), point("fast", 3.0, 300.0), point("other", 2.0, 500.0)];
+    let run = fixture::fronts(&points, &[("diffuse", Query::Closest)], 30.0);
+    let record = run.pareto.as_ref().unwrap();
+    let files = pareto_charts(&run, record, &crate::report::pareto::shown(&run, record)).unwrap();
+    let file = files.iter().find(|file| file.name.ends_with("room_diffuse_break_even.svg")).unwrap();
+    let svg = std::str::from_utf8(&file.contents).unwrap();
+    let times = |text: &str| svg.lines().filter(|line| *line == text).count();
+    let panels = svg.lines().filter(|line| line.ends_with("% right")).count();
+    let entries: Vec<&str> = svg
+        .lines()
+        .filter(|line| record.points.iter().any(|point| line.ends_with(&format!(": {}", point.label()))))
+        .collect();
+    assert!(panels > 1 && entries.len() == 4, "{panels}: {entries:?}");
+    for (number, entry) in (1..).zip(&entries) {
+        assert!(entry.starts_with(&format!("{number}: ")), "{entry}");
+        assert_eq!(times(&number.to_string()), panels, "{entry}");
+    }
+    // One of the legend, and in a panel at least one.
+    assert!(svg.lines().filter(|line| line.contains("stroke-width=\"8\"")).count() > panels);
 }
