@@ -131,7 +131,8 @@ impl Page<'_> {
             let cells: Vec<String> = row.iter().map(|cell| text_of(cell)).collect();
             let _ = write!(self.html, "<tr{}>", self.names.of_row(&headings, &cells).text());
             for (cell, column) in row.iter().zip(&columns) {
-                let _ = write!(self.html, "<td{column}>");
+                let whole = if is_strong(cell) { " class=\"whole\"" } else { "" };
+                let _ = write!(self.html, "<td{column}{whole}>");
                 push_html(&mut self.html, inline(cell));
                 self.html.push_str("</td>");
             }
@@ -140,6 +141,12 @@ impl Page<'_> {
         self.html.push_str("</tbody></table></div>\n");
         end + 1
     }
+}
+
+/// Whether all of a cell is strong: so stands what is best; words within a cell that are strong warn.
+fn is_strong(cell: &[Event<'_>]) -> bool {
+    let end = cell.iter().position(|event| matches!(event, Event::End(TagEnd::Strong)));
+    matches!(cell.first(), Some(Event::Start(Tag::Strong))) && end == Some(cell.len() - 1)
 }
 
 fn is_block(event: &Event<'_>) -> bool {
@@ -210,6 +217,16 @@ mod tests {
         assert!(html.contains("<tr><td>other</td>") && html.contains("<td data-tracer=\"bvh\">y</td>"), "{html}");
         assert!(html.find("</section>\n</section>\n<h4>Skipped").is_some(), "{html}");
         assert_eq!(html.matches("<section").count(), html.matches("</section>").count());
+    }
+
+    /// Cells that are strong as a whole are told from those with strong words in them.
+    #[test]
+    fn warnings_are_not_what_is_best() {
+        let text = "| a | b | c |\n| --- | --- | --- |\n| **1** | 2 (**few**) | **3** or **4** |\n";
+        let html = plain_html(text, 3, &names());
+        let cells =
+            "<td class=\"whole\"><strong>1</strong></td><td>2 (<strong>few</strong>)</td><td><strong>3</strong>";
+        assert!(html.contains(cells), "{html}");
     }
 
     /// Neither raw HTML nor links nor pictures of elsewhere come through.
