@@ -71,9 +71,15 @@ function within(out) {
     const costs = point ? [point.mib, point.build, point.frame, point.speed].map((cost) => short(cost)) : Array(4).fill("–");
     rows.push([rays, scene, machine, ...(record === null ? [] : [record]), first + (point?.label ?? ""), point ? `${point.told} by ${by}` : "–", ...costs, why]);
   }
-  document.getElementById("within").tBodies[0].replaceChildren(...rows.map((cells) => {
+  const table = document.getElementById("within");
+  const heads = [...table.tHead.rows[0].cells].map((head) => head.textContent);
+  table.tBodies[0].replaceChildren(...rows.map((texts) => {
     const row = document.createElement("tr");
-    for (const cell of cells) row.insertCell().textContent = cell;
+    texts.forEach((text, column) => {
+      const cell = row.insertCell();
+      cell.dataset.head = heads[column];
+      cell.textContent = text;
+    });
     return row;
   }));
 }

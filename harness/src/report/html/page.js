@@ -137,6 +137,12 @@ document.addEventListener("change", (event) => {
   if (figure) picture(figure);
 });
 
+// Where rows are cards, every cell has its heading.
+for (const table of document.querySelectorAll("#answer table:not(#within)")) {
+  const heads = [...table.tHead.rows[0].cells].map((head) => head.textContent);
+  for (const row of table.tBodies[0].rows) [...row.cells].forEach((cell, column) => { cell.dataset.head = heads[column]; });
+}
+
 // Tables sort by what their cells begin with: as numbers where most are.
 function key(cell) {
   const text = (cell?.textContent || "").replace(/^[^\p{L}\p{N}+-]+/u, "").trim();
