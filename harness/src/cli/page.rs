@@ -64,19 +64,12 @@ fn claims_alone(folder: &Path) -> Option<String> {
     names.into_iter().find(|name| holds(name))
 }
 
-/// The command line that makes the page again.
+/// The command line that makes the page again. Of a way from the root it has the last name: a page says nothing of where a machine keeps
+/// what.
 fn command(file: &Path, paths: &[PathBuf]) -> String {
+    let shown =
+        |path: &Path| path.file_name().filter(|_| path.is_absolute()).map_or(path, Path::new).display().to_string();
     let all = std::iter::once(file).chain(paths.iter().map(PathBuf::as_path));
-    let quoted: Vec<String> = all.map(|path| quoted(&path.display().to_string())).collect();
+    let quoted: Vec<String> = all.map(|path| reports::quoted(&shown(path))).collect();
     format!("tracebench report --html {}", quoted.join(" "))
-}
-
-/// A word as a shell takes it.
-fn quoted(word: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+@:".contains(c);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        word.to_owned()
-    } else {
-        format!("'{}'", word.replace('\'', "'\\''"))
-    }
 }

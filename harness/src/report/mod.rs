@@ -46,7 +46,7 @@ use flate2::read::MultiGzDecoder;
 pub use compare::comparison_text;
 pub use error::ReportError;
 pub use explain::{EXPLAIN_PAGE, explanation_page};
-pub use html::{Claims, MOST_BYTES, Makers, Page, page as html_page};
+pub use html::{Claims, MOST_BYTES, Makers, Page, page as html_page, quoted};
 pub use need::NEED_PAGE;
 pub use pareto::PARETO_PAGE;
 pub use stability::{STABILITY_TABLE, matrix as stability_matrix};

@@ -4,6 +4,7 @@
 //! Tables are those of the records' Markdown pages. Charts are drawn as elsewhere; fronts in two layers, so that tracers can be left out
 //! while axes stay.
 
+mod again;
 mod answer;
 mod budget;
 mod causes;
@@ -16,6 +17,8 @@ mod read;
 mod records;
 #[cfg(test)]
 mod tests;
+
+pub use again::quoted;
 
 use std::fmt::Write as _;
 
@@ -113,7 +116,7 @@ pub fn page(records: &[(String, Run)], makers: Makers, command: &str, most_bytes
     let rules = markdown::plain_html(RULES, 3, &names);
     sections.add("rules", "Rules", vec![Piece::Fixed(fronts::details("How is measured and judged", "", &rules))]);
     let head = head(&names, &sections, &answer::section(&places, &all, &machines, &copies, &names));
-    let foot = foot(command);
+    let foot = foot(&again::section(command, &all));
     // What is left out is named once more below.
     let copies = same(&copies);
     let room = most_bytes.saturating_sub(head.len() + copies.len() + foot.len());
@@ -224,10 +227,8 @@ fn sources(all: &[Read<'_>], names: &Names) -> String {
     all.iter().map(of).collect()
 }
 
-fn foot(command: &str) -> String {
+fn foot(again: &str) -> String {
     format!(
-        "<section id=\"again\"><h2>Make it again</h2>\n<pre><code>{}</code></pre>\n</section>\n</main>\n\
-         <div id=\"tip\" role=\"tooltip\" hidden></div>\n<script>{SCRIPT}</script>\n</body></html>\n",
-        escape(command)
+        "{again}</main>\n<div id=\"tip\" role=\"tooltip\" hidden></div>\n<script>{SCRIPT}</script>\n</body></html>\n"
     )
 }

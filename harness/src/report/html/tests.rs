@@ -114,6 +114,10 @@ fn a_page_needs_nothing_else() {
         );
     }
     assert!(html.contains("tracebench report --html out.html &#39;a b&#39;"));
+    let again = part(&html, "<section id=\"again\"", "</section>");
+    let measured =
+        "tracebench pareto --tracer exact,exact:improved,rough,fair --scene room --rays diffuse,ao --preset ";
+    assert!(again.contains(measured) && again.contains(" --out fronts # "), "{again}");
     assert_eq!(
         html.matches("<svg ").count(),
         html.matches("aria-label=\"Fronts of").count() + html.matches("aria-label=\"Time of a frame").count()
@@ -274,7 +278,8 @@ fn smoke_runs_are_no_cases_beside_others() {
 #[test]
 fn records_of_the_same_are_told_apart() {
     let other = || Run { seed: planted().seed + 1, ..planted() };
-    let html = page_of(&[("a/fronts", planted()), ("b/fronts/run.json", other())], MOST_BYTES).html;
+    let html = page_of(&[("/home/x/a/fronts", planted()), ("b/fronts/run.json", other())], MOST_BYTES).html;
+    assert!(!html.contains("home/x"));
     let answer = part(&html, "<section id=\"answer\"", "<section id=");
     assert!(answer.contains("for diffuse in room (2 records): fastest <strong>fair</strong> (in 2 of 2)"), "{answer}");
     for name in ["a/fronts", "b/fronts"] {

@@ -1,0 +1,83 @@
+//! The commands behind a page: of the page itself, and of its records as far as they tell.
+
+use std::fmt::Write as _;
+
+use super::pieces::escape;
+use super::read::Read;
+use crate::results::{Run, TracerRecord, TracerRun};
+
+/// What is said of the commands of records.
+const HOW: &str = "The records were measured by these, as far as they tell: a scene that was read from a file is named as that file \
+                   begins, and sizes, parameters and limits of time that were given are not here; what came of them stands under Machines \
+                   and records.";
+
+/// The part of a page.
+pub(super) fn section(command: &str, all: &[Read<'_>]) -> String {
+    let mut text = format!(
+        "<section id=\"again\"><h2>Make it again</h2>\n<pre><code>{}</code></pre>\n<p>{HOW}</p>\n<pre><code>",
+        escape(command)
+    );
+    for read in all {
+        let commit = &read.run.provenance.commit;
+        let _ =
+            writeln!(text, "{}", escape(&format!("{} --out {} # {commit}", of_record(&read.run), quoted(&read.name))));
+    }
+    text + "</code></pre>\n</section>\n"
+}
+
+/// The command of a record, without its folder.
+fn of_record(run: &Run) -> String {
+    let verb = match () {
+        () if run.pareto.is_some() => "pareto",
+        () if run.need.is_some() => "need",
+        () if run.cases.is_some() => "stability",
+        () if run.tuning.is_some() => "tune",
+        () if run.explanation.is_some() => "explain",
+        () if run.sweep.is_some() => "sweep",
+        () if run.table.is_some() => "table",
+        () => "run",
+    };
+    let mut words = vec!["tracebench".to_owned(), verb.to_owned()];
+    // Tables have their own tracers.
+    match run.table.as_ref().filter(|_| verb == "table") {
+        Some(table) => words.push(quoted(table)),
+        None => option(&mut words, "--tracer", run.runs.iter().map(|row| contender(row))),
+    }
+    // Cases are scenes with rays of their own.
+    if verb != "stability" {
+        option(&mut words, "--scene", run.runs.iter().map(|row| row.scene.name.clone()));
+        option(&mut words, "--rays", run.runs.iter().flat_map(|row| &row.traces).map(|trace| trace.rays.clone()));
+        option(&mut words, "--preset", [run.preset.clone()].into_iter());
+        option(&mut words, "--seed", [run.seed.to_string()].into_iter());
+    }
+    words.join(" ")
+}
+
+/// A tracer with its preset, as an argument names it.
+fn contender(row: &TracerRun) -> String {
+    let TracerRecord { name, preset, .. } = &row.tracer;
+    if preset == "published" { name.clone() } else { format!("{name}:{preset}") }
+}
+
+/// An option with its values, each once; without one nothing.
+fn option(words: &mut Vec<String>, name: &str, values: impl Iterator<Item = String>) {
+    let mut once: Vec<String> = Vec::new();
+    for value in values {
+        if !once.contains(&value) {
+            once.push(value);
+        }
+    }
+    if !once.is_empty() {
+        words.extend([name.to_owned(), quoted(&once.join(","))]);
+    }
+}
+
+/// A word as a shell takes it.
+pub fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+@:".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
