@@ -5,10 +5,12 @@ const own = (field) => field.defaultValue ?? field.options[0].value;
 const cases = budget ? JSON.parse(document.getElementById("budget-points").textContent) : [];
 const short = (number, digits = 4) => number.toLocaleString("en", { maximumSignificantDigits: digits });
 
-// What cannot be read asks for what an untouched field does.
+// What cannot be read is as if it had not been given.
 function fill(field, given) {
-  field.value = given ?? own(field);
-  if (given && (field.value !== given || !field.checkValidity())) field.value = own(field);
+  const isNumber = /^(-?\d*\.?\d+(e[-+]?\d+)?)?$/i.test(given) && Number.isFinite(Number(given));
+  const isRead = field.options ? [...field.options].some(({ value }) => value === given) : isNumber;
+  field.value = isRead ? given : own(field);
+  if (!field.checkValidity()) field.value = own(field);
 }
 
 // Limits on what a point costs: how many times over a point is, and what it has where how much is allowed.
