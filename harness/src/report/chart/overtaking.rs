@@ -1,5 +1,7 @@
 //! Break-even: what a frame takes by its number of rays. Points of one tracer look alike: numbers tell them apart.
 
+use plotters::style::RGBColor;
+
 use super::axis::log_range;
 use super::canvas::register;
 use super::frame::{Entry as Line, Frame, STRONG, Sample};
@@ -79,7 +81,8 @@ struct Curve {
     measured: Vec<Place>,
     /// Where it is the cheapest.
     strong: Vec<Vec<Place>>,
-    number: String,
+    /// What it is called beside its end, as dark as the legend has it.
+    name: (String, RGBColor),
 }
 
 fn curve(class: &Class<'_>, place: usize, cost: &ClassCost<'_>, styles: &FrontStyles, numbers: &Numbers<'_>) -> Curve {
@@ -106,7 +109,7 @@ fn curve(class: &Class<'_>, place: usize, cost: &ClassCost<'_>, styles: &FrontSt
         line: between(least, most),
         measured: drawn(rays().map(point).collect()),
         strong,
-        number: numbers.get(&cost.entry),
+        name: (numbers.get(&cost.entry), style.colour),
     }
 }
 
@@ -134,7 +137,7 @@ fn panel(class: &Class<'_>, styles: &FrontStyles, numbers: &Numbers<'_>) -> Pane
             |place: &Place| Mark::Marker { place: *place, radius: MEASURED, style: *style, hollow: false, aside };
         marks.extend(measured.iter().map(marker));
     }
-    let name = |curve: &Curve| Some((*curve.line.last()?, curve.number.clone(), curve.style.colour));
+    let name = |Curve { line, name: (name, colour), .. }: &Curve| Some((*line.last()?, name.clone(), *colour));
     marks.push(Mark::Names(curves.iter().filter_map(name).collect()));
     let undecided = overtakes.iter().filter(|found| decided(found).is_none()).count();
     if undecided > 0 {
