@@ -19,7 +19,7 @@ call() {
     "$browser" --headless --no-sandbox --disable-gpu --hide-scrollbars --user-data-dir="$scratch/profile" --enable-logging=stderr \
         --virtual-time-budget=20000 "$@" 2> "$scratch/log"
     # What else it writes there is of the browser.
-    if grep CONSOLE "$scratch/log"; then fail 'the console has something to say'; fi
+    if grep CONSOLE "$scratch/log" >&2; then fail 'the console has something to say'; fi
 }
 
 # The page itself, then a copy that tries everything and says what came of it. Neither may fetch anything.
