@@ -134,6 +134,13 @@ function pictures() {
 }
 
 function words() {
+  for (const line of all(".answer li")) {
+    const sets = all("span", line).map((span) => span.dataset.rays);
+    sets.forEach((name) => boxOf("rays", name).click());
+    check(`without ${sets.join()} nothing is said of whom to take for them`, !seen(line));
+    sets.forEach((name) => boxOf("rays", name).click());
+    check("with them it is", seen(line));
+  }
   check("every chart is named", all("figure svg").every((svg) => svg.getAttribute("aria-label")?.length > 10));
   check("every chart names its machine", all("figcaption").every((caption) => caption.textContent.includes("threads;")));
   check("nothing is fetched", performance.getEntriesByType("resource").length === 0);

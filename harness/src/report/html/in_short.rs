@@ -1,4 +1,4 @@
-//! Who to take for every ray set, in a line each.
+//! Who to take for every ray set, in a line; ray sets of which the same is said share one.
 
 use std::fmt::Write as _;
 
@@ -31,9 +31,19 @@ pub(super) fn text(places: &[Place<'_>], machines: &[String]) -> String {
                 sets.push(place.field.rays);
             }
         }
+        let mut lines: Vec<(String, String)> = Vec::new();
         for rays in sets {
             let cases: Vec<&Place<'_>> = own.iter().copied().filter(|place| place.field.rays == rays).collect();
-            html += &line(rays, &cases);
+            let tags = Tags { rays: Some(rays), ..Tags::default() }.text();
+            let name = format!("<span{tags}>{}</span>", escape(rays));
+            let said = said(&cases);
+            match lines.iter_mut().find(|(_, known)| *known == said) {
+                Some((names, _)) => *names += &name,
+                None => lines.push((name, said)),
+            }
+        }
+        for (names, said) in lines {
+            let _ = writeln!(html, "<li>for {names}{said}</li>");
         }
         html += "</ul>\n";
     }
@@ -44,7 +54,7 @@ pub(super) fn text(places: &[Place<'_>], machines: &[String]) -> String {
 }
 
 /// Whom to take for a ray set, in how many of its cases, which are scenes, or records of the same scene.
-fn line(rays: &str, cases: &[&Place<'_>]) -> String {
+fn said(cases: &[&Place<'_>]) -> String {
     let mut scenes: Vec<&str> = Vec::new();
     for place in cases {
         if !scenes.contains(&place.field.scene.scene.name.as_str()) {
@@ -74,6 +84,5 @@ fn line(rays: &str, cases: &[&Place<'_>]) -> String {
         };
         format!("{} {}", aim.name(), won.iter().map(each).collect::<Vec<_>>().join(", "))
     });
-    let tags = Tags { rays: Some(rays), ..Tags::default() }.text();
-    format!("<li{tags}>for {}{where_to}: {}</li>\n", escape(rays), winners.join("; "))
+    format!("{where_to}: {}", winners.join("; "))
 }

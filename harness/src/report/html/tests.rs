@@ -92,8 +92,9 @@ fn a_page_needs_nothing_else() {
     assert!(html.len() < MOST_BYTES && dropped.is_empty() && html.contains("there was room for all"));
     let answer = part(&html, "<section id=\"answer\"", "<section id=\"fronts\"");
     for told in [
-        "for diffuse in room: fastest <strong>fair</strong>; smallest <strong>",
-        "<li data-rays=\"ao\">for ao in room: fastest",
+        "<li>for <span data-rays=\"diffuse\">diffuse</span>",
+        "<span data-rays=\"ao\">ao</span>",
+        "</span> in room: fastest <strong>fair</strong>; smallest <strong>",
         "no other tracer is right so often",
         "rough stride=3 is faster but right in",
         "<strong>from another viewpoint it misses by",
@@ -269,8 +270,8 @@ fn smoke_runs_are_no_cases_beside_others() {
         part(&html, "<section id=\"answer\"", "<section id=").to_owned()
     };
     let both = answer(&[("whole", planted()), ("smoke", smoke())]);
-    assert!(both.contains("for diffuse in room: fastest <strong>fair</strong>;"), "{both}");
-    assert!(answer(&[("smoke", smoke())]).contains("for diffuse in room: fastest <strong>fair</strong>;"));
+    assert!(both.contains("</span> in room: fastest <strong>fair</strong>;"), "{both}");
+    assert!(answer(&[("smoke", smoke())]).contains("</span> in room: fastest <strong>fair</strong>;"));
 }
 
 /// Proves that of records of the same scene and ray set every row says whose it is, and that each is a case; and that one which is given
@@ -281,7 +282,7 @@ fn records_of_the_same_are_told_apart() {
     let html = page_of(&[("/home/x/a/fronts", planted()), ("b/fronts/run.json", other())], MOST_BYTES).html;
     assert!(!html.contains("home/x"));
     let answer = part(&html, "<section id=\"answer\"", "<section id=");
-    assert!(answer.contains("for diffuse in room (2 records): fastest <strong>fair</strong> (in 2 of 2)"), "{answer}");
+    assert!(answer.contains("</span> in room (2 records): fastest <strong>fair</strong> (in 2 of 2)"), "{answer}");
     for name in ["a/fronts", "b/fronts"] {
         let cell = format!("<td>{name}</td>");
         // Three aims in three tables of needs, and three tracers, of two ray sets.
@@ -292,7 +293,7 @@ fn records_of_the_same_are_told_apart() {
     assert_eq!(html.matches("<th scope=\"col\">record</th>").count(), 5);
     let html = page_of(&[("fronts", planted()), ("copy", planted()), ("fronts", planted())], MOST_BYTES).html;
     let answer = part(&html, "<section id=\"answer\"", "<section id=");
-    assert!(answer.contains("for diffuse in room: fastest <strong>fair</strong>;"), "{answer}");
+    assert!(answer.contains("</span> in room: fastest <strong>fair</strong>;"), "{answer}");
     assert!(answer.contains("the same record as fronts:</strong> copy."), "{answer}");
     assert!(!html.contains("<th scope=\"col\">record</th>"));
     let left_out = part(&html, "<section id=\"left-out\"", "</section>");
