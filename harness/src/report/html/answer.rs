@@ -25,10 +25,9 @@ pub(super) fn section(
     copies: &[[String; 2]],
     names: &Names,
 ) -> String {
-    let mut text = doubts(records);
-    for [copy, of] in copies {
-        let _ = writeln!(text, "\n**Left out, since it is the same record as {}:** {}.", inline(of), inline(copy));
-    }
+    let same = |[copy, of]: &[String; 2]| format!("{} (as {})", inline(copy), inline(of));
+    let copies: Vec<String> = copies.iter().map(same).collect();
+    let mut text = doubts(records) + &few("Left out, since the same record is there", &copies, "Left out");
     for (number, machine) in (1..).zip(machines) {
         let _ = writeln!(text, "\nMachine {number}: {}.", inline(machine));
     }
@@ -64,7 +63,7 @@ fn every_method() -> String {
     )
 }
 
-/// So many records are named in a sentence of the first screen; all stand under *Machines and records*, with the same words.
+/// So many records are named in a sentence of the first screen; all stand further below.
 const MOST_NAMED: usize = 2;
 
 /// What speaks against records.
@@ -72,18 +71,21 @@ fn doubts(records: &[Read<'_>]) -> String {
     let mut text = String::new();
     let mut say = |of: &dyn Fn(&Run) -> bool, what: &str| {
         let paths: Vec<String> = records.iter().filter(|read| of(&read.run)).map(|read| inline(&read.name)).collect();
-        let named = paths[..paths.len().min(MOST_NAMED)].join(", ");
-        match paths.len().saturating_sub(MOST_NAMED) {
-            _ if paths.is_empty() => {}
-            0 => _ = writeln!(text, "\n**{what}:** {named}."),
-            more => {
-                _ = writeln!(text, "\n**{what}:** {named} and {more} more, told below under *Machines and records*.");
-            }
-        }
+        text += &few(what, &paths, "Machines and records");
     };
     say(&is_void, "Void, since a control fails, and part of no answer");
     say(&is_smoke, "Smoke runs, whose figures only show that things work");
     text
+}
+
+/// A sentence that names some, and of more than a few where they are told.
+fn few(what: &str, all: &[String], below: &str) -> String {
+    let named = all[..all.len().min(MOST_NAMED)].join(", ");
+    match all.len().saturating_sub(MOST_NAMED) {
+        _ if all.is_empty() => String::new(),
+        0 => format!("\n**{what}:** {named}.\n"),
+        more => format!("\n**{what}:** {named} and {more} more, told below under *{below}*.\n"),
+    }
 }
 
 fn is_void(run: &Run) -> bool {
