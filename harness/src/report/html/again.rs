@@ -41,7 +41,7 @@ fn of_record(run: &Run) -> String {
     // Tables have their own tracers.
     match run.table.as_ref().filter(|_| verb == "table") {
         Some(table) => words.push(quoted(table)),
-        None => option(&mut words, "--tracer", run.runs.iter().map(|row| contender(row))),
+        None => option(&mut words, "--tracer", run.runs.iter().map(contender)),
     }
     // Cases are scenes with rays of their own.
     if verb != "stability" {
