@@ -315,9 +315,9 @@ fn many_doubtful_records_do_not_fill_the_first_screen() {
     let smoke = |seed| Run { preset: "smoke".to_owned(), seed, ..fixture::typical() };
     let records = [("one", smoke(1)), ("two", smoke(2)), ("three", smoke(3)), ("four", smoke(4))];
     let html = page_of(&records, MOST_BYTES).html;
-    let answer = part(&html, "<section id=\"answer\"", "<section id=");
+    let notes = part(&html, "<div class=\"notes\"", "</div>");
     let told = "only show that things work:</strong> one, two and 2 more, told below";
-    assert!(answer.contains(told) && !answer.contains("three"), "{answer}");
+    assert!(notes.contains(told) && !notes.contains("three"), "{notes}");
     let records = part(&html, "<section id=\"machine\"", "<section id=");
     assert!(records.contains("four (machine 1, smoke run)"), "{records}");
 }
