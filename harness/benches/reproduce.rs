@@ -7,7 +7,7 @@
 use std::error::Error;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -60,7 +60,12 @@ fn reproduce(preset: Option<&str>) -> Result<PathBuf, Box<dyn Error>> {
     } else if out.exists() {
         std::fs::remove_dir_all(&out)?;
     }
-    if !command.status()?.success() {
+    // Ends with this process, however that ends.
+    let mut child = command.arg("--until-stdin-ends").stdin(Stdio::piped()).spawn()?;
+    let held = child.stdin.take();
+    let status = child.wait()?;
+    drop(held);
+    if !status.success() {
         return Err("`tracebench reproduce` did not end well; its message stands above".into());
     }
     // Without time for a single step there is the list alone.
