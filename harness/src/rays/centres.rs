@@ -43,7 +43,7 @@ mod tests {
         let (edge, frame) = (u64::from(edge), u64::from(frame));
         let is_shared = |pixel: &u64| {
             let place = (2 * pixel + 1) * frame;
-            place % edge == 0 && (place / edge) % 2 == 1
+            place.is_multiple_of(edge) && (place / edge) % 2 == 1
         };
         (0..edge).filter(is_shared).count() as u64
     }
