@@ -278,8 +278,14 @@ impl<'a> Race<'a> {
             self.validate();
         }
         let end = self.session.end();
+        // Structures that follow a film have a race of their own.
+        let believed = [false, true].map(|follows| {
+            let lots = self.stalls.iter().filter(|stall| stall.follows.is_some() == follows);
+            records::are_believed(lots.map(|stall| &stall.builds[..]))
+        });
         let built = |stall: &Stall| {
-            let mut build = records::build_record(&stall.builds, stall.contender.setup_ms);
+            let believed = believed[usize::from(stall.follows.is_some())];
+            let mut build = records::build_record(&stall.builds, believed, stall.contender.setup_ms);
             let race = if stall.follows.is_some() { 0 } else { of_updates };
             build.times.race = (!stall.builds.is_empty() && race < races.len()).then_some(race as u32);
             Ok::<Built, TracerError>(Built {

@@ -33,6 +33,8 @@ pub(crate) struct Traced<'a> {
     pub rays: &'a PreparedRays,
     /// Its counted samples.
     pub timings: &'a [Timing],
+    /// Whether the timestamps of its race are believed.
+    pub believed: bool,
     /// The answers that were judged.
     pub hits: &'a [Hit],
     /// The counts.
@@ -48,8 +50,8 @@ pub(crate) struct Traced<'a> {
 }
 
 pub(crate) fn trace_record(traced: Traced<'_>) -> TraceRecord {
-    let Traced { rays, timings, hits, counters, trace_memory, end, judgement, surfaces } = traced;
-    let times = times(timings);
+    let Traced { rays, timings, believed, hits, counters, trace_memory, end, judgement, surfaces } = traced;
+    let times = times(timings, believed);
     let mut statuses = BTreeMap::new();
     for hit in hits {
         let name = Status::from_code(hit.status).unwrap_or(Status::Unwritten).name();
@@ -89,8 +91,14 @@ fn by_name(parts: impl IntoIterator<Item = MemoryEntry>) -> Vec<MemoryEntry> {
     joined
 }
 
-pub(super) fn times(timings: &[Timing]) -> Times {
-    let believed = Timing::believable(timings);
+/// Whether the timestamps of a race are believed: those of every lot. Where one is not, none is, since times of one race are by one clock.
+pub(super) fn are_believed<'a>(lots: impl IntoIterator<Item = &'a [Timing]>) -> bool {
+    lots.into_iter().all(Timing::believable)
+}
+
+/// Samples by their own clock, or of work on the device by the host's where timestamps are not believed.
+pub(super) fn times(timings: &[Timing], believed: bool) -> Times {
+    let believed = believed || timings.iter().all(|timing| timing.submit_to_done_ms.is_none());
     let submissions: Vec<_> = timings.iter().filter_map(|timing| timing.submit_to_done_ms).collect();
     let by_submission: Vec<Timing>;
     let timings = if believed {
@@ -119,8 +127,8 @@ pub(super) fn times(timings: &[Timing]) -> Times {
     }
 }
 
-pub(crate) fn build_record(timings: &[Timing], setup_ms: f64) -> BuildRecord {
-    BuildRecord { times: times(timings), setup_ms }
+pub(crate) fn build_record(timings: &[Timing], believed: bool, setup_ms: f64) -> BuildRecord {
+    BuildRecord { times: times(timings, believed), setup_ms }
 }
 
 /// Memory of a structure that is traced to an end.
@@ -206,7 +214,7 @@ mod tests {
     use super::*;
 
     /// Proves that timestamps which cover next to nothing of the submission are replaced by the host's clock, which the
-    /// record says, and that others are kept.
+    /// record says, and that others are kept; but where one lot of a race is not believed no other one is. Times of the host stay.
     #[test]
     fn timestamps_that_cannot_be_true_are_refused() {
         let sample = |device: f64| Timing {
@@ -216,11 +224,18 @@ mod tests {
             submit_to_done_ms: Some(20.0),
             grown: false,
         };
-        let refused = times(&[sample(0.03), sample(0.04)]);
+        let by_itself = |lot: &[Timing]| times(lot, are_believed([lot]));
+        let (late, sound) = ([sample(0.03), sample(0.04)], [sample(18.0), sample(19.0)]);
+        let refused = by_itself(&late);
         assert_eq!((refused.clock, refused.median_ms), (ClockKind::SubmitToDone, 20.0));
         assert!(refused.timestamps_refused && refused.submit_to_done_median_ms == Some(20.0));
-        let kept = times(&[sample(18.0), sample(19.0)]);
+        let kept = by_itself(&sound);
         assert_eq!((kept.clock, kept.median_ms), (ClockKind::DeviceTimestamps, 18.5));
         assert!(!kept.timestamps_refused && kept.submit_to_done_median_ms == Some(20.0));
+        let beside = times(&sound, are_believed([&late[..], &sound[..]]));
+        assert!(beside.timestamps_refused && beside.clock == ClockKind::SubmitToDone);
+        let host = Timing { clock: ClockKind::Host, submit_to_done_ms: None, ..sample(7.0) };
+        let of_host = times(&[host], false);
+        assert_eq!((of_host.clock, of_host.median_ms, of_host.timestamps_refused), (ClockKind::Host, 7.0, false));
     }
 }

@@ -179,12 +179,13 @@ impl Lot {
 
 /// The lots that an interval is waited for.
 fn lots(timed: &[&[Timing]]) -> Vec<Lot> {
+    let believed = super::records::are_believed(timed.iter().copied());
     let lot = |timings: &&[Timing]| {
         let clock = timings.first()?.clock;
         let by_host = timings.iter().map(|timing| timing.submit_to_done_ms.unwrap_or(timing.total_ms)).collect();
         let own: Vec<f64> = timings.iter().map(|timing| timing.total_ms).collect();
         let waited = timings.len() >= LEAST_ROUNDS as usize && median(&own) >= NEGLIGIBLE_MS;
-        let own = if Timing::believable(timings) { own } else { Vec::clone(&by_host) };
+        let own = if believed { own } else { Vec::clone(&by_host) };
         waited.then_some(Lot { clock, own, by_host })
     };
     timed.iter().filter_map(lot).collect()

@@ -29,6 +29,8 @@ pub(crate) struct Answered {
 struct Sampled {
     buffers: Vec<Option<HitBuffer>>,
     timings: Vec<Vec<Timing>>,
+    /// Whether timestamps are, in all of the race.
+    believed: bool,
     race: Option<RaceRecord>,
 }
 
@@ -38,7 +40,7 @@ impl Race<'_> {
     pub fn trace(&mut self, rays: &PreparedRays) -> Result<Answered, RunError> {
         let was_in: Vec<bool> = self.lanes.iter().map(|lane| lane.out.is_none()).collect();
         let mut failed: Option<String> = None;
-        let Sampled { buffers, timings, race } = loop {
+        let Sampled { buffers, timings, believed, race } = loop {
             let attempt = usize::from(failed.is_some());
             let mut sampled = self.sample(rays, attempt)?;
             let fails = sampled.race.as_ref().and_then(|race| void_reason(&race.twice));
@@ -57,7 +59,9 @@ impl Race<'_> {
         let mut answered = Answered { outcomes: Vec::new(), told: Vec::new(), void: None, race };
         for (lane, (buffer, timings)) in buffers.into_iter().zip(timings).enumerate() {
             bar.inc(1);
-            let judged = buffer.and_then(|buffer| self.judge(lane, rays, &buffer, &timings).transpose()).transpose()?;
+            let judged = buffer
+                .and_then(|buffer| self.judge(lane, rays, &buffer, &timings, believed).transpose())
+                .transpose()?;
             let outcome = match (judged, &self.lanes[lane].out) {
                 (Some((mut record, told, void)), _) => {
                     record.times.void.clone_from(&failed);
@@ -112,8 +116,10 @@ impl Race<'_> {
             }
         }
         bar.finish_and_clear();
-        let race = self.traced(rays, seed, &rounds, &doubles, &timings);
-        Ok(Sampled { buffers, timings, race })
+        let lots = timings.iter().chain(doubles.iter().map(|double| &double.timings));
+        let believed = records::are_believed(lots.map(Vec::as_slice));
+        let race = self.traced(rays, seed, &rounds, &doubles, &timings, believed);
+        Ok(Sampled { buffers, timings, believed, race })
     }
 
     fn traced(
@@ -123,11 +129,12 @@ impl Race<'_> {
         rounds: &Rounds<'_>,
         doubles: &[Double],
         timings: &[Vec<Timing>],
+        believed: bool,
     ) -> Option<RaceRecord> {
         let labels = self.lanes.iter().map(super::race::Lane::label);
         let doubled = doubles.iter().map(|double| format!("{} twice", self.lanes[double.lane].label()));
         let mut race = self.record(rays.set.name, seed, rounds, labels.chain(doubled).collect())?;
-        let told = |double: &Double| double.record(self.lanes[double.lane].label(), &timings[double.lane]);
+        let told = |double: &Double| double.record(self.lanes[double.lane].label(), &timings[double.lane], believed);
         race.twice = doubles.iter().map(told).collect();
         Some(race)
     }
@@ -140,6 +147,7 @@ impl Race<'_> {
         rays: &PreparedRays,
         buffer: &HitBuffer,
         timings: &[Timing],
+        believed: bool,
     ) -> Result<Option<(TraceRecord, Told, Option<String>)>, RunError> {
         let counted = self.effort.counted;
         let read = self.attempt_in(lane, |session, contender| {
@@ -182,6 +190,7 @@ impl Race<'_> {
         let record = records::trace_record(Traced {
             rays,
             timings,
+            believed,
             hits: &hits,
             counters: &counters,
             trace_memory,

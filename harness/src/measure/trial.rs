@@ -115,5 +115,6 @@ pub(crate) fn fresh_and_repeated(plan: &Plan, seeds: u64, context: &Context<'_>)
             lot.extend(Some(timing).filter(|_| round >= sets.len()));
         }
     }
-    Ok(timings.map(|lot| records::times(&lot).samples_ms))
+    let believed = records::are_believed(timings.iter().map(Vec::as_slice));
+    Ok(timings.map(|lot| records::times(&lot, believed).samples_ms))
 }

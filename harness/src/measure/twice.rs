@@ -62,17 +62,10 @@ impl Race<'_> {
 }
 
 impl Double {
-    /// What is said of it beside the same work done once.
-    pub fn record(&self, tracer: String, once: &[Timing]) -> TwiceRecord {
-        let (single, double) = (records::times(once), records::times(&self.timings));
-        let by_host = single.clock != double.clock;
-        let of = |times: &crate::results::Times| match by_host {
-            true => times.submit_to_done_samples_ms.clone(),
-            false => times.samples_ms.clone(),
-        };
-        let (once, twice) = (of(&single), of(&double));
-        let clock = if by_host { ClockKind::SubmitToDone } else { single.clock };
-        judged(tracer, clock, &once, twice, self.not_judged.clone())
+    /// What is said of it beside the same work done once, by timestamps where those of the race are believed.
+    pub fn record(&self, tracer: String, once: &[Timing], believed: bool) -> TwiceRecord {
+        let [single, double] = [once, &self.timings].map(|lot| records::times(lot, believed));
+        judged(tracer, single.clock, &single.samples_ms, double.samples_ms, self.not_judged.clone())
     }
 }
 

@@ -135,7 +135,7 @@ pub(crate) fn provenance() -> Provenance {
         dirty: Some(true),
         means: None,
         started: "2031-05-06T07:08:09Z".to_owned(),
-        rules_version: 1,
+        rules_version: 2,
         resumed: Vec::new(),
         shard: None,
         further_machines: Vec::new(),
