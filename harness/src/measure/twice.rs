@@ -8,8 +8,14 @@ use super::session::PreparedRays;
 use crate::results::{LEAST_ROUNDS, TwiceRecord};
 use crate::statistics::median;
 
-/// How many times as long double work must take, at least and at most.
-pub(crate) const TAKES: [f64; 2] = [1.8, 2.2];
+/// How many times as long double work must take, at least and at most. By submission until done a sample also has what is paid once:
+/// submitting, waking up, and caches that other contenders have emptied.
+pub(crate) const fn takes(clock: ClockKind) -> [f64; 2] {
+    match clock {
+        ClockKind::SubmitToDone => [1.5, 2.2],
+        ClockKind::Host | ClockKind::DeviceTimestamps => [1.8, 2.2],
+    }
+}
 
 /// Milliseconds below which it is not judged: what every sample costs once, whatever its work, is too large a part.
 pub(crate) const LEAST_JUDGED_MS: f64 = 5.0;
@@ -86,7 +92,8 @@ pub(crate) fn judged(
         () => None,
     };
     let not_judged = not_judged.or_else(too_little);
-    let passed = not_judged.is_some() || ratio.is_some_and(|ratio| (TAKES[0]..=TAKES[1]).contains(&ratio));
+    let [least, most] = takes(clock);
+    let passed = not_judged.is_some() || ratio.is_some_and(|ratio| (least..=most).contains(&ratio));
     TwiceRecord { tracer, clock, samples_ms: twice_ms, ratio, not_judged, passed }
 }
 
@@ -94,7 +101,8 @@ pub(crate) fn judged(
 pub(crate) fn void_reason(twice: &[TwiceRecord]) -> Option<String> {
     let failed = twice.iter().find(|each| !each.passed)?;
     let ratio = failed.ratio.map_or_else(|| "no time".to_owned(), |ratio| format!("{ratio:.2} times as long"));
-    Some(format!("{} done twice takes {ratio}, not {} to {}", failed.tracer, TAKES[0], TAKES[1]))
+    let [least, most] = takes(failed.clock);
+    Some(format!("{} done twice takes {ratio}, not {least} to {most}", failed.tracer))
 }
 
 #[cfg(test)]
@@ -102,9 +110,13 @@ mod tests {
     use super::*;
 
     fn said(once_ms: f64, factor: f64, rounds: usize) -> TwiceRecord {
+        by(ClockKind::Host, once_ms, factor, rounds)
+    }
+
+    fn by(clock: ClockKind, once_ms: f64, factor: f64, rounds: usize) -> TwiceRecord {
         let once: Vec<f64> = (0..rounds).map(|round| once_ms * (1.0 + 0.02 * (round % 5) as f64)).collect();
         let twice = once.iter().map(|ms| ms * factor).collect();
-        judged("one".to_owned(), ClockKind::Host, &once, twice, None)
+        judged("one".to_owned(), clock, &once, twice, None)
     }
 
     /// Double work must take twice as long: a clock that misses the second half, or counts something thrice, voids times.
@@ -119,6 +131,8 @@ mod tests {
             assert!(!found.passed, "{factor}");
             assert!(void_reason(&[found]).unwrap().contains("times as long"));
         }
+        let by_submission = |factor| by(ClockKind::SubmitToDone, 6.0, factor, 12).passed;
+        assert_eq!([1.0, 1.49, 1.51, 2.0, 2.19, 2.21].map(by_submission), [false, false, true, true, true, false]);
     }
 
     /// What is too short, or sampled too seldom, is not judged, whatever it takes; nor is what could not be done.
