@@ -91,14 +91,23 @@ fn by_name(parts: impl IntoIterator<Item = MemoryEntry>) -> Vec<MemoryEntry> {
     joined
 }
 
-/// Whether the timestamps of a race are believed: those of every lot. Where one is not, none is, since times of one race are by one clock.
+/// Milliseconds by the host below which a lot's timestamps say nothing of others': submission is too large a part of it.
+const TELLING_MS: f64 = 1.0;
+
+/// Whether the timestamps of a race are believed: those of every lot that is long enough to tell. Where one's are not, nobody's are: times
+/// of one race are by one clock.
 pub(super) fn are_believed<'a>(lots: impl IntoIterator<Item = &'a [Timing]>) -> bool {
-    lots.into_iter().all(Timing::believable)
+    let tells = |lot: &&[Timing]| {
+        let waited: Vec<f64> = lot.iter().filter_map(|timing| timing.submit_to_done_ms).collect();
+        !waited.is_empty() && median(&waited) >= TELLING_MS
+    };
+    lots.into_iter().filter(tells).all(Timing::believable)
 }
 
-/// Samples by their own clock, or of work on the device by the host's where timestamps are not believed.
-pub(super) fn times(timings: &[Timing], believed: bool) -> Times {
-    let believed = believed || timings.iter().all(|timing| timing.submit_to_done_ms.is_none());
+/// Samples by their own clock, or of work on the device by the host's where their timestamps or those of their race are not believed.
+pub(super) fn times(timings: &[Timing], race_is_believed: bool) -> Times {
+    let on_device = timings.iter().any(|timing| timing.submit_to_done_ms.is_some());
+    let believed = !on_device || (race_is_believed && Timing::believable(timings));
     let submissions: Vec<_> = timings.iter().filter_map(|timing| timing.submit_to_done_ms).collect();
     let by_submission: Vec<Timing>;
     let timings = if believed {
@@ -234,6 +243,10 @@ mod tests {
         assert!(!kept.timestamps_refused && kept.submit_to_done_median_ms == Some(20.0));
         let beside = times(&sound, are_believed([&late[..], &sound[..]]));
         assert!(beside.timestamps_refused && beside.clock == ClockKind::SubmitToDone);
+        // A lot of less than a millisecond is refused by itself.
+        let short = Timing { submit_to_done_ms: Some(0.9), ..sample(0.05) };
+        let race = are_believed([&[short.clone()][..], &sound[..]]);
+        assert!(race && times(&[short], race).timestamps_refused && !times(&sound, race).timestamps_refused);
         let host = Timing { clock: ClockKind::Host, submit_to_done_ms: None, ..sample(7.0) };
         let of_host = times(&[host], false);
         assert_eq!((of_host.clock, of_host.median_ms, of_host.timestamps_refused), (ClockKind::Host, 7.0, false));

@@ -185,7 +185,7 @@ fn lots(timed: &[&[Timing]]) -> Vec<Lot> {
         let by_host = timings.iter().map(|timing| timing.submit_to_done_ms.unwrap_or(timing.total_ms)).collect();
         let own: Vec<f64> = timings.iter().map(|timing| timing.total_ms).collect();
         let waited = timings.len() >= LEAST_ROUNDS as usize && median(&own) >= NEGLIGIBLE_MS;
-        let own = if believed { own } else { Vec::clone(&by_host) };
+        let own = if believed && Timing::believable(timings) { own } else { Vec::clone(&by_host) };
         waited.then_some(Lot { clock, own, by_host })
     };
     timed.iter().filter_map(lot).collect()
