@@ -6,7 +6,7 @@
 #import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
 #import tracebench::reads::quad_0
 #import tracebench::bvh_search::{
-    SearchSettings, Search, begin_search, load_triangle, test_triangle, finish_search
+    SearchSettings, Search, begin_search, load_triangle, test_triangle, finish_search, Work
 }
 
 // Two quads.
@@ -23,8 +23,7 @@ struct BinaryNode {
 @group(0) @binding(1) var<storage, read> rays: array<Ray>;
 @group(0) @binding(2) var<storage, read_write> hits: array<Hit>;
 #ifdef COUNTERS
-// Of every ray: pairs of siblings visited, triangles tested.
-@group(0) @binding(3) var<storage, read_write> counts: array<vec2<u32>>;
+@group(0) @binding(3) var<storage, read_write> counts: array<Work>;
 // A bit each: visited, and tested, by any ray.
 @group(0) @binding(4) var<storage, read_write> nodes_touched: array<atomic<u32>>;
 @group(0) @binding(5) var<storage, read_write> references_touched: array<atomic<u32>>;
@@ -100,7 +99,7 @@ fn trace(
     var sibling_slot = 0u;
     var sibling_end = 0u;
 #ifdef COUNTERS
-    var work = vec2<u32>(0u);
+    var work = Work();
 #endif
     loop {
         var busy = true;
@@ -109,7 +108,7 @@ fn trace(
             if (slot < leaf_end) {
                 test_triangle(&search, load_triangle(slot));
 #ifdef COUNTERS
-                work.y += 1u;
+                work.triangle_tests += 1u;
                 atomicOr(&references_touched[slot >> 5u], 1u << (slot & 31u));
 #endif
                 slot += 1u;
@@ -128,7 +127,7 @@ fn trace(
                 let first = meet_box(nearer, &search);
                 let second = meet_box(farther, &search);
 #ifdef COUNTERS
-                work.x += 1u;
+                work.nodes_visited += 1u;
                 // Both siblings: a pair begins at an even place, so both bits are in one word.
                 atomicOr(&nodes_touched[pair >> 5u], 3u << (pair & 31u));
 #endif
@@ -170,6 +169,9 @@ fn trace(
             sibling_end = select(sibling_end, sibling_slot, moves_up);
             busy = slot != leaf_end || pair != NONE;
             round += 1u;
+#ifdef COUNTERS
+            work.search_rounds += 1u;
+#endif
             continuing {
                 break if !busy || round == ROUNDS;
             }
@@ -178,7 +180,7 @@ fn trace(
             hits[turns.ray] = finish_search(settings, search);
 #ifdef COUNTERS
             counts[turns.ray] = work;
-            work = vec2<u32>(0u);
+            work = Work();
 #endif
             turns.ray += WORKGROUP_SIZE;
             if (turns.ray >= turns.end) {

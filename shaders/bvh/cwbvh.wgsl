@@ -12,7 +12,7 @@
 #import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
 #import tracebench::reads::quad_0
 #import tracebench::bvh_search::{
-    SearchSettings, Search, begin_search, load_triangle, test_triangle, finish_search
+    SearchSettings, Search, begin_search, load_triangle, test_triangle, finish_search, Work
 }
 
 // Five quads.
@@ -35,8 +35,7 @@ struct WideNode {
 @group(0) @binding(1) var<storage, read> rays: array<Ray>;
 @group(0) @binding(2) var<storage, read_write> hits: array<Hit>;
 #ifdef COUNTERS
-// Of every ray: nodes visited, triangles tested.
-@group(0) @binding(3) var<storage, read_write> counts: array<vec2<u32>>;
+@group(0) @binding(3) var<storage, read_write> counts: array<Work>;
 // A bit each: visited, and tested, by any ray.
 @group(0) @binding(4) var<storage, read_write> nodes_touched: array<atomic<u32>>;
 @group(0) @binding(5) var<storage, read_write> references_touched: array<atomic<u32>>;
@@ -179,7 +178,7 @@ fn trace(
     var next_leaves = 0u;
     var next_first_triangle = 0u;
 #ifdef COUNTERS
-    var work = vec2<u32>(0u);
+    var work = Work();
 #endif
     loop {
         var busy = true;
@@ -190,7 +189,7 @@ fn trace(
                 leaves &= ~(1u << offset);
                 test_triangle(&search, load_triangle(first_triangle + offset));
 #ifdef COUNTERS
-                work.y += 1u;
+                work.triangle_tests += 1u;
                 let reference = first_triangle + offset;
                 atomicOr(&references_touched[reference >> 5u], 1u << (reference & 31u));
 #endif
@@ -217,7 +216,7 @@ fn trace(
                 let node = load_node(group.x + countOneBits(pending & ~(0xffffffffu << slot)));
                 let met = meet_children(node, &search, octant);
 #ifdef COUNTERS
-                work.x += 1u;
+                work.nodes_visited += 1u;
                 let visited = group.x + countOneBits(pending & ~(0xffffffffu << slot));
                 atomicOr(&nodes_touched[visited >> 5u], 1u << (visited & 31u));
 #endif
@@ -239,6 +238,9 @@ fn trace(
             next_leaves = select(next_leaves, 0u, moves_up);
             busy = (leaves | (group.y & PENDING)) != 0u;
             round += 1u;
+#ifdef COUNTERS
+            work.search_rounds += 1u;
+#endif
             continuing {
                 break if !busy || round == ROUNDS;
             }
@@ -247,7 +249,7 @@ fn trace(
             hits[turns.ray] = finish_search(settings, search);
 #ifdef COUNTERS
             counts[turns.ray] = work;
-            work = vec2<u32>(0u);
+            work = Work();
 #endif
             turns.ray += WORKGROUP_SIZE;
             if (turns.ray >= turns.end) {

@@ -25,6 +25,15 @@ struct SearchSettings {
     greatest_t: f32,
 }
 
+// What is counted of a ray.
+struct Work {
+    // Of a binary hierarchy, pairs of siblings.
+    nodes_visited: u32,
+    triangle_tests: u32,
+    // Rounds in which it had something to do.
+    search_rounds: u32,
+}
+
 fn load_triangle(slot: u32) -> Triangle {
     let first = quad_1(3u * slot);
     let second = quad_1(3u * slot + 1u);

@@ -7,8 +7,8 @@
 #import tracebench::reads::word_0
 #import tracebench::dirt_packed_grid::{NEAREST, FARTHEST, NEAR_CUBE, SLICE_BASE, SLICE_RATE, to_face, noisy_cube}
 #import tracebench::dirt_packed_ray::{
-    Best, Leg, grid, search, ray, ray_origin, reach, frame, leg, best, found, limit, capped, steps, slice_base, slice_rate, open, work,
-    is_done, last_t, set_limit
+    PLANE_SLACK, Best, Leg, Work, grid, search, ray, ray_origin, reach, frame, leg, best, found, limit, capped, steps, slice_base, slice_rate,
+    open, work, is_done, last_t, set_limit
 }
 #import tracebench::dirt_packed_near::passes_box
 
@@ -16,6 +16,8 @@
 const NEVER: f32 = 1e38;
 // Changes below this, of what there is, count as it.
 const LEAST_CHANGE: f32 = 1e-9;
+// Slopes of planes and directions below this count as it.
+const LEAST_SLOPE: f32 = 1e-18;
 
 // Spans of three faces at once, those along the axes in one sense.
 struct Spans {
@@ -26,6 +28,10 @@ struct Spans {
 // In the faces along +x, +y, +z and in the opposite ones; those that are done begin at NEVER.
 var<private> ahead: Spans;
 var<private> behind: Spans;
+// The greatest and the least w of all that is stored, 0 where there is nothing; half the edge of the cube in which tiles do not hold all.
+var<private> nearest_w: f32;
+var<private> farthest_w: f32;
+var<private> near_cube: f32;
 // The depth from which on images are searched.
 var<private> begins: f32;
 // Whether the ray passes the eye as near as tiles do not hold all, or as images are noise; half the edge of the cube where they are, 0
@@ -33,16 +39,32 @@ var<private> begins: f32;
 var<private> passes_eye: bool;
 var<private> centre: f32;
 
-// Cut by what is not negative where value + slope t is, at t = `at`.
-fn cut_all(spans: Spans, at: vec3<f32>, value: vec3<f32>, slope: vec3<f32>) -> Spans {
-    let begin = select(spans.begin, max(spans.begin, at), (slope > vec3<f32>(0.0)));
-    let end = select(spans.end, min(spans.end, at), (slope < vec3<f32>(0.0)));
-    return Spans(begin, select(end, vec3<f32>(-1.0), ((slope == vec3<f32>(0.0)) & (value < vec3<f32>(0.0)))));
+// Without the built-ins' promises for what is no number, which cost drivers two more operations; spans are numbers.
+fn lesser(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
+    return select(b, a, (a < b));
 }
 
-// Where value + slope t is 0; anywhere for no slope.
-fn zero_of(value: vec3<f32>, slope: vec3<f32>) -> vec3<f32> {
-    return -value / select(slope, vec3<f32>(1.0), (slope == vec3<f32>(0.0)));
+fn greater(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
+    return select(b, a, (a > b));
+}
+
+// Cuts the spans of all faces at planes that opposite faces share, where value + slope t is 0: what is not negative lies ahead, what is not
+// positive behind. A ray along such a plane keeps to one side of it, or within rounding of both, where another face holds it too.
+fn cut_both(value: vec3<f32>, slope: vec3<f32>) {
+    let inverse = safe_inverse(slope, vec3<f32>(LEAST_SLOPE));
+    let at = -value * inverse;
+    let rises = inverse > vec3<f32>(0.0);
+    ahead.begin = greater(ahead.begin, select(vec3<f32>(-NEVER), at, rises));
+    ahead.end = lesser(ahead.end, select(at, vec3<f32>(NEVER), rises));
+    behind.begin = greater(behind.begin, select(at, vec3<f32>(-NEVER), rises));
+    behind.end = lesser(behind.end, select(vec3<f32>(NEVER), at, rises));
+}
+
+// The spans between two depths along every axis.
+fn between(near: vec3<f32>, far: vec3<f32>, inverse: vec3<f32>) -> Spans {
+    let one = (near - ray_origin) * inverse;
+    let other = (far - ray_origin) * inverse;
+    return Spans(greater(lesser(one, other), vec3<f32>(ray.t_min)), lesser(greater(one, other), vec3<f32>(ray.t_max)));
 }
 
 fn if_any(spans: Spans) -> Spans {
@@ -50,37 +72,18 @@ fn if_any(spans: Spans) -> Spans {
 }
 
 // The spans of the ray in the faces along +x, +y, +z, and in the opposite ones: wider by TILE_MARGIN of a tile, so that no ray along a
-// seam is lost by both sides, and between two depths. Opposite faces share the planes of their seams.
-fn find_spans(wide: f32, nearest: f32, farthest: f32) {
-    let z = ray_origin;
-    let dz = ray.direction;
-    let right = z * wide - z.yzx;
-    let left = z * wide + z.yzx;
-    let top = z * wide - z.zxy;
-    let bottom = z * wide + z.zxy;
-    let right_slope = dz * wide - dz.yzx;
-    let left_slope = dz * wide + dz.yzx;
-    let top_slope = dz * wide - dz.zxy;
-    let bottom_slope = dz * wide + dz.zxy;
-    let at_right = zero_of(right, right_slope);
-    let at_left = zero_of(left, left_slope);
-    let at_top = zero_of(top, top_slope);
-    let at_bottom = zero_of(bottom, bottom_slope);
-    let inverse = 1.0 / select(dz, vec3<f32>(1.0), (dz == vec3<f32>(0.0)));
-    var spans = Spans(vec3<f32>(ray.t_min), vec3<f32>(ray.t_max));
-    spans = cut_all(spans, (nearest - z) * inverse, z - nearest, dz);
-    spans = cut_all(spans, (farthest - z) * inverse, farthest - z, -dz);
-    spans = cut_all(spans, at_right, right, right_slope);
-    spans = cut_all(spans, at_left, left, left_slope);
-    spans = cut_all(spans, at_top, top, top_slope);
-    ahead = if_any(cut_all(spans, at_bottom, bottom, bottom_slope));
-    spans = Spans(vec3<f32>(ray.t_min), vec3<f32>(ray.t_max));
-    spans = cut_all(spans, (-nearest - z) * inverse, -z - nearest, -dz);
-    spans = cut_all(spans, (-farthest - z) * inverse, farthest + z, dz);
-    spans = cut_all(spans, at_right, -right, -right_slope);
-    spans = cut_all(spans, at_left, -left, -left_slope);
-    spans = cut_all(spans, at_top, -top, -top_slope);
-    behind = if_any(cut_all(spans, at_bottom, -bottom, -bottom_slope));
+// seam is lost by both sides, and between two depths.
+fn find_spans(wide: f32, nearest: f32, farthest: f32, inverse: vec3<f32>) {
+    ahead = between(vec3<f32>(nearest), vec3<f32>(farthest), inverse);
+    behind = between(vec3<f32>(-nearest), vec3<f32>(-farthest), inverse);
+    let z = ray_origin * wide;
+    let dz = ray.direction * wide;
+    cut_both(z - ray_origin.yzx, dz - ray.direction.yzx);
+    cut_both(z + ray_origin.yzx, dz + ray.direction.yzx);
+    cut_both(z - ray_origin.zxy, dz - ray.direction.zxy);
+    cut_both(z + ray_origin.zxy, dz + ray.direction.zxy);
+    ahead = if_any(ahead);
+    behind = if_any(behind);
 }
 
 fn least_of(vector: vec3<f32>) -> f32 {
@@ -103,12 +106,22 @@ fn make_leg(face: u32, begin: f32, end: f32, nearest: f32) {
     let first = vec3<f32>((a.xy * ws.x + 1.0) * half, ws.x);
     let last = vec3<f32>((b.xy * ws.y + 1.0) * half, ws.y);
     let change = last - first;
-    let least = vec3<f32>(LEAST_CHANGE, LEAST_CHANGE, LEAST_CHANGE * max(ws.x, ws.y));
-    leg = Leg(first, change, safe_inverse(change, least), vec2<f32>(begin, end), ws);
+    let w_most = max(ws.x, ws.y);
+    let least = vec3<f32>(LEAST_CHANGE, LEAST_CHANGE, LEAST_CHANGE * w_most);
+    leg = Leg(first, change, safe_inverse(change, least), vec2<f32>(begin, end), ws, PLANE_SLACK * w_most);
     set_limit();
 }
 
-// Begins the search of a ray. Where it passes what lies near the eye, that is to be searched first.
+// What a lane's rays have in common: words of the structure, which are slow to read for every ray.
+fn begin_lane() {
+    nearest_w = bitcast<f32>(word_0(NEAREST));
+    farthest_w = bitcast<f32>(~word_0(FARTHEST));
+    near_cube = bitcast<f32>(word_0(NEAR_CUBE));
+    slice_base = word_0(SLICE_BASE);
+    slice_rate = bitcast<f32>(word_0(SLICE_RATE));
+}
+
+// Begins the search of a ray, after begin_lane. Where it passes what lies near the eye, that is to be searched first.
 fn begin_ray(asked: Ray) {
     ray = asked;
     ray_origin = ray.origin - grid.eye;
@@ -120,27 +133,24 @@ fn begin_ray(asked: Ray) {
     capped = false;
     steps = 0u;
 #ifdef COUNTERS
-    work = vec4<u32>(0u);
+    work = Work();
 #endif
     passes_eye = false;
     ahead = Spans(vec3<f32>(NEVER), vec3<f32>(NEVER));
     behind = ahead;
-    let nearest_w = bitcast<f32>(word_0(NEAREST));
     if (nearest_w == 0.0) {
         return;
     }
-    slice_base = word_0(SLICE_BASE);
-    slice_rate = bitcast<f32>(word_0(SLICE_RATE));
     // Nothing is stored outside of these depths.
     let nearest = 0.99 / nearest_w;
-    let farthest = 1.001 / bitcast<f32>(~word_0(FARTHEST));
+    let farthest = 1.001 / farthest_w;
     let noisy = select(0.0, noisy_cube(grid.tiles, reach), (search.split == 1u));
-    let inverse = safe_inverse(ray.direction, vec3<f32>(1e-18));
+    let inverse = safe_inverse(ray.direction, vec3<f32>(LEAST_SLOPE));
     centre = select(0.0, noisy * 1.015625, noisy > 0.98 * nearest);
-    let cube = max(centre, bitcast<f32>(word_0(NEAR_CUBE)));
+    let cube = max(centre, near_cube);
     passes_eye = cube > 0.0 && passes_box(vec3<f32>(-cube), vec3<f32>(cube), inverse);
     begins = max(nearest, noisy);
-    find_spans(1.0 + 1.0 / (16.0 * f32(grid.tiles)), begins, farthest);
+    find_spans(1.0 + 1.0 / (16.0 * f32(grid.tiles)), begins, farthest, inverse);
 }
 
 // Whether the ray enters another face before its best hit.
@@ -152,35 +162,22 @@ fn has_face() -> bool {
 // Makes the leg in the face that the ray enters next, and tells which one that is.
 fn next_leg() -> u32 {
     let begin = min(least_of(ahead.begin), least_of(behind.begin));
+    // The first of them, without branches.
     let is_ahead = ahead.begin == vec3<f32>(begin);
     let is_behind = behind.begin == vec3<f32>(begin);
-    var face = 5u;
-    var end = behind.end.z;
-    if (is_ahead.x) {
-        face = 0u;
-        end = ahead.end.x;
-        ahead.begin.x = NEVER;
-    } else if (is_ahead.y) {
-        face = 2u;
-        end = ahead.end.y;
-        ahead.begin.y = NEVER;
-    } else if (is_ahead.z) {
-        face = 4u;
-        end = ahead.end.z;
-        ahead.begin.z = NEVER;
-    } else if (is_behind.x) {
-        face = 1u;
-        end = behind.end.x;
-        behind.begin.x = NEVER;
-    } else if (is_behind.y) {
-        face = 3u;
-        end = behind.end.y;
-        behind.begin.y = NEVER;
-    } else {
-        behind.begin.z = NEVER;
-    }
+    let first = vec3<bool>(is_ahead.x, is_ahead.y & !is_ahead.x, is_ahead.z & !(is_ahead.x | is_ahead.y));
+    let none = !(is_ahead.x | is_ahead.y | is_ahead.z);
+    let last = vec3<bool>(
+        none & is_behind.x, none & is_behind.y & !is_behind.x, none & !(is_behind.x | is_behind.y),
+    );
+    ahead.begin = select(ahead.begin, vec3<f32>(NEVER), first);
+    behind.begin = select(behind.begin, vec3<f32>(NEVER), last);
+    let axis = select(select(2u, 1u, first.y | last.y), 0u, first.x | last.x);
+    let face = 2u * axis + select(0u, 1u, none);
+    let ends = select(ahead.end, behind.end, none);
+    let end = select(select(ends.z, ends.y, axis == 1u), ends.x, axis == 0u);
 #ifdef COUNTERS
-    work.w += 1u;
+    work.views_entered += 1u;
 #endif
     make_leg(face, begin, end, begins);
     return face;

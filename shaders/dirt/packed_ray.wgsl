@@ -37,6 +37,16 @@ struct PackedSearch {
 @group(0) @binding(10) var<storage, read_write> touched: array<atomic<u32>>;
 #endif
 
+// What is counted of a ray.
+struct Work {
+    pyramid_steps: u32,
+    nodes_visited: u32,
+    triangle_tests: u32,
+    views_entered: u32,
+    // Rounds in which it had something to do, with trees.
+    search_rounds: u32,
+}
+
 struct Best {
     t: f32,
     primitive: u32,
@@ -52,6 +62,8 @@ struct Leg {
     // At both ends.
     ts: vec2<f32>,
     ws: vec2<f32>,
+    // What is lost of w by rounding of both ends.
+    w_loss: f32,
 }
 
 // A bound on what is lost of a place between tiles by 2^-20, of products and sums.
@@ -78,7 +90,7 @@ var<private> slice_rate: f32;
 // in all; a ray that it cut off is given up like one that ran out of steps.
 var<private> open: u32;
 #ifdef COUNTERS
-var<private> work: vec4<u32>;
+var<private> work: Work;
 #endif
 
 fn is_done() -> bool {
@@ -98,10 +110,10 @@ fn set_limit() {
     limit = select(1.0, min(after / (after + before) + UNIT, 1.0), found & (before > 0.0));
 }
 
-// Tests a triangle, where `asked`; of equal t the lower primitive is kept. A lane that does not ask reads all the same, and keeps nothing.
+// Tests a triangle, where `asked`; of equal t the lower primitive is kept. Where the search goes on in a leg, set_limit is to follow. A lane that does not ask reads all the same, and keeps nothing.
 fn test_triangle(triangle: u32, asked: bool) {
 #ifdef COUNTERS
-    work.z += select(0u, 1u, asked);
+    work.triangle_tests += select(0u, 1u, asked);
 #endif
     let first = first_corner(grid, triangle);
     let a = bitcast<vec3<f32>>(quad_1(first).xyz);
@@ -115,7 +127,6 @@ fn test_triangle(triangle: u32, asked: bool) {
     best.u = select(best.u, crossed.u, hits);
     best.v = select(best.v, crossed.v, hits);
     found = found | hits;
-    set_limit();
 }
 
 fn test_reference(reference: u32, asked: bool) {
@@ -135,6 +146,7 @@ fn test_references(first: u32, end: u32) {
             break;
         }
         test_reference(reference, true);
+        set_limit();
         reference += 1u;
     }
 }
@@ -145,7 +157,7 @@ fn place_loss(w: f32) -> f32 {
 }
 
 fn depth_loss(w: f32) -> f32 {
-    return w * UNIT * (reach * w + 2.0) + PLANE_SLACK * max(leg.ws.x, leg.ws.y);
+    return w * UNIT * (reach * w + 2.0) + leg.w_loss;
 }
 
 fn mask_between(least: f32, greatest: f32) -> vec2<u32> {

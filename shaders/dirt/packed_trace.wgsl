@@ -10,8 +10,8 @@
 #import tracebench::types::{Ray, Hit, miss, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP}
 #import tracebench::dispatch::linear_invocation
 #import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
-#import tracebench::dirt_packed_ray::{search, best, found, capped, open, work}
-#import tracebench::dirt_packed_legs::{passes_eye, centre, begin_ray, has_face, next_leg}
+#import tracebench::dirt_packed_ray::{search, best, found, capped, open, Work, work}
+#import tracebench::dirt_packed_legs::{passes_eye, centre, begin_lane, begin_ray, has_face, next_leg}
 #import tracebench::dirt_packed_near::search_near
 #ifdef TREES
 #import tracebench::dirt_tree_walk::{is_busy, begin_walk, begin_no_walk, go_on}
@@ -22,8 +22,7 @@
 @group(0) @binding(7) var<storage, read> rays: array<Ray>;
 @group(0) @binding(8) var<storage, read_write> hits: array<Hit>;
 #ifdef COUNTERS
-// Of every ray: pyramid steps, nodes visited, primitive tests, views entered.
-@group(0) @binding(9) var<storage, read_write> counts: array<vec4<u32>>;
+@group(0) @binding(9) var<storage, read_write> counts: array<Work>;
 #else
 // How many workgroups, along each axis, answer what the first search leaves.
 @group(0) @binding(11) var<storage, read_write> left: array<atomic<u32>, 3>;
@@ -76,6 +75,7 @@ fn answer_rays(first: u32, end: u32) {
         return;
     }
     var index = first;
+    begin_lane();
     begin_ray(rays[index]);
     var is_left = passes_eye;
     var leaves_some = false;
@@ -138,6 +138,7 @@ fn answer_rays(first: u32, end: u32) {
         return;
     }
     var leaves_some = false;
+    begin_lane();
     loop {
         begin_ray(rays[index]);
         if (!passes_eye) {
@@ -172,6 +173,7 @@ fn tell_left() {
 
 // Answers one ray, as given up where loops are cut off.
 fn answer_ray(index: u32) {
+    begin_lane();
     begin_ray(rays[index]);
     if (passes_eye) {
         search_near(centre);

@@ -24,14 +24,24 @@ var<private> level: u32;
 // Where the masks of the level begin.
 var<private> level_begin: u32;
 var<private> here: f32;
-// The sense of the leg along both axes: -1, 0 or 1.
-var<private> heading: vec2<i32>;
+// Whether the leg does not go back along each axis. Without a change it meets no border on that axis before its end: one over the least
+// change that counts is large.
+var<private> is_forward: vec2<bool>;
 var<private> is_walking: bool;
 var<private> entered: Entered;
 
 // Cells of a level along a face's edge.
 fn edge_of(at_level: u32) -> u32 {
     return (grid.tiles + (1u << at_level) - 1u) >> at_level;
+}
+
+// Without the built-ins' promises for what is no number, which cost drivers two more operations.
+fn lesser(a: f32, b: f32) -> f32 {
+    return select(b, a, (a < b));
+}
+
+fn greater(a: f32, b: f32) -> f32 {
+    return select(b, a, (a > b));
 }
 
 // Begins the steps of the leg in a face.
@@ -41,7 +51,7 @@ fn begin_steps(walked: u32) {
     level = 0u;
     level_begin = walked * grid.cells;
     here = 0.0;
-    heading = vec2<i32>(sign(leg.change.xy));
+    is_forward = leg.change.xy >= vec2<f32>(0.0);
     is_walking = true;
 }
 
@@ -58,29 +68,29 @@ fn step_on(asked: bool) -> bool {
     is_walking = is_walking & !(asked & is_over);
     steps += select(0u, 1u, goes);
 #ifdef COUNTERS
-    work.x += select(0u, 1u, goes);
+    work.pyramid_steps += select(0u, 1u, goes);
 #endif
     let last_tile = vec2<i32>(i32(grid.tiles) - 1);
+    let size = 1i << level;
     let cell = tile >> vec2<u32>(level);
     // The first tiles of this cell and of the next one.
     let first = cell << vec2<u32>(level);
-    let past = (cell + 1) << vec2<u32>(level);
-    let is_forward = heading > vec2<i32>(0);
-    let is_backward = heading < vec2<i32>(0);
+    let past = first + size;
     let line = select(first, past, is_forward);
     // A ray does not leave the image but at the leg's end: along a seam it may lie on either side of the image's border.
-    let is_inner = (heading != vec2<i32>(0)) & (line > vec2<i32>(0)) & (line <= last_tile);
+    let is_inner = (line > vec2<i32>(0)) & (line <= last_tile);
     let leaves = select(vec2<f32>(NEVER), (vec2<f32>(line) - leg.begin.xy) * leg.inverse.xy, is_inner);
+    let leaves_by_x = leaves.x <= leaves.y;
     let begin = here;
-    let end = clamp(min(leaves.x, leaves.y), begin, 1.0);
+    let end = lesser(greater(select(leaves.y, leaves.x, leaves_by_x), begin), 1.0);
     let w_here = leg.begin.z + leg.change.z * begin;
     let w_there = leg.begin.z + leg.change.z * end;
-    let w_most = max(max(w_here, w_there), 0.0);
+    let w_most = greater(greater(w_here, w_there), 0.0);
     let w_slack = depth_loss(w_most);
-    let mask = mask_between(max(min(w_here, w_there) - w_slack, 0.0), w_most + w_slack);
+    let mask = mask_between(greater(lesser(w_here, w_there) - w_slack, 0.0), w_most + w_slack);
     // As cell_number has it: tables in uniforms are slow where every lane asks for a place of its own.
-    let edge = edge_of(level);
-    let held = pair_0(select(0u, level_begin + u32(cell.y) * edge + u32(cell.x), goes));
+    let edge = (i32(grid.tiles) + size - 1) >> level;
+    let held = pair_0(select(0u, level_begin + u32(cell.y * edge + cell.x), goes));
     let overlaps = any((held & mask) != vec2<u32>(0u));
     let descends = goes & overlaps & (level > 0u);
     let finds = goes & overlaps & (level == 0u);
@@ -92,19 +102,19 @@ fn step_on(asked: bool) -> bool {
     entered.mask = select(entered.mask, mask, finds);
     // Across the nearer of the two sides, and along the other axis to where the ray is then, never back and never out of the cell.
     let at = vec2<i32>(floor(leg.begin.xy + leg.change.xy * end));
-    let low = max(first, select(vec2<i32>(0), tile, is_forward));
-    let high = min(past - 1, select(last_tile, tile, is_backward));
-    let inside = clamp(at, low, min(high, last_tile));
+    let low = select(first, tile, is_forward);
+    let high = select(tile, min(past - 1, last_tile), is_forward);
+    let inside = clamp(at, low, high);
     let across = select(first - 1, past, is_forward);
-    let next = select(vec2<i32>(inside.x, across.y), vec2<i32>(across.x, inside.y), leaves.x <= leaves.y);
+    let next = select(vec2<i32>(inside.x, across.y), vec2<i32>(across.x, inside.y), leaves_by_x);
     // Up where nothing was, and only into another cell of the level above.
     let above = vec2<u32>(level + 1u);
     let rises = passes & !overlaps & (level < search.top_level) & any((next >> above) != (tile >> above));
-    let stays = (end < 1.0) & all(next >= vec2<i32>(0)) & all(next <= last_tile);
-    is_walking = select(is_walking, stays, passes);
+    // Before the leg's end a border within the image was crossed.
+    is_walking = select(is_walking, end < 1.0, passes);
     let lower = max(level, 1u) - 1u;
     let lower_edge = edge_of(lower);
-    level_begin += select(0u, edge * edge, rises);
+    level_begin += select(0u, u32(edge * edge), rises);
     level_begin -= select(0u, lower_edge * lower_edge, descends);
     level = select(level + select(0u, 1u, rises), lower, descends);
     tile = select(tile, next, passes);

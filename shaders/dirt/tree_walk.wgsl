@@ -8,7 +8,7 @@
 
 #import tracebench::reads::quad_1
 #import tracebench::dirt_packed_grid::first_leaf_of
-#import tracebench::dirt_packed_ray::{search, leg, limit, steps, work, is_done, test_reference}
+#import tracebench::dirt_packed_ray::{search, leg, limit, steps, work, is_done, set_limit, test_reference}
 #import tracebench::dirt_packed_walk::{is_walking, entered, begin_steps, step_on, entered_number}
 #import tracebench::dirt_tile_tree::{TilePlanes, planes_of, meet_node}
 
@@ -108,7 +108,7 @@ fn visit() {
     let node = 8u * climbed + 1u + child;
     let met = meet_node(planes, select(0u, first_node + node, visits));
 #ifdef COUNTERS
-    work.y += select(0u, 1u, visits);
+    work.nodes_visited += select(0u, 1u, visits);
 #endif
     let is_leaf = visits & (node >= first_leaf);
     let is_inner = visits & (node < first_leaf);
@@ -140,6 +140,9 @@ fn test() {
 
 // A round. What a tile's first nodes hold is tested in the round that finds the tile.
 fn go_on() {
+#ifdef COUNTERS
+    work.search_rounds += select(0u, 1u, is_busy());
+#endif
     walk_on();
     walk_on();
     begin_tree();
@@ -148,4 +151,5 @@ fn go_on() {
     test();
     take_next_parts();
     test();
+    set_limit();
 }

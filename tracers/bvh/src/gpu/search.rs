@@ -101,7 +101,7 @@ const SETTINGS: &str = "settings";
 
 /// The buffers of a trace that counts.
 pub(crate) struct Counting {
-    counts: RayCounts<2>,
+    counts: RayCounts<3>,
     /// A bit a node.
     nodes: TouchedBits,
     /// A bit a slot of the leaves.
@@ -211,7 +211,7 @@ impl Searches {
         let mut clock = PhaseClock::new(Some(gpu));
         self.record(searched, job, hits, Some(&counting), &mut clock)?;
         clock.finish()?;
-        let mut counters = counting.counts.counters(gpu, ["nodes_visited", "triangle_tests"])?;
+        let mut counters = counting.counts.counters(gpu, ["nodes_visited", "triangle_tests", "search_rounds"])?;
         counters.push(Counter::of_set("nodes_touched", counting.nodes.count(gpu)?));
         counters.push(Counter::of_set("references_touched", counting.references.count(gpu)?));
         Ok(counters)

@@ -14,13 +14,16 @@ use crate::pipelines::Search;
 
 /// The buffers of a trace that counts.
 struct Counting {
-    counts: RayCounts<4>,
+    counts: RayCounts<5>,
     /// A bit a reference.
     touched: TouchedBits,
 }
 
-/// What is counted of every ray, in the order of shaders/dirt/packed_trace.wgsl.
-const COUNTERS: [&str; 4] = ["pyramid_steps", "nodes_visited", "triangle_tests", "views_entered"];
+/// Rounds of a search in which a ray had something to do, which only trees are searched by.
+const ROUNDS: &str = "search_rounds";
+
+/// What is counted of every ray, in the order of `Work` in shaders/dirt/packed_ray.wgsl.
+const COUNTERS: [&str; 5] = ["pyramid_steps", "nodes_visited", "triangle_tests", "views_entered", ROUNDS];
 
 /// What a trace takes while it runs, by name and bytes.
 const LEFT: (&str, usize) = ("workgroups that answer what is left", 12);
@@ -135,6 +138,7 @@ impl PackedStructure {
         clock.finish()?;
         // A set that the shadow map answers searches nothing: a texel a ray is looked at.
         let mut counters = counting.counts.counters(gpu, COUNTERS)?;
+        counters.retain(|counter| counter.name != ROUNDS || self.layout.lists == Lists::Trees);
         if self.shadow_map.as_ref().is_some_and(|map| map.answers(job)) {
             counters.push(Counter::of_set("shadow_map_texels", job.rays.host.len() as u64));
         }
