@@ -12,8 +12,8 @@ use crate::{papers, tables};
 
 const MAKERS: Makers = Makers { tables: tables::of_run, claims: papers::claims_of };
 
-/// Writes one page of all records.
-pub(super) fn write(file: &Path, paths: &[PathBuf], progress: &Progress) -> Result<(), CliError> {
+/// Writes one page of all records, with what is missing beside them.
+pub(super) fn write(file: &Path, paths: &[PathBuf], missing: Vec<String>, progress: &Progress) -> Result<(), CliError> {
     spares(file)?;
     let mut records: Vec<(String, Run)> = Vec::new();
     for path in paths {
@@ -31,7 +31,7 @@ pub(super) fn write(file: &Path, paths: &[PathBuf], progress: &Progress) -> Resu
     if records.is_empty() {
         return Err(CliError::Argument("claims alone are no record: give those of the tables, too".to_owned()));
     }
-    let page = reports::html_page(&records, MAKERS, &command(file, paths), MOST_BYTES)?;
+    let page = reports::html_page(&records, &missing, MAKERS, &command(file, paths), MOST_BYTES)?;
     files::write(file, page.html.as_bytes()).map_err(ReportError::from)?;
     for what in &page.dropped {
         progress.say(&format!("left out for want of room: {what}"));

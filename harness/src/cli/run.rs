@@ -43,7 +43,7 @@ pub(super) fn report(arguments: &ReportArguments, progress: &Progress) -> Result
         }
         return Ok(());
     };
-    super::page::write(file, &arguments.paths, progress)
+    super::page::write(file, &arguments.paths, Vec::new(), progress)
 }
 
 /// The folder that a file is in, or that is one.

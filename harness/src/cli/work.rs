@@ -14,15 +14,16 @@ use crate::measure::{self, Context, Journal, RunError, records};
 use crate::plan::{Plan, RunPreset, Shard, TracerRequest};
 use crate::progress::{self, Progress};
 use crate::registry::Device;
+use crate::report::{self, ReportError};
 use crate::results::{Means, MeansRecord, Run, Skipped};
+use crate::tables;
 use crate::truth::Cache;
-use crate::{report, tables};
 
 /// Where results go, and how a long run is spread and gone on with.
 #[derive(Args)]
 pub(super) struct OutputArguments {
-    /// Folder for the results; a new one below tracebench-out/ if not given. Results of a run that ended there before are replaced;
-    /// what was broken off there is not, see --resume.
+    /// Folder for the results; a new one below tracebench-out/ if not given. Results of the same verb that ended there before are replaced,
+    /// those of another are not; nor is what was broken off there, see --resume.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Go on with the run that was broken off in --out: what had ended there is not measured again. Everything else must be
@@ -209,6 +210,9 @@ impl<'a> Bench<'a> {
         });
         let machine = machine::this_machine(self.device.as_deref().ok());
         let words = json!({ "plan": plan, "shard": self.arguments.shard });
+        if !self.arguments.resume {
+            refuse_another(&self.out.path, plan["verb"].as_str())?;
+        }
         let begun = match self.arguments.resume {
             true => Journal::resume(&self.out.path, &words, &machine),
             false => Journal::begin(&self.out.path, &words, &machine, self.means.as_ref()),
@@ -331,6 +335,21 @@ impl OutputFolder {
             }
         }
     }
+}
+
+/// Refuses a folder with a record of another verb than `own`: it would be written over, and its pages left without it.
+pub(super) fn refuse_another(out: &Path, own: Option<&str>) -> Result<(), CliError> {
+    let what = match report::read_run(out) {
+        Ok(run) if own == Some(run.verb()) => return Ok(()),
+        Ok(run) => format!("what `{}` measured", run.verb()),
+        // The journal itself says whose work it is.
+        Err(ReportError::Missing { .. }) if own.is_none() && Journal::is_in(out) => {
+            "a run that was broken off".to_owned()
+        }
+        Err(ReportError::Missing { .. }) => return Ok(()),
+        Err(_) => format!("a {}", report::RUN_FILE),
+    };
+    Err(CliError::Argument(format!("{} holds {what}: choose another folder with --out", out.display())))
 }
 
 fn say_plan(plan: &Plan, adapter: Option<&str>, progress: &Progress) {

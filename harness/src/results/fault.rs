@@ -3,7 +3,7 @@
 use super::{Judgement, Run, Times, TracerRun};
 
 impl Run {
-    /// Why the record is none of a run, if it is none: without rows, with a share outside of 0 to 1, or with a time below zero.
+    /// Why the record is none of a run, if it is none: without rows, with a share outside of 0 to 1 or of its interval, or with a time below zero.
     pub fn fault(&self) -> Option<String> {
         // Of a shard another one may have all rows; where cases were asked, a tracer may have been there for none.
         if self.runs.is_empty() && self.provenance.shard.is_none() && self.cases.is_none() {
@@ -12,6 +12,9 @@ impl Run {
         [&self.runs, &self.controls, &self.anchors].into_iter().flatten().find_map(of_row)
     }
 }
+
+/// What ends of intervals may be off by.
+const ROUNDING: f64 = 1e-9;
 
 fn of_row(row: &TracerRun) -> Option<String> {
     let place = format!("{} in {}", row.tracer.name, row.scene.name);
@@ -23,8 +26,13 @@ fn of_row(row: &TracerRun) -> Option<String> {
         if let Some(time) = below_zero(&trace.times) {
             return Some(format!("{place}: a trace took {time} ms"));
         }
-        let share = shares(&trace.judgement).into_iter().flatten().find(|share| !(0.0..=1.0).contains(share))?;
-        Some(format!("{place}: {share} is a share of right answers, and no number from 0 to 1"))
+        let shares = shares(&trace.judgement);
+        if let Some((share, _)) = shares.iter().find(|(share, _)| !(0.0..=1.0).contains(share)) {
+            return Some(format!("{place}: {share} is a share of right answers, and no number from 0 to 1"));
+        }
+        let is_off = |(share, [low, high]): &&(f64, [f64; 2])| !(low - ROUNDING..=high + ROUNDING).contains(share);
+        let (share, [low, high]) = shares.iter().find(is_off)?;
+        Some(format!("{place}: {share} is a share of right answers, and not in its interval from {low} to {high}"))
     })
 }
 
@@ -38,11 +46,18 @@ fn below_zero(times: &Times) -> Option<f64> {
     all.copied().find(|time| !is_time(*time))
 }
 
-fn shares(judgement: &Judgement) -> [Option<f64>; 3] {
-    match judgement {
+/// Shares of right answers with their intervals. An interval that is not there holds every share.
+fn shares(judgement: &Judgement) -> Vec<(f64, [f64; 2])> {
+    let all = match judgement {
         Judgement::Closest(closest) => {
-            [closest.agreement.hit_miss, closest.agreement.tight, closest.agreement.footprint]
+            let (share, interval) = (&closest.agreement, &closest.interval);
+            vec![
+                (share.hit_miss, interval.hit_miss),
+                (share.tight, interval.tight),
+                (share.footprint, interval.footprint),
+            ]
         }
-        Judgement::Any(any) => [any.occlusion.balanced_accuracy, None, None],
-    }
+        Judgement::Any(any) => vec![(any.occlusion.balanced_accuracy, any.occlusion.balanced_accuracy_interval)],
+    };
+    all.into_iter().filter_map(|(share, interval)| Some((share?, interval.unwrap_or([0.0, 1.0])))).collect()
 }

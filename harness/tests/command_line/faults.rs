@@ -19,6 +19,8 @@ fn records_that_nothing_measured() {
         ("/runs", json!([]), "no rows"),
         (agreement, json!(1.5), "bvh-cpu in room, primary: 1.5 is a share"),
         (agreement, json!(-0.1), "-0.1 is a share"),
+        (agreement, json!(0.5), "0.5 is a share of right answers, and not in its interval"),
+        ("/runs/0/traces/0/judgement/interval/tight", json!([1.0, 0.0]), "not in its interval"),
         ("/runs/0/traces/0/median_ms", json!(-3.0), "a trace took -3 ms"),
         ("/runs/0/build/samples_ms/0", json!(-3.0), "a build took -3 ms"),
     ] {
@@ -33,4 +35,19 @@ fn records_that_nothing_measured() {
     std::fs::create_dir(bench.path("cut")).unwrap();
     std::fs::write(bench.path("cut/run.json.gz"), &packed[..packed.len() / 2]).unwrap();
     bench.fails(&["report", "cut"], 1, &["cannot unpack cut/run.json.gz", "run again"]);
+}
+
+/// Proves that a folder with another verb's record is refused before anything is measured, and left as it is; the same verb writes over its own.
+#[test]
+fn records_of_other_verbs_are_kept() {
+    let bench = Bench::new();
+    let run = ["--tracer", "bvh-cpu", "--rays", "primary", "--samples", "1"];
+    bench.run(&run, "out");
+    let record = || std::fs::read(bench.path("out/run.json")).unwrap();
+    let before = record();
+    let need = [&["need", "--preset", "smoke", "--out", "out"][..], &run].concat();
+    bench.fails(&need, 2, &["out holds what `run` measured", "another folder with --out"]);
+    assert_eq!(record(), before);
+    bench.run(&run, "out");
+    assert_ne!(record(), before);
 }

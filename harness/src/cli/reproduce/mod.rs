@@ -12,14 +12,13 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 
 use super::output::print;
-use super::work::OutputFolder;
+use super::work::{OutputFolder, refuse_another};
 use super::{CliError, page as html, stop};
 use crate::files;
 use crate::means;
-use crate::measure::Journal;
 use crate::plan::RUN_PRESETS;
 use crate::progress::{self, Progress};
-use crate::report::{self, ReportError};
+use crate::report;
 use steps::Step;
 use turn::{Turn, wait_while};
 
@@ -118,7 +117,7 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
         }
         Some(path) => {
             if !arguments.resume {
-                refuse_another(path)?;
+                refuse_another(path, None)?;
             }
             OutputFolder::open(path)?
         }
@@ -186,17 +185,6 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
     }
 }
 
-/// Refuses a folder that another verb's results are in.
-fn refuse_another(out: &Path) -> Result<(), CliError> {
-    let what = match report::read_run(out) {
-        Ok(run) => format!("what `{}` measured", run.verb()),
-        Err(ReportError::Missing { .. }) if Journal::is_in(out) => "a run that was broken off".to_owned(),
-        Err(ReportError::Missing { .. }) => return Ok(()),
-        Err(_) => format!("a {}", report::RUN_FILE),
-    };
-    Err(CliError::Argument(format!("{} holds {what}: choose another folder with --out", out.display())))
-}
-
 /// Keeps other reproductions out of a folder; one that is about to end is waited for.
 fn own(out: &Path, progress: &Progress) -> Result<Option<File>, CliError> {
     // A system that opens no folders, or has no locks, keeps nobody out.
@@ -211,6 +199,17 @@ fn own(out: &Path, progress: &Progress) -> Result<Option<File>, CliError> {
     }
 }
 
+/// What is missing of the steps, for the page of what is there.
+fn missing(found: &Reproduction) -> Vec<String> {
+    let told = |one: &Taken| match &one.state {
+        State::Done => None,
+        State::BrokenOff => Some(format!("{}: broken off", one.name)),
+        State::Failed(reason) => Some(format!("{}: failed, {reason}", one.name)),
+        State::LeftOut => Some(format!("{}: not reached", one.name)),
+    };
+    found.steps.iter().filter_map(told).collect()
+}
+
 /// Writes the list of steps, and the one page of what was measured of them, if anything was.
 fn pages(found: &Reproduction, out: &Path, passed: Duration, progress: &Progress) -> Result<Vec<PathBuf>, CliError> {
     let mut written = vec![page::write(found, out, passed)?];
@@ -218,7 +217,7 @@ fn pages(found: &Reproduction, out: &Path, passed: Duration, progress: &Progress
     let records: Vec<PathBuf> = folders.filter(|folder| report::read_run(folder).is_ok()).collect();
     if !records.is_empty() {
         let answer = out.join(ANSWER);
-        html::write(&answer, &records, progress)?;
+        html::write(&answer, &records, missing(found), progress)?;
         written.push(answer);
     }
     Ok(written)

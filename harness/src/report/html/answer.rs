@@ -12,7 +12,7 @@ use crate::report::pareto::{as_read, cost_name};
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::verdict::{self, Verdict};
 use crate::results::Run;
-use crate::studies::pareto::{Aim, Check, Entry, Field, LEVELS, Wrong, best, check, farthest};
+use crate::studies::pareto::{Aim, By, Check, Entry, Field, LEVELS, Wrong, best, check, farthest};
 
 /// The agreement that is asked for where one stands for all.
 pub(super) const ASKED: f64 = LEVELS[1];
@@ -163,17 +163,28 @@ fn words(aim: Aim) -> [&'static str; 2] {
     }
 }
 
+/// The best point of another tracer.
+fn next<'a>(field: &Field<'a>, by: By, level: f64, aim: Aim, found: &Entry<'a>) -> Option<Entry<'a>> {
+    let others: Vec<_> =
+        field.entries.iter().copied().filter(|entry| entry.point.tracer != found.point.tracer).collect();
+    best(field, &others, by, level, aim)
+}
+
+/// Whether another tracer's point may be as good as the best.
+pub(super) fn is_within_noise(place: &Place<'_>, level: f64, aim: Aim, found: &Entry<'_>) -> bool {
+    next(place.field, place.by, level, aim, found)
+        .is_some_and(|next| !place.field.surely_cheaper(found, &next, aim.cost()))
+}
+
 /// Why a point is taken: how far the next tracer is, what would cost less but is right less often, and what became of it elsewhere.
 fn why(place: &Place<'_>, level: f64, aim: Aim, found: &Entry<'_>) -> String {
     let (field, by, cost) = (place.field, place.by, aim.cost());
     let of = |entry: &Entry<'_>| field.cost(entry, cost).map_or(f64::INFINITY, |amount| amount.value);
     let [times, less] = words(aim);
-    let others: Vec<_> =
-        field.entries.iter().copied().filter(|entry| entry.point.tracer != found.point.tracer).collect();
-    let mut said = vec![match best(field, &others, by, level, aim) {
+    let mut said = vec![match next(field, by, level, aim, found) {
         None => "no other tracer is right so often".to_owned(),
         Some(next) => {
-            let noise = if field.surely_cheaper(found, &next, cost) { "" } else { ", within noise" };
+            let noise = if is_within_noise(place, level, aim, found) { ", within noise" } else { "" };
             let ratio = significant(of(&next) / of(found), 3);
             format!("the next tracer takes {ratio} {times}{noise} ({})", with_cost(field, aim, &next))
         }

@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use super::Place;
-use super::answer::{ASKED, is_smoke};
+use super::answer::{ASKED, is_smoke, is_within_noise};
 use super::pieces::{Tags, escape};
-use crate::report::pareto::page::asked;
+use crate::report::pareto::page::{asked, too_few};
 use crate::studies::pareto::{Aim, best};
 
 /// A list a machine.
@@ -67,22 +67,40 @@ fn said(cases: &[&Place<'_>]) -> String {
         (scenes, count) if scenes.len() == count => format!(" in {count} scenes"),
         (scenes, count) => format!(" in {} scenes ({count} cases of a record)", scenes.len()),
     };
+    let tracers = cases.iter().map(|place| place.field.tracers().len());
+    let of = match (tracers.clone().min().unwrap_or(0), tracers.max().unwrap_or(0)) {
+        (least, most) if least == most => format!(", of {most} tracers"),
+        (least, most) => format!(", of {least} to {most} tracers"),
+    };
     let winners = Aim::ALL.map(|aim| {
-        let mut won: Vec<(Option<&str>, usize)> = Vec::new();
+        // Of every tracer in how many cases, and in how many of these another may be as good.
+        let mut won: Vec<(Option<&str>, usize, usize)> = Vec::new();
         for place in cases {
             let found = best(place.field, &place.field.entries, place.by, ASKED, aim);
             let tracer = found.map(|found| found.point.tracer.as_str());
-            match won.iter_mut().find(|(known, _)| *known == tracer) {
-                Some((_, count)) => *count += 1,
-                None => won.push((tracer, 1)),
+            let noisy = usize::from(found.is_some_and(|found| is_within_noise(place, ASKED, aim, &found)));
+            match won.iter_mut().find(|(known, ..)| *known == tracer) {
+                Some((_, count, all_noisy)) => (*count, *all_noisy) = (*count + 1, *all_noisy + noisy),
+                None => won.push((tracer, 1, noisy)),
             }
         }
-        won.sort_by_key(|(tracer, count)| (tracer.is_none(), std::cmp::Reverse(*count)));
-        let each = |(tracer, count): &(Option<&str>, usize)| {
+        won.sort_by_key(|(tracer, count, _)| (tracer.is_none(), std::cmp::Reverse(*count)));
+        let each = |(tracer, count, noisy): &(Option<&str>, usize, usize)| {
             let name = tracer.map_or_else(|| "nobody".to_owned(), |name| format!("<strong>{}</strong>", escape(name)));
-            if cases.len() == 1 { name } else { format!("{name} (in {count} of {})", cases.len()) }
+            match (cases.len(), *noisy) {
+                (1, 0) => name,
+                (1, _) => format!("{name} (within noise)"),
+                (all, 0) => format!("{name} (in {count} of {all})"),
+                (all, noisy) => format!("{name} (in {count} of {all}, {noisy} of them within noise)"),
+            }
         };
         format!("{} {}", aim.name(), won.iter().map(each).collect::<Vec<_>>().join(", "))
     });
-    format!("{where_to}: {}", winners.join("; "))
+    let unsure = cases.iter().filter(|place| !too_few(ASKED, place.field).is_empty()).count();
+    let unsure = match (unsure, cases.len()) {
+        (0, _) => String::new(),
+        (_, 1) => "; too few rays to tell".to_owned(),
+        (some, all) => format!("; in {some} of {all} too few rays to tell"),
+    };
+    format!("{where_to}{of}: {}{unsure}", winners.join("; "))
 }

@@ -20,8 +20,6 @@ mod tests;
 
 pub use again::quoted;
 
-use std::fmt::Write as _;
-
 use super::pareto::{Shown, shown};
 use super::verdict::{self, Verdict};
 use super::{ReportError, Tables, summary};
@@ -84,11 +82,17 @@ impl Place<'_> {
     }
 }
 
-/// Makes a page of records, each with where it was read from, in at most so many bytes.
+/// Makes a page of records, each with where it was read from, in at most so many bytes. `missing` are measurements that were to be beside them.
 ///
 /// # Errors
 /// If a chart cannot be drawn.
-pub fn page(records: &[(String, Run)], makers: Makers, command: &str, most_bytes: usize) -> Result<Page, ReportError> {
+pub fn page(
+    records: &[(String, Run)],
+    missing: &[String],
+    makers: Makers,
+    command: &str,
+    most_bytes: usize,
+) -> Result<Page, ReportError> {
     let Records { all, machines, copies } = read::read(records);
     let names = Names::of(&all);
     let shown: Vec<Vec<Shown<'_>>> =
@@ -118,7 +122,7 @@ pub fn page(records: &[(String, Run)], makers: Makers, command: &str, most_bytes
     let head = head(&names, &sections, &answer::section(&places, &all, &machines, &copies, &names));
     let foot = foot(&again::section(command, &all));
     // What is left out is named once more below.
-    let copies = same(&copies);
+    let copies = same(&copies) + &listed("Not or not wholly measured", missing);
     let room = most_bytes.saturating_sub(head.len() + copies.len() + foot.len());
     Ok(sections.finish(head, &copies, &foot, room))
 }
@@ -147,9 +151,14 @@ fn places<'a>(all: &'a [Read<'a>], shown: &'a [Vec<Shown<'a>>]) -> Vec<Place<'a>
 
 /// Records that are the same as others.
 fn same(copies: &[[String; 2]]) -> String {
-    let items: String =
-        copies.iter().map(|[copy, of]| format!("<li>{}: the same as {}</li>", escape(copy), escape(of))).collect();
-    if items.is_empty() { items } else { format!("<p>Records that are given twice:</p><ul>{items}</ul>\n") }
+    let told: Vec<String> = copies.iter().map(|[copy, of]| format!("{copy}: the same as {of}")).collect();
+    listed("Records that are given twice", &told)
+}
+
+/// A list with its title, where there is anything to list.
+fn listed(title: &str, all: &[String]) -> String {
+    let items: String = all.iter().map(|what| format!("<li>{}</li>", escape(what))).collect();
+    if items.is_empty() { items } else { format!("<p>{title}:</p><ul>{items}</ul>\n") }
 }
 
 /// Sections with their titles; those that have nothing are not there.
@@ -179,11 +188,9 @@ impl Sections {
                      beside each record.</p>\n";
         left_out += copies;
         if dropped.is_empty() {
-            left_out += "<p>Nothing else: there was room for all.</p>\n";
-        } else {
-            let items: String = dropped.iter().map(|what| format!("<li>{}</li>", escape(what))).collect();
-            let _ = writeln!(left_out, "<p>For want of room:</p><ul>{items}</ul>");
+            left_out += "<p>Nothing for want of room.</p>\n";
         }
+        left_out += &listed("For want of room", &dropped);
         left_out += "</section>\n";
         Page { html: head + &middle + &left_out + foot, dropped }
     }

@@ -28,7 +28,7 @@ fn planted() -> Run {
 
 fn page_of(records: &[(&str, Run)], most: usize) -> Page {
     let named: Vec<(String, Run)> = records.iter().map(|(path, run)| ((*path).to_owned(), run.clone())).collect();
-    page(&named, MAKERS, COMMAND, most).unwrap()
+    page(&named, &["later: not reached".to_owned()], MAKERS, COMMAND, most).unwrap()
 }
 
 /// What of a page a browser would fetch, or follow to elsewhere.
@@ -89,12 +89,13 @@ fn a_page_needs_nothing_else() {
     let Page { html, dropped } = page_of(&[("fronts", run)], MOST_BYTES);
     assert_eq!(leads_out(&html), Vec::<&str>::new());
     assert_eq!(leads_out(&html.replace("<main>", "<main><img src=x>")).len(), 2);
-    assert!(html.len() < MOST_BYTES && dropped.is_empty() && html.contains("there was room for all"));
+    assert!(html.len() < MOST_BYTES && dropped.is_empty() && html.contains("Nothing for want of room"));
+    assert!(html.contains("<p>Not or not wholly measured:</p><ul><li>later: not reached</li></ul>"));
     let answer = part(&html, "<section id=\"answer\"", "<section id=\"fronts\"");
     for told in [
         "<li>for <span data-rays=\"diffuse\">diffuse</span>",
         "<span data-rays=\"ao\">ao</span>",
-        "</span> in room: fastest <strong>fair</strong>; smallest <strong>",
+        "</span> in room, of 3 tracers: fastest <strong>fair</strong>; smallest <strong>",
         "no other tracer is right so often",
         "rough stride=3 is faster but right in",
         "<strong>from another viewpoint it misses by",
