@@ -19,7 +19,8 @@ pub(super) fn page(run: &Run, record: &NeedRecord, curves: &[Curve<'_>], shown: 
         text,
         "\nEvery structure answers the same rays as smaller ones of its tracer. A smaller one is enough while the upper end of the 95 % \
          interval of newly wrong less newly right rays is at most {} % of them, and enough in time while its traces take at most {} times \
-         as long besides. Rays of analytic methods are right by `tight`, of methods that sample by `footprint`.",
+         as long besides. Shrinking a thing ends before its first step that is not enough; what is enough again behind that may be so by chance, and \
+         counts only in the table of steps. Rays of analytic methods are right by `tight`, of methods that sample by `footprint`.",
         significant(record.most_lost_share * 100.0, 2),
         significant(record.most_times_as_long, 3)
     );
@@ -28,6 +29,15 @@ pub(super) fn page(run: &Run, record: &NeedRecord, curves: &[Curve<'_>], shown: 
         let _ = writeln!(text, "\n## {name} ({} triangles), {}", thousands(each.scene.triangles), inline(each.rays));
         if each.curves.iter().any(|curve| !curve.axes.is_empty()) {
             let _ = writeln!(text, "\n![rays lost over steps]({}.svg)", each.chart);
+        }
+        if let Some((rays, unseen)) = each.curves.iter().find_map(|curve| curve.unseen_loss()) {
+            let _ = writeln!(
+                text,
+                "\n**{} rays are few:** without a single answer that changes up to {} % of them might be lost, so steps may not be enough for \
+                 want of rays.",
+                thousands(rays),
+                significant(unseen * 100.0, 2)
+            );
         }
         let _ = write!(text, "\nBytes needed beside bytes stored and touched:\n\n{}", needs(each));
         text += &steps(each);
@@ -110,7 +120,9 @@ fn elsewhere(curves: &[Curve<'_>]) -> String {
     let served = all.iter().filter(|each| each.serves == Some(true)).count();
     let head = "\n## Needs that are tried elsewhere\n\n";
     if tried == 0 {
-        return format!("{head}None: there is no other viewpoint or scene, or nothing shrinks.\n");
+        return format!(
+            "{head}None: there is no other viewpoint or scene, or nothing less than the whole is enough.\n"
+        );
     }
     format!("{head}{served} of {tried} serve where they were not found.\n\n{}", sheet.markdown(&all))
 }

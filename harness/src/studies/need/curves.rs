@@ -165,6 +165,14 @@ impl<'a> Axis<'a> {
 }
 
 impl<'a> Curve<'a> {
+    /// The most that may be lost without a single answer that changed, by the upper end of the interval over so many rays; where that is more than is
+    /// allowed, steps may fail for want of rays.
+    pub fn unseen_loss(&self) -> Option<(u64, f64)> {
+        let rays = self.steps().find_map(|step| step.changed)?.rays;
+        let (_, [_, upper]) = paired_difference(0, 0, rays)?;
+        (upper > self.whole.most_lost_share).then_some((rays, upper))
+    }
+
     /// Every smaller structure.
     pub fn steps(&self) -> impl Iterator<Item = &Step<'a>> {
         self.axes.iter().flat_map(|axis| &axis.steps).chain(&self.joint)
