@@ -48,7 +48,7 @@ impl Timing {
 
     /// Whether the timestamps of samples of the same work can be true: at least one sample spends no more than half its
     /// time, or a quarter of a millisecond, outside of them, none lasts longer on the device than the host waited for it, and they are
-    /// not [late now and then](Self::are_late). A stamp that the driver takes too late, or a wrong period, would show as a speed that
+    /// not late now and then. A stamp that the driver takes too late, or a wrong period, would show as a speed that
     /// nothing has.
     pub fn believable(samples: &[Timing]) -> bool {
         let pairs: Vec<_> =
