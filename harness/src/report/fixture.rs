@@ -258,8 +258,8 @@ fn corrupt(judgement: &mut Judgement) {
             let (missed, invented) = (occluded.div_ceil(8), free.div_ceil(8));
             (table.true_occluded, table.false_free) = (occluded - missed, missed);
             (table.true_free, table.false_occluded) = (free - invented, invented);
-            let share = |wrong: u64, of: u64| (of - wrong) as f64 / of as f64;
-            table.balanced_accuracy = Some(f64::midpoint(share(missed, occluded), share(invented, free)));
+            (table.balanced_accuracy, table.balanced_accuracy_interval) =
+                balanced([(occluded - missed, occluded), (free - invented, free)]);
         }
     }
 }
@@ -442,24 +442,26 @@ fn score(judgement: &mut ClosestJudgement) {
     };
 }
 
+/// The balanced accuracy with its interval, of the right answers among all, of either kind.
+fn balanced(right: [(u64, u64); 2]) -> (Option<f64>, Option<[f64; 2]>) {
+    let share = right.iter().map(|(right, all)| *right as f64 / *all as f64).sum::<f64>() / 2.0;
+    let [one, other] = right.map(|(right, all)| wilson(right, all).unwrap());
+    (Some(share), Some([f64::midpoint(one[0], other[0]), f64::midpoint(one[1], other[1])]))
+}
+
 fn any(quality: Quality) -> AnyJudgement {
     let occluded = 40_000;
     let free = COUNT - TIES - occluded;
     let false_free = (occluded as f64 * quality.missed) as u64;
-    let right = [(occluded - false_free, occluded), (free, free)];
-    let share = right.iter().map(|(right, all)| *right as f64 / *all as f64).sum::<f64>() / 2.0;
-    let ends = right.map(|(right, all)| wilson(right, all).unwrap());
+    let (balanced_accuracy, balanced_accuracy_interval) = balanced([(occluded - false_free, occluded), (free, free)]);
     AnyJudgement {
         occlusion: Occlusion {
             true_occluded: occluded - false_free,
             true_free: free,
             false_occluded: 0,
             false_free,
-            balanced_accuracy: Some(share),
-            balanced_accuracy_interval: Some([
-                f64::midpoint(ends[0][0], ends[1][0]),
-                f64::midpoint(ends[0][1], ends[1][1]),
-            ]),
+            balanced_accuracy,
+            balanced_accuracy_interval,
         },
         ties: TIES,
         many_ties: false,

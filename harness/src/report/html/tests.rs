@@ -271,8 +271,8 @@ fn smoke_runs_are_no_cases_beside_others() {
         part(&html, "<section id=\"answer\"", "<section id=").to_owned()
     };
     let both = answer(&[("whole", planted()), ("smoke", smoke())]);
-    assert!(both.contains("</span> in room: fastest <strong>fair</strong>;"), "{both}");
-    assert!(answer(&[("smoke", smoke())]).contains("</span> in room: fastest <strong>fair</strong>;"));
+    assert!(both.contains("</span> in room, of 3 tracers: fastest <strong>fair</strong>;"), "{both}");
+    assert!(answer(&[("smoke", smoke())]).contains("</span> in room, of 3 tracers: fastest <strong>fair</strong>;"));
 }
 
 /// Proves that of records of the same scene and ray set every row says whose it is, and that each is a case; and that one which is given
@@ -283,7 +283,10 @@ fn records_of_the_same_are_told_apart() {
     let html = page_of(&[("/home/x/a/fronts", planted()), ("b/fronts/run.json", other())], MOST_BYTES).html;
     assert!(!html.contains("home/x"));
     let answer = part(&html, "<section id=\"answer\"", "<section id=");
-    assert!(answer.contains("</span> in room (2 records): fastest <strong>fair</strong> (in 2 of 2)"), "{answer}");
+    assert!(
+        answer.contains("</span> in room (2 records), of 3 tracers: fastest <strong>fair</strong> (in 2 of 2)"),
+        "{answer}"
+    );
     for name in ["a/fronts", "b/fronts"] {
         let cell = format!("<td>{name}</td>");
         // Three aims in three tables of needs, and three tracers, of two ray sets.
@@ -294,7 +297,7 @@ fn records_of_the_same_are_told_apart() {
     assert_eq!(html.matches("<th scope=\"col\">record</th>").count(), 5);
     let html = page_of(&[("fronts", planted()), ("copy", planted()), ("fronts", planted())], MOST_BYTES).html;
     let answer = part(&html, "<section id=\"answer\"", "<section id=");
-    assert!(answer.contains("</span> in room: fastest <strong>fair</strong>;"), "{answer}");
+    assert!(answer.contains("</span> in room, of 3 tracers: fastest <strong>fair</strong>;"), "{answer}");
     assert!(answer.contains("the same record is there:</strong> copy (as fronts), fronts (as fronts)."), "{answer}");
     assert!(!html.contains("<th scope=\"col\">record</th>"));
     let left_out = part(&html, "<section id=\"left-out\"", "</section>");
