@@ -110,7 +110,8 @@ fn set_limit() {
     limit = select(1.0, min(after / (after + before) + UNIT, 1.0), found & (before > 0.0));
 }
 
-// Tests a triangle, where `asked`; of equal t the lower primitive is kept. Where the search goes on in a leg, set_limit is to follow. A lane that does not ask reads all the same, and keeps nothing.
+// Tests a triangle, where `asked`; of equal t the lower primitive is kept. A lane that does not ask reads all the same, and keeps nothing.
+// Where the search goes on in a leg, set_limit is to follow.
 fn test_triangle(triangle: u32, asked: bool) {
 #ifdef COUNTERS
     work.triangle_tests += select(0u, 1u, asked);

@@ -146,6 +146,27 @@ fn needs_end_before_the_first_loss() {
     assert_eq!(of([0, 0, 0], [1.0, 1.5, 1.0]).3, 32);
 }
 
+/// Proves that rays are called few where even answers that all stay the same leave room for a greater loss than is allowed, and many are not.
+#[test]
+fn few_rays_leave_losses_unseen() {
+    let unseen = |rays| {
+        let (rows, mut curve) = planted("door", 0, [0; 3], [1.0; 3]);
+        for point in &mut curve.points {
+            for changed in point.changed.values_mut() {
+                *changed = ChangedRays { rays, newly_wrong: 0, newly_right: 0 };
+            }
+        }
+        let mut run = fixture::run(&[], &[]);
+        (run.runs, run.need) = (rows, Some(record(vec![curve])));
+        let curves = curves(&run, run.need.as_ref().unwrap());
+        (curves[0].unseen_loss(), curves[0].needed(false).bytes())
+    };
+    assert_eq!(unseen(100_000), (None, Some(8 << 20)));
+    let (few, needed) = unseen(500);
+    assert!(few.is_some_and(|(rays, upper)| rays == 500 && upper > 0.001), "{few:?}");
+    assert_eq!(needed, Some(64 << 20));
+}
+
 /// Proves that a step whose structure turned out larger than the whole one, as it may where a tracer works its own value out, is none: it
 /// neither ends a need nor is one.
 #[test]
