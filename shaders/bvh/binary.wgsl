@@ -3,7 +3,10 @@
 // a visit tests both.
 
 #import tracebench::types::{Ray, Hit}
-#import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
+#ifdef DEEP
+#import tracebench::dispatch::linear_invocation
+#endif
+#import tracebench::lanes::{WORKGROUP_SIZE, pool_of, take_ray}
 #import tracebench::reads::quad_0
 #import tracebench::bvh_search::{
     SearchSettings, Search, begin_search, load_triangle, test_triangle, finish_search, Work
@@ -77,20 +80,20 @@ fn trace(
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    var turns = turns_of(
+    let pool = pool_of(
         workgroup, workgroups, local, settings.first_ray, settings.ray_count, settings.rays_per_lane,
     );
-    if (turns.ray >= turns.end) {
+    var ray = take_ray(pool);
+    if (ray >= pool.end) {
         return;
     }
 #ifdef DEEP
-    // Deep searches take a ray a lane.
-    let stack_base = (turns.ray - settings.first_ray) * settings.stack_entries;
+    let stack_base = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE) * settings.stack_entries;
 #else
     var stack: array<u32, PRIVATE_STACK>;
 #endif
     var stack_size = 0u;
-    var search = begin_search(settings, rays[turns.ray]);
+    var search = begin_search(settings, rays[ray]);
     // Siblings to visit next.
     var pair = 0u;
     // Triangles to test: those of a leaf, and of its sibling if that is one too.
@@ -177,16 +180,16 @@ fn trace(
             }
         }
         if (!busy) {
-            hits[turns.ray] = finish_search(settings, search);
+            hits[ray] = finish_search(settings, search);
 #ifdef COUNTERS
-            counts[turns.ray] = work;
+            counts[ray] = work;
             work = Work();
 #endif
-            turns.ray += WORKGROUP_SIZE;
-            if (turns.ray >= turns.end) {
+            ray = take_ray(pool);
+            if (ray >= pool.end) {
                 break;
             }
-            search = begin_search(settings, rays[turns.ray]);
+            search = begin_search(settings, rays[ray]);
             pair = 0u;
         }
     }

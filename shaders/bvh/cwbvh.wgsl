@@ -9,7 +9,10 @@
 // extension. Postponing costs 1 to 2 % more nodes and 5 to 7 % more triangles.
 
 #import tracebench::types::{Ray, Hit}
-#import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
+#ifdef DEEP
+#import tracebench::dispatch::linear_invocation
+#endif
+#import tracebench::lanes::{WORKGROUP_SIZE, pool_of, take_ray}
 #import tracebench::reads::quad_0
 #import tracebench::bvh_search::{
     SearchSettings, Search, begin_search, load_triangle, test_triangle, finish_search, Work
@@ -155,20 +158,20 @@ fn trace(
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    var turns = turns_of(
+    let pool = pool_of(
         workgroup, workgroups, local, settings.first_ray, settings.ray_count, settings.rays_per_lane,
     );
-    if (turns.ray >= turns.end) {
+    var ray = take_ray(pool);
+    if (ray >= pool.end) {
         return;
     }
 #ifdef DEEP
-    // Deep searches take a ray a lane.
-    let stack_base = (turns.ray - settings.first_ray) * settings.stack_entries;
+    let stack_base = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE) * settings.stack_entries;
 #else
     var stack: array<vec2<u32>, PRIVATE_STACK>;
 #endif
     var stack_size = 0u;
-    var search = begin_search(settings, rays[turns.ray]);
+    var search = begin_search(settings, rays[ray]);
     var octant = octant_of(search.inverse);
     // Children to visit; those of their ancestors wait on the stack.
     var group = ROOT_GROUP;
@@ -246,16 +249,16 @@ fn trace(
             }
         }
         if (!busy) {
-            hits[turns.ray] = finish_search(settings, search);
+            hits[ray] = finish_search(settings, search);
 #ifdef COUNTERS
-            counts[turns.ray] = work;
+            counts[ray] = work;
             work = Work();
 #endif
-            turns.ray += WORKGROUP_SIZE;
-            if (turns.ray >= turns.end) {
+            ray = take_ray(pool);
+            if (ray >= pool.end) {
                 break;
             }
-            search = begin_search(settings, rays[turns.ray]);
+            search = begin_search(settings, rays[ray]);
             octant = octant_of(search.inverse);
             group = ROOT_GROUP;
         }

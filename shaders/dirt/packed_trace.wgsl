@@ -9,7 +9,11 @@
 
 #import tracebench::types::{Ray, Hit, miss, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP}
 #import tracebench::dispatch::linear_invocation
-#import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
+#ifdef TREES
+#import tracebench::lanes::{WORKGROUP_SIZE, Pool, pool_of, take_ray}
+#else
+#import tracebench::lanes::{WORKGROUP_SIZE, Turns, turns_of}
+#endif
 #import tracebench::dirt_packed_ray::{search, best, found, capped, open, Work, work}
 #import tracebench::dirt_packed_legs::{passes_eye, centre, begin_lane, begin_ray, has_face, next_leg}
 #import tracebench::dirt_packed_near::search_near
@@ -68,13 +72,13 @@ fn search_faces() {
     }
 }
 
-// Answers the rays of a lane, one after the other. Left without an answer are those for which what lies near the eye is to be searched:
-// few are, and drivers may run every branch for all; and those that are cut off, with all behind them.
-fn answer_rays(first: u32, end: u32) {
-    if (first >= end) {
+// Answers rays of a pool, one after the other. Left without an answer are those for which what lies near the eye is to be searched: few
+// are, and drivers may run every branch for all; and those that are cut off, with all that no lane has taken then.
+fn answer_rays(pool: Pool) {
+    var index = take_ray(pool);
+    if (index >= pool.end) {
         return;
     }
-    var index = first;
     begin_lane();
     begin_ray(rays[index]);
     var is_left = passes_eye;
@@ -87,13 +91,13 @@ fn answer_rays(first: u32, end: u32) {
                 note(index, answer());
             }
             leaves_some = leaves_some || is_left;
-            index += WORKGROUP_SIZE;
-            if (index < end) {
+            index = take_ray(pool);
+            if (index < pool.end) {
                 begin_ray(rays[index]);
                 is_left = passes_eye;
             }
         }
-        if (index < end && !is_busy() && !is_left && has_face()) {
+        if (index < pool.end && !is_busy() && !is_left && has_face()) {
             begin_walk(next_leg());
         }
         var round = 0u;
@@ -104,9 +108,9 @@ fn answer_rays(first: u32, end: u32) {
                 break if round == ROUNDS || !is_busy();
             }
         }
-        open -= select(0u, 1u, index >= end);
+        open -= select(0u, 1u, index >= pool.end);
         continuing {
-            break if index >= end;
+            break if index >= pool.end;
         }
     }
     if (leaves_some || open > 0u) {
@@ -132,9 +136,9 @@ fn search_faces() {
 
 // Answers the rays of a lane, one after the other. Left without an answer are those for which what lies near the eye is to be searched:
 // few are, and drivers may run every branch for all; and those that are cut off, with all behind them.
-fn answer_rays(first: u32, end: u32) {
-    var index = first;
-    if (index >= end) {
+fn answer_rays(turns: Turns) {
+    var index = turns.ray;
+    if (index >= turns.end) {
         return;
     }
     var leaves_some = false;
@@ -151,7 +155,7 @@ fn answer_rays(first: u32, end: u32) {
         }
         index += WORKGROUP_SIZE;
         continuing {
-            break if index >= end || open > 0u;
+            break if index >= turns.end || open > 0u;
         }
     }
     if (leaves_some || open > 0u) {
@@ -186,6 +190,14 @@ fn answer_ray(index: u32) {
     }
 }
 
+fn answer_rays_in_turns(workgroup: vec3<u32>, workgroups: vec3<u32>, local: u32, rays_per_lane: u32) {
+#ifdef TREES
+    answer_rays(pool_of(workgroup, workgroups, local, 0u, search.ray_count, rays_per_lane));
+#else
+    answer_rays(turns_of(workgroup, workgroups, local, 0u, search.ray_count, rays_per_lane));
+#endif
+}
+
 // A ray a lane.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace(
@@ -193,8 +205,7 @@ fn trace(
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
-    answer_rays(index, min(index + 1u, search.ray_count));
+    answer_rays_in_turns(workgroup, workgroups, local, 1u);
 }
 
 // Several rays a lane, one after the other. Loops are counted over all of them: rays that are cut off, and those behind them, are left
@@ -205,8 +216,7 @@ fn trace_in_turns(
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let turns = turns_of(workgroup, workgroups, local, 0u, search.ray_count, search.rays_per_lane);
-    answer_rays(turns.ray, turns.end);
+    answer_rays_in_turns(workgroup, workgroups, local, search.rays_per_lane);
 }
 
 // Whether a ray of the workgroup has no answer.

@@ -1,7 +1,7 @@
 // What tells how searches should read and be launched: kernels that do of a search what differs between drivers, and nothing
 // else.
 
-#import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, turns_of, pool_of, take_ray}
 #import tracebench::reads::quad_0
 
 struct ProbeSettings {
@@ -58,12 +58,13 @@ fn search(
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    var turns = turns_of(workgroup, workgroups, local, 0u, settings.count, settings.rays_per_lane);
-    if (turns.ray >= turns.end) {
+    let pool = pool_of(workgroup, workgroups, local, 0u, settings.count, settings.rays_per_lane);
+    var ray = take_ray(pool);
+    if (ray >= pool.end) {
         return;
     }
-    var left = rounds_of(turns.ray);
-    var point = vec4<f32>(f32(turns.ray & 1023u) * 1e-3);
+    var left = rounds_of(ray);
+    var point = vec4<f32>(f32(ray & 1023u) * 1e-3);
     loop {
         var busy = true;
         var round = 0u;
@@ -81,13 +82,13 @@ fn search(
             }
         }
         if (!busy) {
-            results[turns.ray] = bitcast<u32>(point.x + point.y);
-            turns.ray += WORKGROUP_SIZE;
-            if (turns.ray >= turns.end) {
+            results[ray] = bitcast<u32>(point.x + point.y);
+            ray = take_ray(pool);
+            if (ray >= pool.end) {
                 break;
             }
-            left = rounds_of(turns.ray);
-            point = vec4<f32>(f32(turns.ray & 1023u) * 1e-3);
+            left = rounds_of(ray);
+            point = vec4<f32>(f32(ray & 1023u) * 1e-3);
         }
     }
 }

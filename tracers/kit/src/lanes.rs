@@ -10,8 +10,8 @@ pub const LANES_OF_WORKGROUP: u32 = 64;
 
 /// The parameter `rays_per_lane`, the same for every tracer that searches on the device.
 pub fn rays_per_lane_parameter() -> Parameter<u32> {
-    let effect = "rays that a lane answers one after the other (persistent lanes), so that lanes with short searches need not \
-                  wait for others: many suit incoherent rays and few cores, few suit coherent rays and many cores";
+    let effect = "rays that a lane answers one after the other, at the mean (persistent lanes), so that lanes with short searches need \
+                  not wait for others: many suit incoherent rays and few cores, few suit coherent rays and many cores";
     Parameter::integer(ParameterScope::Trace, 1..=256, 1, effect).unit("rays").sweep([1, 2, 4, 8, 16, 32, 64])
 }
 
@@ -52,7 +52,55 @@ pub fn dispatch_indirect(
 
 #[cfg(test)]
 mod tests {
+    use tracebench_api::wgpu::BufferUsages;
+    use tracebench_api::{AdapterChoice, Gpu};
+    use tracebench_shaders::test::LANES_FUNCTIONS;
+
     use super::*;
+    use crate::{bind_group, compute_pipeline};
+
+    /// How often lanes take each ray up to a few behind the last, where they are launched as for so many rays a lane.
+    fn times_taken(gpu: &Gpu, entry: &str, [first, count, rays_per_lane]: [u32; 3], launched: u32) -> Vec<u32> {
+        let pipeline = compute_pipeline(gpu, LANES_FUNCTIONS, entry).unwrap();
+        let asked = bytemuck::cast_slice(&[first, count, rays_per_lane]).to_vec();
+        let asked = gpu.buffer_with("asked", &asked, BufferUsages::STORAGE, "nothing").unwrap();
+        let bytes = u64::from(first + count + 600) * 4;
+        let usages = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+        let times = gpu.buffer("times", bytes, usages, "nothing").unwrap();
+        let bindings = [asked.as_entire_binding(), times.as_entire_binding()];
+        let bindings = bind_group(gpu, &pipeline.get_bind_group_layout(0), &bindings);
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        dispatch_rays(&mut encoder, &pipeline, &[&bindings], count, launched);
+        gpu.queue.submit([encoder.finish()]);
+        bytemuck::pod_collect_to_vec(&gpu.read(&times, bytes).unwrap())
+    }
+
+    /// Rays that are not taken once, and others that are taken.
+    fn wrongly_taken(times: &[u32], [first, count, _]: [u32; 3]) -> usize {
+        let is_asked = |ray: usize| (first..first + count).contains(&(ray as u32));
+        times.iter().enumerate().filter(|(ray, times)| **times != u32::from(is_asked(*ray))).count()
+    }
+
+    /// Lanes take every ray once and no other, in turns and from pools, whatever their number and where the first one is, also where
+    /// workgroups fill more than one row.
+    #[test]
+    fn every_ray_is_taken_once() {
+        let gpu = Gpu::open(&AdapterChoice::default()).unwrap();
+        let counts = [1, 7, 8, 9, 63, 64, 65, 511, 512, 513, 2047, 2048, 2049, 20_000];
+        let few = counts.iter().flat_map(|count| [1, 3, 32, 256].map(|lane| [count % 3 * 77, *count, lane]));
+        for asked in few.chain([[5, 65_535 * 64 + 130, 1], [0, 65_536 * 64 + 1, 32]]) {
+            for entry in ["take_turns", "take_from_pools"] {
+                let times = times_taken(&gpu, entry, asked, asked[2]);
+                assert_eq!(wrongly_taken(&times, asked), 0, "{entry} {asked:?}");
+            }
+        }
+        // Negative controls: lanes that are too few, and rays of which one was taken twice.
+        let asked = [0, 4096, 3];
+        assert!(wrongly_taken(&times_taken(&gpu, "take_from_pools", asked, 6), asked) > 0);
+        let mut times = times_taken(&gpu, "take_from_pools", asked, 3);
+        times[100] += 1;
+        assert_eq!(wrongly_taken(&times, asked), 1);
+    }
 
     /// Lanes take what is asked while all of their rays' rounds fit, then fewer, and one where not even one ray's do.
     #[test]
