@@ -6,7 +6,7 @@
 #ifdef DEEP
 #import tracebench::dispatch::linear_invocation
 #endif
-#import tracebench::lanes::{WORKGROUP_SIZE, pool_of, take_ray}
+#import tracebench::lanes::{WORKGROUP_SIZE, block_of, take_ray}
 #import tracebench::reads::quad_0
 #import tracebench::bvh_search::{
     SearchSettings, Search, begin_search, load_triangle, test_triangle, finish_search, Work
@@ -80,11 +80,11 @@ fn trace(
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let pool = pool_of(
+    let block = block_of(
         workgroup, workgroups, local, settings.first_ray, settings.ray_count, settings.rays_per_lane,
     );
-    var ray = take_ray(pool);
-    if (ray >= pool.end) {
+    var ray = take_ray(block, local);
+    if (ray >= block.end) {
         return;
     }
 #ifdef DEEP
@@ -185,8 +185,8 @@ fn trace(
             counts[ray] = work;
             work = Work();
 #endif
-            ray = take_ray(pool);
-            if (ray >= pool.end) {
+            ray = take_ray(block, local);
+            if (ray >= block.end) {
                 break;
             }
             search = begin_search(settings, rays[ray]);

@@ -10,9 +10,9 @@
 #import tracebench::types::{Ray, Hit, miss, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP}
 #import tracebench::dispatch::linear_invocation
 #ifdef TREES
-#import tracebench::lanes::{WORKGROUP_SIZE, Pool, pool_of, take_ray}
+#import tracebench::lanes::{WORKGROUP_SIZE, Block, block_of, take_ray}
 #else
-#import tracebench::lanes::{WORKGROUP_SIZE, Turns, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, Turns, turns_of}
 #endif
 #import tracebench::dirt_packed_ray::{search, best, found, capped, open, Work, work}
 #import tracebench::dirt_packed_legs::{passes_eye, centre, begin_lane, begin_ray, has_face, next_leg}
@@ -72,11 +72,11 @@ fn search_faces() {
     }
 }
 
-// Answers rays of a pool, one after the other. Left without an answer are those for which what lies near the eye is to be searched: few
+// Answers rays of a block, one after the other. Left without an answer are those for which what lies near the eye is to be searched: few
 // are, and drivers may run every branch for all; and those that are cut off, with all that no lane has taken then.
-fn answer_rays(pool: Pool) {
-    var index = take_ray(pool);
-    if (index >= pool.end) {
+fn answer_rays(block: Block, local: u32) {
+    var index = take_ray(block, local);
+    if (index >= block.end) {
         return;
     }
     begin_lane();
@@ -91,13 +91,13 @@ fn answer_rays(pool: Pool) {
                 note(index, answer());
             }
             leaves_some = leaves_some || is_left;
-            index = take_ray(pool);
-            if (index < pool.end) {
+            index = take_ray(block, local);
+            if (index < block.end) {
                 begin_ray(rays[index]);
                 is_left = passes_eye;
             }
         }
-        if (index < pool.end && !is_busy() && !is_left && has_face()) {
+        if (index < block.end && !is_busy() && !is_left && has_face()) {
             begin_walk(next_leg());
         }
         var round = 0u;
@@ -108,9 +108,9 @@ fn answer_rays(pool: Pool) {
                 break if round == ROUNDS || !is_busy();
             }
         }
-        open -= select(0u, 1u, index >= pool.end);
+        open -= select(0u, 1u, index >= block.end);
         continuing {
-            break if index >= pool.end;
+            break if index >= block.end;
         }
     }
     if (leaves_some || open > 0u) {
@@ -153,7 +153,7 @@ fn answer_rays(turns: Turns) {
         } else {
             leaves_some = true;
         }
-        index += WORKGROUP_SIZE;
+        index += BLOCK_LANES;
         continuing {
             break if index >= turns.end || open > 0u;
         }
@@ -192,7 +192,7 @@ fn answer_ray(index: u32) {
 
 fn answer_rays_in_turns(workgroup: vec3<u32>, workgroups: vec3<u32>, local: u32, rays_per_lane: u32) {
 #ifdef TREES
-    answer_rays(pool_of(workgroup, workgroups, local, 0u, search.ray_count, rays_per_lane));
+    answer_rays(block_of(workgroup, workgroups, local, 0u, search.ray_count, rays_per_lane), local);
 #else
     answer_rays(turns_of(workgroup, workgroups, local, 0u, search.ray_count, rays_per_lane));
 #endif

@@ -3,7 +3,7 @@
 
 #import tracebench::types::{Ray, Hit, miss, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, NO_PRIMITIVE}
 #import tracebench::dispatch::linear_invocation
-#import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
 #import tracebench::view::{View, pixel_position}
 #import tracebench::triangle::{RayFrame, ray_frame, cross_triangle}
 #import tracebench::depth_bounds::bucket_of
@@ -374,7 +374,7 @@ fn trace_in_turns(
 #ifdef COUNTERS
         counts[turns.ray] = work;
 #endif
-        turns.ray += WORKGROUP_SIZE;
+        turns.ray += BLOCK_LANES;
     }
 }
 

@@ -2,7 +2,7 @@
 // that it looks at, the fragments are searched for one within the depths that the ray has there.
 
 #import tracebench::types::{Ray, Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, SURFACE_NO_HIT, SURFACE_WRITTEN}
-#import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
 #import tracebench::image_walk::{Span, eye_ray_of, span_in_view}
 #import tracebench::view_walk::{SEAM_SLACK, FAR_SIDE, Crossed, crossed_first, nothing_crossed, side_left}
 #import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, found, found_node, found_t, capped, steps, open, work, counted, data_of, load_payload}
@@ -160,6 +160,6 @@ fn trace(
         if (search.unanswered_only == 0u || hits[turns.ray].status == STATUS_UNWRITTEN) {
             answer(turns.ray);
         }
-        turns.ray += WORKGROUP_SIZE;
+        turns.ray += BLOCK_LANES;
     }
 }

@@ -10,7 +10,7 @@
 #import tracebench::image_walk::{EyeRay, Span, eye_ray_of, span_in_view, image_direction}
 #import tracebench::image_line::{image_line, place_after, depth_on, t_on}
 #import tracebench::cell_walk::{pixel_at, leaves_cell, next_pixel, is_in_image}
-#import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
 #import tracebench::reads::{word_0, word_1, pair_0}
 #import tracebench::depth_cells::{DepthPyramid, NO_SURFACE, depth_cell}
 
@@ -182,6 +182,6 @@ fn trace(
 #ifdef SURFACES
         seen[turns.ray] = textureLoad(primitives, answer.pixel, 0).x;
 #endif
-        turns.ray += WORKGROUP_SIZE;
+        turns.ray += BLOCK_LANES;
     }
 }

@@ -3,7 +3,7 @@
 
 #import tracebench::types::{Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, STATUS_OCCLUDED, STATUS_INPAINTED, SURFACE_NO_HIT, SURFACE_WRITTEN}
 #import tracebench::types::Ray
-#import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
 #import tracebench::reads::{quad_0, quad_1}
 #import tracebench::view::{View, pixel_position}
 #import tracebench::image_walk::{Span, eye_ray_of, span_in_view}
@@ -280,6 +280,6 @@ fn trace(
         if (search.unanswered_only == 0u || hits[turns.ray].status == STATUS_UNWRITTEN) {
             answer(turns.ray);
         }
-        turns.ray += WORKGROUP_SIZE;
+        turns.ray += BLOCK_LANES;
     }
 }

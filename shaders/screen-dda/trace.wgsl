@@ -10,7 +10,7 @@
 #import tracebench::view::{View, pixel_position}
 #import tracebench::image_walk::{Span, eye_ray_of, span_in_view}
 #import tracebench::image_line::between
-#import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
 #import tracebench::reads::{word_0, pair_0}
 #import tracebench::depth_cells::{DepthPyramid, NO_SURFACE, depth_cell}
 
@@ -386,6 +386,6 @@ fn trace(
         seen[turns.ray] = textureLoad(primitives, answer.pixel, 0).x;
 #endif
 #endif
-        turns.ray += WORKGROUP_SIZE;
+        turns.ray += BLOCK_LANES;
     }
 }

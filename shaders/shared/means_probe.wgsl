@@ -1,7 +1,7 @@
 // What tells how searches should read and be launched: kernels that do of a search what differs between drivers, and nothing
 // else.
 
-#import tracebench::lanes::{WORKGROUP_SIZE, turns_of, pool_of, take_ray}
+#import tracebench::lanes::{WORKGROUP_SIZE, turns_of, block_of, take_ray}
 #import tracebench::reads::quad_0
 
 struct ProbeSettings {
@@ -58,9 +58,9 @@ fn search(
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let pool = pool_of(workgroup, workgroups, local, 0u, settings.count, settings.rays_per_lane);
-    var ray = take_ray(pool);
-    if (ray >= pool.end) {
+    let block = block_of(workgroup, workgroups, local, 0u, settings.count, settings.rays_per_lane);
+    var ray = take_ray(block, local);
+    if (ray >= block.end) {
         return;
     }
     var left = rounds_of(ray);
@@ -83,8 +83,8 @@ fn search(
         }
         if (!busy) {
             results[ray] = bitcast<u32>(point.x + point.y);
-            ray = take_ray(pool);
-            if (ray >= pool.end) {
+            ray = take_ray(block, local);
+            if (ray >= block.end) {
                 break;
             }
             left = rounds_of(ray);

@@ -1,6 +1,6 @@
 // Rays that lanes take, so that a test can count how often each one is taken.
 
-#import tracebench::lanes::{WORKGROUP_SIZE, turns_of, pool_of, take_ray}
+#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of, block_of, take_ray}
 
 // The first ray, how many there are, and rays a lane.
 @group(0) @binding(0) var<storage, read> asked: array<u32, 3>;
@@ -16,24 +16,24 @@ fn take_turns(
     var turns = turns_of(workgroup, workgroups, local, asked[0], asked[1], asked[2]);
     while (turns.ray < turns.end) {
         atomicAdd(&times[turns.ray], 1u);
-        turns.ray += WORKGROUP_SIZE;
+        turns.ray += BLOCK_LANES;
     }
 }
 
 // Lanes are done with their rays after different rounds.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn take_from_pools(
+fn take_from_blocks(
     @builtin(workgroup_id) workgroup: vec3<u32>,
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let pool = pool_of(workgroup, workgroups, local, asked[0], asked[1], asked[2]);
-    var ray = take_ray(pool);
+    let block = block_of(workgroup, workgroups, local, asked[0], asked[1], asked[2]);
+    var ray = take_ray(block, local);
     var rounds = 0u;
-    while (ray < pool.end) {
+    while (ray < block.end) {
         if (rounds == ray * 7u % 5u) {
             atomicAdd(&times[ray], 1u);
-            ray = take_ray(pool);
+            ray = take_ray(block, local);
             rounds = 0u;
         } else {
             rounds += 1u;

@@ -4,7 +4,7 @@
 
 #import tracebench::types::{Ray, Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP, SURFACE_NO_HIT, SURFACE_WRITTEN, SURFACE_LOST}
 #import tracebench::dispatch::linear_invocation
-#import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
 #ifdef ORIENTED
 #import tracebench::voxel_store::{search, open, work, counted, COUNTS}
 #import tracebench::voxel_plane_search::{found, found_t, find_hit, surface_of_hit}
@@ -246,7 +246,7 @@ fn trace_in_turns(
             break;
         }
         write_answer(turns.ray);
-        turns.ray += WORKGROUP_SIZE;
+        turns.ray += BLOCK_LANES;
     }
 }
 

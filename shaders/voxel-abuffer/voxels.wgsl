@@ -2,7 +2,7 @@
 // where it enters a voxel that has anything; those that hold its start are left first.
 
 #import tracebench::types::{Ray, Hit, miss, NO_PRIMITIVE, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP}
-#import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
 #import tracebench::reads::word_1
 #import tracebench::image_walk::Span
 #import tracebench::unit_space::{to_unit, voxel_at, voxel_index}
@@ -77,6 +77,6 @@ fn trace(
 #ifdef COUNTERS
         counts[turns.ray] = answer.stepped;
 #endif
-        turns.ray += WORKGROUP_SIZE;
+        turns.ray += BLOCK_LANES;
     }
 }

@@ -4,7 +4,7 @@
 // and goes on to a neighbour of the part that it leaves, across the side that it leaves it by, so that no rounding leads it past a voxel's edge.
 
 #import tracebench::types::{Ray, Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP, SURFACE_NO_HIT, SURFACE_WRITTEN}
-#import tracebench::lanes::{WORKGROUP_SIZE, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
 #import tracebench::reads::{pair_0, pair_1}
 #import tracebench::image_walk::Span
 #import tracebench::unit_space::{UnitSpace, to_unit, voxel_at}
@@ -191,6 +191,6 @@ fn trace(
             atomicStore(&counted[search.touched_words + turns.ray * COUNTS + count], work[count]);
         }
 #endif
-        turns.ray += WORKGROUP_SIZE;
+        turns.ray += BLOCK_LANES;
     }
 }

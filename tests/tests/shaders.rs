@@ -199,7 +199,7 @@ fn entry_points_exist() {
             }
             ("test/triangle_functions.wgsl", _) => compute(&["cross_pairs"], 64),
             ("test/octree_functions.wgsl", _) => compute(&["pack_normals", "place_voxels"], 64),
-            ("test/lanes_functions.wgsl", _) => compute(&["take_turns", "take_from_pools"], 64),
+            ("test/lanes_functions.wgsl", _) => compute(&["take_turns", "take_from_blocks"], 64),
             ("test/view_functions.wgsl", _) => compute(&["project"], 64),
             ("test/walk_functions.wgsl", _) => compute(&["enter", "walk", "follow", "choose"], 64),
             ("test/reads_functions.wgsl", _) => compute(&["look_up"], 64),

@@ -81,7 +81,7 @@ mod tests {
         times.iter().enumerate().filter(|(ray, times)| **times != u32::from(is_asked(*ray))).count()
     }
 
-    /// Lanes take every ray once and no other, in turns and from pools, whatever their number and where the first one is, also where
+    /// Lanes take every ray once and no other, in turns and from blocks, whatever their number and where the first one is, also where
     /// workgroups fill more than one row.
     #[test]
     fn every_ray_is_taken_once() {
@@ -89,15 +89,15 @@ mod tests {
         let counts = [1, 7, 8, 9, 63, 64, 65, 511, 512, 513, 2047, 2048, 2049, 20_000];
         let few = counts.iter().flat_map(|count| [1, 3, 32, 256].map(|lane| [count % 3 * 77, *count, lane]));
         for asked in few.chain([[5, 65_535 * 64 + 130, 1], [0, 65_536 * 64 + 1, 32]]) {
-            for entry in ["take_turns", "take_from_pools"] {
+            for entry in ["take_turns", "take_from_blocks"] {
                 let times = times_taken(&gpu, entry, asked, asked[2]);
                 assert_eq!(wrongly_taken(&times, asked), 0, "{entry} {asked:?}");
             }
         }
         // Negative controls: lanes that are too few, and rays of which one was taken twice.
         let asked = [0, 4096, 3];
-        assert!(wrongly_taken(&times_taken(&gpu, "take_from_pools", asked, 6), asked) > 0);
-        let mut times = times_taken(&gpu, "take_from_pools", asked, 3);
+        assert!(wrongly_taken(&times_taken(&gpu, "take_from_blocks", asked, 6), asked) > 0);
+        let mut times = times_taken(&gpu, "take_from_blocks", asked, 3);
         times[100] += 1;
         assert_eq!(wrongly_taken(&times, asked), 1);
     }
