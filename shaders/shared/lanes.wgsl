@@ -9,6 +9,8 @@
 const WORKGROUP_SIZE: u32 = 64u;
 // Lanes that share a block of rays: as many as Mesa's software driver runs together.
 const BLOCK_LANES: u32 = 8u;
+// Blocks of a workgroup.
+const BLOCKS: u32 = WORKGROUP_SIZE / BLOCK_LANES;
 
 // Rays in a row that BLOCK_LANES lanes answer.
 struct Block {
@@ -17,7 +19,7 @@ struct Block {
 }
 
 // The block of a lane where lanes answer `rays_per_lane` of the `ray_count` rays from `first_ray` on. With several rays a lane those of a
-// workgroup lie far apart: drivers give each of their threads workgroups in a row, and parts of an image differ in what they cost. With one,
+// workgroup lie far apart: a driver may give each of its threads workgroups in a row, and parts of an image differ in what they cost. With one,
 // neighbours stay neighbours.
 fn block_of(
     workgroup: vec3<u32>,
@@ -30,7 +32,7 @@ fn block_of(
     let group = linear_workgroup(workgroup, workgroups);
     let place = local / BLOCK_LANES;
     let apart = place * workgroups.x * workgroups.y + group;
-    let number = select(apart, group * (WORKGROUP_SIZE / BLOCK_LANES) + place, rays_per_lane == 1u);
+    let number = select(apart, group * BLOCKS + place, rays_per_lane == 1u);
     let first = number * BLOCK_LANES * rays_per_lane;
     return Block(first_ray + min(first, ray_count), first_ray + min(first + BLOCK_LANES * rays_per_lane, ray_count));
 }
@@ -57,13 +59,12 @@ fn turns_of(
 }
 
 // Rays of the workgroup's blocks that lanes have taken.
-const BLOCKS: u32 = 8u;
 var<workgroup> taken: array<atomic<u32>, BLOCKS>;
 
 // The next ray of a lane's block that no lane has taken; there is none where it is not before the block's end. For searches in rounds, in
-// which a lane begins its next ray while others go on. Dealt out beforehand, as turns are, lanes would wait for the one with the longest
-// searches: traces of diffuse rays took 11 to 18 % longer. With more lanes a block the software driver would give all rays of a workgroup to
-// its first eight lanes, whose rounds it counts (packed_ray.wgsl).
+// which a lane begins its next ray while others go on: if rays were dealt out beforehand, as turns are, lanes would wait for the one with the
+// longest searches. With more lanes a block the software driver would give all rays of a workgroup to its first eight lanes, whose rounds it
+// counts (packed_ray.wgsl).
 fn take_ray(block: Block, local: u32) -> u32 {
     return block.first + atomicAdd(&taken[local / BLOCK_LANES], 1u);
 }
