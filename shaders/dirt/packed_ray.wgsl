@@ -110,17 +110,33 @@ fn set_limit() {
     limit = select(1.0, min(after / (after + before) + UNIT, 1.0), found & (before > 0.0));
 }
 
-// Tests a triangle, where `asked`; of equal t the lower primitive is kept. A lane that does not ask reads all the same, and keeps nothing.
-// Where the search goes on in a leg, set_limit is to follow.
-fn test_triangle(triangle: u32, asked: bool) {
+struct Corners {
+    a: vec3<f32>,
+    b: vec3<f32>,
+    c: vec3<f32>,
+}
+
+fn corners_of(triangle: u32) -> Corners {
+    let first = first_corner(grid, triangle);
+    return Corners(
+        bitcast<vec3<f32>>(quad_1(first).xyz),
+        bitcast<vec3<f32>>(quad_1(first + 1u).xyz),
+        bitcast<vec3<f32>>(quad_1(first + 2u).xyz),
+    );
+}
+
+// The triangle that a reference is a part of.
+fn triangle_of(reference: u32) -> u32 {
+    return word_0(FIRST_NEAR + grid.triangle_count + reference);
+}
+
+// Tests a triangle with these corners, where `asked`; of equal t the lower primitive is kept. A lane that does not ask tests all the
+// same, and keeps nothing. Where the search goes on in a leg, set_limit is to follow.
+fn test_corners(triangle: u32, corners: Corners, asked: bool) {
 #ifdef COUNTERS
     work.triangle_tests += select(0u, 1u, asked);
 #endif
-    let first = first_corner(grid, triangle);
-    let a = bitcast<vec3<f32>>(quad_1(first).xyz);
-    let b = bitcast<vec3<f32>>(quad_1(first + 1u).xyz);
-    let c = bitcast<vec3<f32>>(quad_1(first + 2u).xyz);
-    let crossed = cross_triangle(frame, a, b, c);
+    let crossed = cross_triangle(frame, corners.a, corners.b, corners.c);
     let nearer = (crossed.t < best.t) | ((crossed.t == best.t) & (triangle < best.primitive));
     let hits = asked & (crossed.t >= ray.t_min) & nearer;
     best.t = select(best.t, crossed.t, hits);
@@ -130,11 +146,22 @@ fn test_triangle(triangle: u32, asked: bool) {
     found = found | hits;
 }
 
+fn test_triangle(triangle: u32, asked: bool) {
+    test_corners(triangle, corners_of(triangle), asked);
+}
+
+#ifdef COUNTERS
+// Notes that a reference was tested, where `asked`.
+fn note_reference(reference: u32, asked: bool) {
+    atomicOr(&touched[reference >> 5u], select(0u, 1u << (reference & 31u), asked));
+}
+#endif
+
 fn test_reference(reference: u32, asked: bool) {
 #ifdef COUNTERS
-    atomicOr(&touched[reference >> 5u], select(0u, 1u << (reference & 31u), asked));
+    note_reference(reference, asked);
 #endif
-    test_triangle(word_0(FIRST_NEAR + grid.triangle_count + reference), asked);
+    test_triangle(triangle_of(reference), asked);
 }
 
 // Tests references in a row.

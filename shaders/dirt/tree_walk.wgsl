@@ -8,7 +8,9 @@
 
 #import tracebench::reads::quad_1
 #import tracebench::dirt_packed_grid::first_leaf_of
-#import tracebench::dirt_packed_ray::{search, leg, limit, steps, work, is_done, set_limit, test_reference}
+#import tracebench::dirt_packed_ray::{
+    search, leg, limit, steps, work, is_done, set_limit, triangle_of, corners_of, test_corners, note_reference
+}
 #import tracebench::dirt_packed_walk::{is_walking, entered, begin_steps, step_on, entered_number}
 #import tracebench::dirt_tile_tree::{TilePlanes, planes_of, meet_node}
 
@@ -128,12 +130,36 @@ fn take_next_parts() {
     next_parts = select(next_parts, 0u, is_next);
 }
 
-fn test() {
-    let tests = parts != 0u;
+// A part to test next, where `asked`.
+struct Part {
+    reference: u32,
+    asked: bool,
+}
+
+fn take_part() -> Part {
+    let asked = parts != 0u;
     let part = first_of(parts) & 31u;
     parts &= ~(1u << part);
-    test_reference(select(0u, parts_base + part, tests), tests);
-    if (tests & is_done()) {
+    return Part(select(0u, parts_base + part, asked), asked);
+}
+
+// Tests the next two parts. Both are read before either is tested: a lane waits once for what lies far away in memory.
+fn test_two() {
+    let a = take_part();
+    take_next_parts();
+    let b = take_part();
+    let triangle_a = triangle_of(a.reference);
+    let triangle_b = triangle_of(b.reference);
+    let corners_a = corners_of(triangle_a);
+    let corners_b = corners_of(triangle_b);
+    test_corners(triangle_a, corners_a, a.asked);
+    let asks_b = b.asked & !is_done();
+    test_corners(triangle_b, corners_b, asks_b);
+#ifdef COUNTERS
+    note_reference(a.reference, a.asked);
+    note_reference(b.reference, asks_b);
+#endif
+    if ((a.asked | b.asked) & is_done()) {
         begin_no_walk();
     }
 }
@@ -148,8 +174,6 @@ fn go_on() {
     begin_tree();
     visit();
     visit();
-    test();
-    take_next_parts();
-    test();
+    test_two();
     set_limit();
 }
