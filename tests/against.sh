@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # How fast tracers are beside the program of an earlier commit, on this machine: that commit is built beside the tree, then its process and today's take
-# turns, and of every pair the ratio of speeds is told. Diffuse rays of every scene, with the agreement of the same traces.
+# turns, today's first in every second round, and of every pair the ratio of speeds is told. Diffuse rays of every scene, with the agreement of the same
+# traces and the commit of today's program (`now_dirty`: built from changed files).
 # A table goes to results/software-against/against.csv, or to the file that OUT names.
 #     tests/against.sh 2e0b5b4 dirt dirt:improved       # COMMIT, its tracer, today's tracer
-#     ROUNDS=5 SCENES=room,candy tests/against.sh COMMIT THEN NOW
+#     ROUNDS=8 SCENES=room,candy tests/against.sh COMMIT THEN NOW
 [ $# -eq 3 ] || { echo 'against: tell a commit, its tracer and the tracer of today, as 2e0b5b4 dirt dirt:improved' >&2; exit 1; }
 commit=$1 then=$2 now=$3
 . "$(dirname "$0")/study.sh" software-against/against.csv
@@ -26,13 +27,15 @@ trace() {
 }
 
 table=$scratch/against.csv
-echo 'scene,round,then_mrays_per_s,then_tight_share,now_mrays_per_s,now_tight_share,now_over_then,commit' > "$table"
-for ((round = 1; round <= ${ROUNDS:-3}; round++)); do
+echo 'scene,round,then_mrays_per_s,then_tight_share,now_mrays_per_s,now_tight_share,now_over_then,then_commit,now_commit,now_dirty' > "$table"
+for ((round = 1; round <= ${ROUNDS:-4}; round++)); do
     for scene in $(tr ',' ' ' <<< "${SCENES:-room,solids,cloth,hangar,candy,atrium,foliage,smithy}"); do
-        before=$(trace "$earlier" "$then" "$scene")
+        if ((round % 2)); then before=$(trace "$earlier" "$then" "$scene"); fi
         after=$(trace "$program" "$now" "$scene")
+        built=$(jq -r '"\(.commit),\(.dirty)"' "$scratch/run/run.json")
+        if ((round % 2 == 0)); then before=$(trace "$earlier" "$then" "$scene"); fi
         echo "against: round $round, $scene: then $before, now $after" >&2
-        echo "$scene,$round,$before,$after" | awk -F, -v OFS=, -v commit="$commit" '{ print $0, $5 / $3, commit }' >> "$table"
+        echo "$scene,$round,$before,$after" | awk -F, -v OFS=, -v commits="$commit,$built" '{ print $0, $5 / $3, commits }' >> "$table"
     done
 done
 mkdir -p "$(dirname "$out")"
