@@ -13,6 +13,7 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 use tracebench_api::{AdapterChoice, EndPoint, Gpu, Preset, Timing};
+use tracebench_harness::judge::WRONG_RAYS_PER_CAUSE;
 use tracebench_harness::measure::session::Session;
 use tracebench_harness::measure::{self, Contender, Crew};
 use tracebench_harness::plan::{Plan, RunPreset, SceneSource, TracerRequest, ViewRequest};
@@ -110,6 +111,7 @@ fn plan(preset: RunPreset) -> Plan {
         time_s: 0.0,
         seed: 1,
         end: EndPoint::Hit,
+        wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
         table: None,
     }
 }

@@ -226,6 +226,8 @@ pub struct Plan {
     pub seed: u64,
     /// How far traces go.
     pub end: EndPoint,
+    /// How many wrong rays of each cause a row keeps.
+    pub wrong_rays_per_cause: usize,
     /// Name of the table that the run is made for, if it is made for one.
     pub table: Option<&'static str>,
 }
@@ -246,7 +248,7 @@ impl Plan {
             "ray_parameters": self.ray_parameters,
             "preset": name, "ray_image": ray_image, "frame": frame, "face": face, "sampling": sampling,
             "scene_scale": scene_scale, "view": format!("{:?}", self.view), "time_s": self.time_s, "seed": self.seed,
-            "end": self.end, "table": self.table,
+            "end": self.end, "wrong_rays_per_cause": self.wrong_rays_per_cause, "table": self.table,
         })
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use tracebench_api::glam::DVec3;
 use tracebench_api::{Geometry, Hit, Layers, Projection, Query, Ray, Sampling, Status, Viewpoint};
-use tracebench_harness::judge::Judge;
+use tracebench_harness::judge::{Judge, WRONG_RAYS_PER_CAUSE};
 use tracebench_harness::progress::Progress;
 use tracebench_harness::results::Judgement;
 use tracebench_harness::truth::{Cache, Truth};
@@ -31,6 +31,7 @@ fn causes(geometry: &Geometry, rays: &[Ray], layers: Layers, names_primitives: b
         samplings: &samplings,
         voxels: None,
         names_primitives,
+        wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
     };
     let misses = vec![Hit::miss(Status::Miss); rays.len()];
     match judge.judge(&misses).unwrap() {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use tracebench_api::glam::DVec3;
 use tracebench_api::{Geometry, Gpu, Hit, Parameters, Preset, Projection, Query, Viewpoint};
-use tracebench_harness::judge::{Class, Judge, Rule};
+use tracebench_harness::judge::{Class, Judge, Rule, WRONG_RAYS_PER_CAUSE};
 use tracebench_harness::measure::Contender;
 use tracebench_harness::measure::session::{PreparedRays, RayRequest, Session};
 use tracebench_harness::progress::Progress;
@@ -191,6 +191,7 @@ fn outcome(session: &Session, contender: &Contender, rays: &PreparedRays) -> Out
         samplings: &contender.structure().unwrap().samplings(),
         voxels: None,
         names_primitives: false,
+        wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
     };
     let Judgement::Closest(judgement) = judge.judge(&hits).unwrap() else { panic!("closest was asked") };
     let causes = judgement.causes["footprint"].clone();

@@ -7,7 +7,7 @@ use tracebench_api::{
     EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency, Status,
     Structure, TraceJob, Tracer, View, Viewpoint,
 };
-use tracebench_harness::judge::Judge;
+use tracebench_harness::judge::{Judge, WRONG_RAYS_PER_CAUSE};
 use tracebench_harness::progress::Progress;
 use tracebench_harness::rays::primary_rays;
 use tracebench_harness::results::Judgement;
@@ -223,6 +223,7 @@ fn primary_agreement(image: [u32; 2]) -> f64 {
         samplings: &samplings,
         voxels: None,
         names_primitives: false,
+        wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
     };
     match judge.judge(&hits).unwrap() {
         Judgement::Closest(judgement) => judgement.agreement.footprint.unwrap(),

@@ -9,6 +9,7 @@ use tracebench_scenes::{SCALE_MAX, SCALE_MIN};
 
 use super::work::OutputArguments;
 use super::{CliError, names};
+use crate::judge::WRONG_RAYS_PER_CAUSE;
 use crate::papers;
 use crate::peers::Subject;
 use crate::picture::What;
@@ -113,6 +114,9 @@ pub(super) struct WorkArguments {
     /// hit, too).
     #[arg(long, value_name = "hit|surface", default_value = "hit", value_parser = end)]
     pub end: EndPoint,
+    /// How many wrong rays of each cause a row keeps, evenly spaced among all of that cause.
+    #[arg(long, value_name = "N", default_value_t = WRONG_RAYS_PER_CAUSE)]
+    pub wrong_rays: usize,
     #[command(flatten)]
     pub output: OutputArguments,
 }
@@ -341,6 +345,7 @@ impl WorkArguments {
             time_s,
             seed: self.seed,
             end: self.end,
+            wrong_rays_per_cause: self.wrong_rays,
             table,
         })
     }

@@ -93,6 +93,7 @@ pub(super) fn clock(arguments: &ClockArguments, progress: &Progress) -> Result<(
         time_s: arguments.common.time,
         seed: 1,
         end: EndPoint::Hit,
+        wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
         table: None,
     };
     let needed = needs_device(&plan.tracers);

@@ -74,6 +74,7 @@ pub(super) fn picture(arguments: &PictureArguments, progress: &Progress) -> Resu
         time_s: arguments.common.time,
         seed: 1,
         end: EndPoint::Hit,
+        wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
         table: None,
     };
     let needed = tracer.registration.needs_device();

@@ -27,8 +27,8 @@ pub const REFERENCE_PIXELS: f64 = 1024.0;
 /// Share of ties above which a set says so.
 pub const MANY_TIES: f64 = 1e-3;
 
-/// Wrong rays kept of each set, evenly spaced among all of them.
-pub const MOST_WRONG_RAYS: usize = 128;
+/// Wrong rays of each cause that a row keeps where nothing else is said.
+pub const WRONG_RAYS_PER_CAUSE: usize = 4;
 
 /// One ray set with its truth, and what a tracer's answers are judged by.
 #[derive(Clone, Copy)]
@@ -49,6 +49,8 @@ pub struct Judge<'a> {
     pub voxels: Option<VoxelGrid>,
     /// Whether the tracer names the triangle that it hits.
     pub names_primitives: bool,
+    /// How many wrong rays of each cause the judgement keeps, evenly spaced among all of that cause.
+    pub wrong_rays_per_cause: usize,
 }
 
 /// The class of an answer. For any-hit queries `Early` and `Late` do not occur.
@@ -240,9 +242,17 @@ impl Judge<'_> {
     }
 
     fn wrong_rays(&self, wrong: &[WrongAnswer], hits: &[Hit]) -> Vec<WrongRay> {
-        let kept = wrong.len().min(MOST_WRONG_RAYS);
-        let record = |position: usize| {
-            let (index, class, cause) = wrong[position * wrong.len() / kept];
+        let mut of_cause = BTreeMap::<&str, Vec<&WrongAnswer>>::new();
+        for answer in wrong {
+            of_cause.entry(answer.2).or_default().push(answer);
+        }
+        let spaced = |all: &Vec<&'_ WrongAnswer>| {
+            let kept = all.len().min(self.wrong_rays_per_cause);
+            (0..kept).map(|position| *all[position * all.len() / kept]).collect::<Vec<_>>()
+        };
+        let mut kept: Vec<WrongAnswer> = of_cause.values().flat_map(spaced).collect();
+        kept.sort_unstable_by_key(|(index, ..)| *index);
+        let record = |(index, class, cause): WrongAnswer| {
             let (ray, hit, truth) = (&self.rays[index], &hits[index], self.answers[index].hit);
             let named = |primitive: u32| (primitive != NO_PRIMITIVE).then_some(primitive);
             WrongRay {
@@ -260,7 +270,7 @@ impl Judge<'_> {
                 cause: cause.to_owned(),
             }
         };
-        (0..kept).map(record).collect()
+        kept.into_iter().map(record).collect()
     }
 }
 

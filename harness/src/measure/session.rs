@@ -9,7 +9,7 @@ use tracebench_api::{
 };
 use tracebench_scenes::CameraPath;
 
-use crate::judge::{Class, Judge, JudgeError, Rule};
+use crate::judge::{Class, Judge, JudgeError, Rule, WRONG_RAYS_PER_CAUSE};
 use crate::measure::Contender;
 use crate::measure::controls::{Control, KnownAnswers};
 use crate::measure::place::Told;
@@ -82,6 +82,7 @@ pub struct Session {
     truth: Truth,
     viewpoint: Viewpoint,
     end: EndPoint,
+    wrong_rays_per_cause: usize,
     /// The ray sets that are not empty.
     pub rays: Vec<PreparedRays>,
     /// The ray sets that are, with the reason.
@@ -158,7 +159,15 @@ impl Session {
             };
             prepared.push(PreparedRays { pixels, ..PreparedRays::new(*set, rays, answers, gpu.as_deref()) });
         }
-        Ok(Self { gpu, truth, viewpoint, end: EndPoint::Hit, rays: prepared, skipped })
+        Ok(Self {
+            gpu,
+            truth,
+            viewpoint,
+            end: EndPoint::Hit,
+            wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
+            rays: prepared,
+            skipped,
+        })
     }
 
     /// Takes rays that were made elsewhere, uploads them and tells their truth.
@@ -175,13 +184,27 @@ impl Session {
         let rays = Arc::new(rays);
         let answers = Arc::new(truth.answer(&rays, set.query, &Cache::none(), &Progress::new(true))?);
         let rays = vec![PreparedRays::new(set, rays, answers, gpu.as_deref())];
-        Ok(Self { gpu, truth, viewpoint, end: EndPoint::Hit, rays, skipped: Vec::new() })
+        Ok(Self {
+            gpu,
+            truth,
+            viewpoint,
+            end: EndPoint::Hit,
+            wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
+            rays,
+            skipped: Vec::new(),
+        })
     }
 
     /// The same session with traces to another end than hits.
     #[must_use]
     pub fn ending_at(self, end: EndPoint) -> Self {
         Self { end, ..self }
+    }
+
+    /// The same session with judgements that keep another number of wrong rays of each cause.
+    #[must_use]
+    pub fn keeping_wrong_rays(self, wrong_rays_per_cause: usize) -> Self {
+        Self { wrong_rays_per_cause, ..self }
     }
 
     /// How far traces go.
@@ -384,6 +407,7 @@ impl Session {
             samplings,
             voxels: None,
             names_primitives: false,
+            wrong_rays_per_cause: self.wrong_rays_per_cause,
         }
     }
 }

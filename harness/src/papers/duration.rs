@@ -151,6 +151,7 @@ mod tests {
             time_s: 0.0,
             seed: 1,
             end: EndPoint::Hit,
+            wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
             table: None,
         };
         let found = Duration::of(std::slice::from_ref(&plan), &run);

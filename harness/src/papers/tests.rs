@@ -133,6 +133,7 @@ fn plan(size: [u32; 2]) -> crate::plan::Plan {
         time_s: 0.0,
         seed: 1,
         end: EndPoint::Hit,
+        wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
         table: None,
     }
 }

@@ -183,6 +183,7 @@ fn errors(loaded: &LoadedScene, rays: &PreparedRays, hits: &[Hit]) -> (Vec<Rgb>,
         samplings: &[],
         voxels: None,
         names_primitives: false,
+        wrong_rays_per_cause: 0,
     };
     let classes: Vec<Option<Class>> = (0..hits.len())
         .map(|index| (!rays.answers[index].tie).then(|| judge.class(Rule::Footprint, index, &hits[index])))

@@ -89,7 +89,7 @@ pub struct ClosestJudgement {
     pub identity: Option<f64>,
     /// Why rays are wrong, under `tight` and `footprint`.
     pub causes: Causes,
-    /// Wrong rays under `tight`, at most 128, evenly spaced among all of them; none of a control.
+    /// Wrong rays under `tight`: of each cause at most four or as many as were asked for, evenly spaced; none of a control.
     pub wrong_rays: Vec<WrongRay>,
 }
 
@@ -144,7 +144,7 @@ pub struct AnyJudgement {
     pub many_ties: bool,
     /// Why rays are wrong, under `occlusion`.
     pub causes: Causes,
-    /// Wrong rays, at most 128, evenly spaced among all of them; none of a control.
+    /// Wrong rays: of each cause at most four or as many as were asked for, evenly spaced; none of a control.
     pub wrong_rays: Vec<WrongRay>,
 }
 

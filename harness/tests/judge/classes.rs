@@ -97,7 +97,6 @@ fn counts_shares_and_intervals() {
     // Tabulated: 90 of 100 gives 0.8256 to 0.9448.
     let tight = judgement.interval.tight.unwrap();
     assert!((tight[0] - 0.8256).abs() < 1e-4 && (tight[1] - 0.9448).abs() < 1e-4);
-    assert_eq!(judgement.wrong_rays.len(), 10);
     let indices: Vec<u64> = judgement.wrong_rays.iter().map(|wrong| wrong.index).collect();
     assert_eq!(indices, [0, 1, 2, 3, 4, 5, 6, 60, 61, 62]);
     let first = &judgement.wrong_rays[0];
@@ -300,18 +299,28 @@ fn what_is_no_answer_is_refused() {
     }
 }
 
-/// Proves that the list of wrong rays is capped and spread over all of them, while counts are not.
+/// Proves that the list of wrong rays is capped for each cause and spread over all of that cause, while counts are not; and that as
+/// many are kept as are asked for.
 #[test]
-fn wrong_rays_are_capped() {
+fn wrong_rays_are_capped_by_cause() {
     let case = Case::new(framed(plate()), vec![down(0.25, 0.5, 2.0); 1000], Query::Closest);
-    let judgement = case.closest(&vec![miss(); 1000]);
-    let indices: Vec<u64> = judgement.wrong_rays.iter().map(|wrong| wrong.index).collect();
-    assert_eq!(indices.len(), MOST_WRONG_RAYS);
-    let apart = 1000 / MOST_WRONG_RAYS as u64;
-    assert!(indices.windows(2).all(|pair| (apart..=apart + 1).contains(&(pair[1] - pair[0]))));
-    assert!(indices[0] <= apart && indices[MOST_WRONG_RAYS - 1] + 2 * apart >= 1000);
+    let capped = |ray| ray % 100 == 50;
+    let status = |ray| if capped(ray) { Status::StepCap } else { Status::Miss };
+    let answers: Vec<Hit> = (0..1000).map(|ray| Hit::miss(status(ray))).collect();
+    let kept = |wrong_rays_per_cause| match (Judge { wrong_rays_per_cause, ..case.judge() }).judge(&answers) {
+        Ok(Judgement::Closest(judgement)) => judgement,
+        other => panic!("{other:?}"),
+    };
+    let judgement = kept(WRONG_RAYS_PER_CAUSE);
+    let (rare, common): (Vec<u64>, Vec<u64>) =
+        judgement.wrong_rays.iter().map(|wrong| wrong.index).partition(|ray| capped(*ray));
+    assert_eq!(rare, [50, 250, 550, 750]);
+    assert_eq!((common.len(), common[0]), (4, 0));
+    assert!(common.windows(2).all(|pair| (245..=255).contains(&(pair[1] - pair[0]))), "{common:?}");
+    assert!(judgement.wrong_rays.is_sorted_by_key(|wrong| wrong.index));
     assert_eq!(judgement.classes.tight.false_miss, 1000);
     assert_eq!(judgement.causes["tight"].values().sum::<u64>(), 1000);
+    assert_eq!((kept(0).wrong_rays.len(), kept(20).wrong_rays.len()), (0, 30));
 }
 
 /// Proves, as a negative control, that one corrupted answer of an oracle's is noticed under each rule it breaks.

@@ -15,7 +15,7 @@ use glam::{DVec3, Vec3};
 use tracebench_api::{
     Geometry, Hit, Layers, NO_PRIMITIVE, Projection, Query, Ray, Sampling, Status, View, Viewpoint, VoxelGrid,
 };
-use tracebench_harness::judge::{CURVE_TOLERANCES, Class, Judge, JudgeError, MOST_WRONG_RAYS, Rule};
+use tracebench_harness::judge::{CURVE_TOLERANCES, Class, Judge, JudgeError, Rule, WRONG_RAYS_PER_CAUSE};
 use tracebench_harness::measure::controls::{Control, corrupted};
 use tracebench_harness::progress::Progress;
 use tracebench_harness::results::{AnyJudgement, Classes, ClosestJudgement, Judgement};
@@ -80,6 +80,7 @@ impl Case {
             samplings: &self.samplings,
             voxels: self.voxels,
             names_primitives: true,
+            wrong_rays_per_cause: usize::MAX,
         }
     }
 

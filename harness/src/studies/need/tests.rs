@@ -239,6 +239,7 @@ fn plan() -> Plan {
         time_s: 0.0,
         seed: 3,
         end: EndPoint::Hit,
+        wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
         table: None,
     }
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use tracebench_api::{ClockKind, EndPoint, Preset, Query, TracerError};
 
 use super::*;
+use crate::judge::WRONG_RAYS_PER_CAUSE;
 use crate::measure::Journal;
 use crate::plan::{SceneSource, TracerRequest};
 use crate::progress::Progress;
@@ -233,6 +234,7 @@ fn plan() -> Plan {
         time_s: 0.0,
         seed: 7,
         end: EndPoint::Hit,
+        wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
         table: None,
     }
 }

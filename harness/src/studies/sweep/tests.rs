@@ -104,6 +104,7 @@ fn plan(own: &str) -> Plan {
         time_s: 0.0,
         seed: 1,
         end: tracebench_api::EndPoint::Hit,
+        wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
         table: None,
     }
 }

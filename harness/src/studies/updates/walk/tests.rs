@@ -105,6 +105,7 @@ fn walked() -> Run {
         time_s: 0.0,
         seed: 1,
         end: EndPoint::Hit,
+        wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
         table: Some("view-updates"),
     };
     let none = Err(TracerError::Unavailable("none is needed".to_owned()));
