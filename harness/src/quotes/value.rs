@@ -1,9 +1,10 @@
-//! One value: `[least|greatest|median|mean|sum|count] PATH [over PATH] as FORMAT`.
+//! One value: `[least|greatest|median|mean|sum|count|interval] PATH [over PATH] as FORMAT`.
 
 use serde_json::Value;
 
 use super::source::Sources;
 use crate::report::format::{significant, thousands};
+use crate::statistics::{median, median_interval};
 
 /// Makes one number of several.
 type Reduction = fn(&[f64]) -> f64;
@@ -12,7 +13,7 @@ type Reduction = fn(&[f64]) -> f64;
 const REDUCTIONS: [(&str, Reduction); 5] = [
     ("least", |all| all.iter().copied().fold(f64::INFINITY, f64::min)),
     ("greatest", |all| all.iter().copied().fold(f64::NEG_INFINITY, f64::max)),
-    ("median", crate::statistics::median),
+    ("median", median),
     ("mean", |all| all.iter().sum::<f64>() / all.len() as f64),
     ("sum", |all| all.iter().sum()),
 ];
@@ -24,6 +25,8 @@ pub(super) fn value(words: &str, sources: &mut Sources) -> Result<String, String
     if let Some(path) = what.strip_prefix("count ") {
         return formatted(at(path, sources)?.len() as f64, format).ok_or_else(no_format);
     }
+    let with_interval = what.strip_prefix("interval ");
+    let what = with_interval.unwrap_or(what);
     let reduction = REDUCTIONS.iter().find_map(|(name, of)| Some((what.strip_prefix(name)?.strip_prefix(' ')?, of)));
     let (what, reduce) = reduction.map_or((what, None), |(what, of)| (what, Some(of)));
     let (path, over) = what.split_once(" over ").map_or((what, None), |(path, over)| (path, Some(over)));
@@ -34,13 +37,22 @@ pub(super) fn value(words: &str, sources: &mut Sources) -> Result<String, String
             _ => Err(format!("{path}: text is of one value, without 'over'")),
         };
     }
-    let mut numbers = numbers(path, &found)?;
-    if let Some(path) = over {
-        let others = self::numbers(path, &at(path, sources)?)?;
-        if others.len() != numbers.len() && others.len() != 1 {
-            return Err(format!("{} values over {}", numbers.len(), others.len()));
+    let numbers = match over {
+        None => numbers(path, &found)?,
+        Some(over) => {
+            let others = at(over, sources)?;
+            if others.len() != found.len() && others.len() != 1 {
+                return Err(format!("{} values over {}", found.len(), others.len()));
+            }
+            let pairs = found.iter().zip(others.iter().cycle());
+            pairs.map(|(one, other)| ratio((path, one), (over, other))).collect::<Result<_, _>>()?
         }
-        numbers.iter_mut().zip(others.iter().cycle()).for_each(|(number, other)| *number /= other);
+    };
+    if with_interval.is_some() {
+        let ([low, high], _) = median_interval(&numbers);
+        let [median, low, high] = [median(&numbers), low, high].map(|number| formatted(number, format));
+        let text = median.zip(low).zip(high).map(|((median, low), high)| format!("{median} ({low} to {high})"));
+        return text.ok_or_else(no_format);
     }
     let number = match (reduce, numbers.as_slice()) {
         (Some(reduce), _) => reduce(&numbers),
@@ -51,6 +63,18 @@ pub(super) fn value(words: &str, sources: &mut Sources) -> Result<String, String
         return Err(format!("{path} is {number}"));
     }
     formatted(number, format).ok_or_else(no_format)
+}
+
+/// One value over another; of two lists, which are samples of the same rounds, the median of the ratios of their elements.
+fn ratio((path, one): (&str, &Value), (over, other): (&str, &Value)) -> Result<f64, String> {
+    let (Value::Array(one), Value::Array(other)) = (one, other) else {
+        return Ok(numbers(path, std::slice::from_ref(one))?[0] / numbers(over, std::slice::from_ref(other))?[0]);
+    };
+    if one.len() != other.len() {
+        return Err(format!("{path} has {} samples, {over} {}: they are of different rounds", one.len(), other.len()));
+    }
+    let (one, other) = (numbers(path, one)?, numbers(over, other)?);
+    Ok(median(&one.iter().zip(other).map(|(one, other)| one / other).collect::<Vec<_>>()))
 }
 
 /// `2`: decimals; `1%`: decimals of a share in percent; `3s`: significant digits; `n`: a whole number with its thousands set apart.
@@ -142,7 +166,7 @@ fn step<'a>(value: &'a Value, segment: &str) -> Vec<&'a Value> {
         let holds = |of: &Value, condition: &str| {
             let Some((key, wanted)) = condition.split_once('=') else { return false };
             // A key of its own may have dots in it, as a column of a page.
-            let found = of.get(key).or_else(|| key.split('.').try_fold(of, |of, key| of.get(key)));
+            let found = of.get(key).or_else(|| key.split('.').try_fold(of, |of, key| step(of, key).pop()));
             found.is_some_and(|found| match found {
                 Value::String(text) => text == wanted,
                 Value::Number(number) => wanted.parse().is_ok_and(|wanted: f64| number.as_f64() == Some(wanted)),
@@ -165,9 +189,10 @@ mod tests {
     fn sources() -> (tempfile::TempDir, Sources) {
         let folder = tempfile::TempDir::new().unwrap();
         let record = r#"{ "rows": [
-            { "tracer": { "name": "a", "buckets": 4 }, "ms": 10.0, "label": "first" },
+            { "tracer": { "name": "a", "buckets": 4 }, "ms": 10.0, "of": [3, 7], "label": "first" },
             { "tracer": { "name": "a", "buckets": 8 }, "ms": 30.0, "label": "second" },
-            { "tracer": { "name": "b" }, "ms": 5.0, "label": "x/y" } ], "big": 1234567.4, "least": -0.0001 }"#;
+            { "tracer": { "name": "b" }, "ms": 5.0, "label": "x/y" } ],
+            "of_rounds": [2, 4, 6, 8, 10, 12, 14], "other_rounds": [1, 2, 3, 4, 5, 6, 70], "big": 1234567.4, "least": -0.0001 }"#;
         std::fs::write(folder.path().join("r.json"), record).unwrap();
         let page = "# P\n\n| rays | share |\n| --- | --- |\n| diffuse | **33.25 % [30, 40]** |\n| ao | 1,234 (2 %) |\n";
         std::fs::write(folder.path().join("p.md"), page).unwrap();
@@ -183,11 +208,16 @@ mod tests {
             ("r.json#rows/1/ms as 0", "30"),
             ("r.json#rows/[tracer.name=a,tracer.buckets=8]/ms as 1", "30.0"),
             ("r.json#rows/[label=x/y]/label as text", "x/y"),
+            ("r.json#rows/[of.1=7]/label as text", "first"),
             ("least r.json#rows/*/ms as 0", "5"),
             ("greatest r.json#rows/[tracer.name=a]/ms over r.json#rows/[tracer.name=b]/ms as 2", "6.00"),
             ("sum r.json#rows/*/ms as 0", "45"),
             ("count r.json#rows/* as 0", "3"),
             ("mean r.json#rows/[tracer.name=a]/ms as 0", "20"),
+            // Of seven, the least and the greatest cover the median with 98 %.
+            ("interval r.json#of_rounds/* as 1", "8.0 (2.0 to 14.0)"),
+            ("r.json#of_rounds over r.json#other_rounds as 1", "2.0"),
+            ("interval r.json#of_rounds/* over r.json#other_rounds/* as 1", "2.0 (0.2 to 2.0)"),
             ("r.json#rows/2/ms over r.json#rows/0/ms as 0%", "50 %"),
             ("r.json#big as n", "1,234,567"),
             ("r.json#rows/0/ms as 3s", "10.0"),
@@ -201,6 +231,7 @@ mod tests {
             "r.json#rows/*/ms over r.json#rows/[tracer.name=a]/ms as 0",
             "r.json#rows/*/label as text",
             "r.json#rows as 0",
+            "r.json#of_rounds over r.json#rows as 0",
         ] {
             assert!(value(words, &mut sources).is_err(), "{words}");
         }
