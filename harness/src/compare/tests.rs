@@ -93,7 +93,7 @@ fn noise_is_not_a_change() {
 /// Turns right hits of a closest-hit trace to misses.
 fn lose(trace: &mut TraceRecord, rays: u64) {
     let Judgement::Closest(judgement) = &mut trace.judgement else { panic!("a closest-hit set") };
-    let trials = trace.count - judgement.ties;
+    let trials = trace.count - judgement.left_out();
     for classes in [&mut judgement.classes.tight, &mut judgement.classes.footprint] {
         (classes.true_hit, classes.false_miss) = (classes.true_hit - rays, classes.false_miss + rays);
     }

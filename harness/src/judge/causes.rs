@@ -68,7 +68,7 @@ impl Judge<'_> {
         if let Some(voxels) = voxels {
             return self.cause_by_voxels(voxels, &ray, index, hit, class);
         }
-        match (class, self.answers[index].hit) {
+        match (class, self.truth_for(index, hit)) {
             (Class::FalseMiss | Class::Late, Some(truth)) => self.cause_of_loss(&ray, truth, hit),
             _ => self.cause_of_invention(&ray, hit),
         }

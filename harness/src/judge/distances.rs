@@ -19,7 +19,8 @@ type Measured = (u32, Option<f64>);
 
 impl Judge<'_> {
     pub(super) fn surface_distance(&self, hits: &[Hit]) -> SurfaceDistance {
-        let measured: Vec<Measured> = self.judged().filter_map(|index| self.measured(index, &hits[index])).collect();
+        let measured: Vec<Measured> =
+            self.unambiguous().filter_map(|index| self.measured(index, &hits[index])).collect();
         let geometry = self.truth.geometry();
         let extent = (geometry.bounds_max - geometry.bounds_min).as_dvec3();
         let common_texel = extent.max_element() / COMMON_TEXELS;

@@ -17,15 +17,15 @@ pub use distances::{COMMON_TEXELS, MOST_PIECES};
 pub use scores::CURVE_TOLERANCES;
 pub use surfaces::NORMAL_TOLERANCE_DEGREES;
 
-use crate::results::{Judgement, WrongRay};
-use crate::truth::{Answer, Ray64, Truth, tight_tolerance};
+use crate::results::{Judgement, TrueCounts, WrongRay};
+use crate::truth::{Answer, Ray64, TrueHit, Truth, tight_tolerance};
 use voxels::Voxels;
 
 /// Pixels of the common reference camera along its 90 degrees.
 pub const REFERENCE_PIXELS: f64 = 1024.0;
 
-/// Share of ties above which a set says so.
-pub const MANY_TIES: f64 = 1e-3;
+/// Share of ambiguous rays above which a set says so.
+pub const MANY_AMBIGUOUS: f64 = 1e-3;
 
 /// Wrong rays of each cause that a row keeps where nothing else is said.
 pub const WRONG_RAYS_PER_CAUSE: usize = 4;
@@ -53,7 +53,8 @@ pub struct Judge<'a> {
     pub wrong_rays_per_cause: usize,
 }
 
-/// The class of an answer. For any-hit queries `Early` and `Late` do not occur.
+/// The class of an answer. For any-hit queries `Early` and `Late` do not occur. An ambiguous closest-hit ray has several true answers: the
+/// class is by the one that the answer agrees with, else by the nearest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Class {
     /// Both hit, t within tolerance.
@@ -149,14 +150,14 @@ impl Judge<'_> {
         })
     }
 
-    /// The class of every answer under a rule, `None` for ties; of any-hit sets always under `hit_miss`.
+    /// The class of every answer under a rule, `None` for ambiguous any-hit rays; of any-hit sets always under `hit_miss`.
     ///
     /// # Errors
     /// [`JudgeError`] if the answers are not answers.
     pub fn classes(&self, rule: Rule, hits: &[Hit]) -> Result<Vec<Option<Class>>, JudgeError> {
         self.check(hits)?;
         let rule = if self.query == Query::Any { Rule::HitMiss } else { rule };
-        let class = |index: usize| (!self.answers[index].tie).then(|| self.class(rule, index, &hits[index]));
+        let class = |index: usize| self.is_judged(index).then(|| self.class(rule, index, &hits[index]));
         Ok((0..hits.len()).into_par_iter().map(class).collect())
     }
 
@@ -180,21 +181,34 @@ impl Judge<'_> {
 
     /// The class of one answer under a rule.
     pub fn class(&self, rule: Rule, index: usize, hit: &Hit) -> Class {
-        match (self.answers[index].hit, hit.is_hit()) {
+        match (self.truth_for(index, hit), hit.is_hit()) {
             (None, false) => Class::TrueMiss,
             (None, true) => Class::FalseHit,
             (Some(_), false) => Class::FalseMiss,
             (Some(truth), true) => {
-                let error = f64::from(hit.t) - truth.t;
-                if error.abs() <= self.tolerance(rule, index, truth.t) {
+                let (answer, t) = (&self.answers[index], f64::from(hit.t));
+                let agrees = |truth: TrueHit| (t - truth.t).abs() <= self.tolerance(rule, index, truth.t);
+                if agrees(truth)
+                    || answer.is_ambiguous() && (answer.has_between(t) || answer.all().flatten().any(agrees))
+                {
                     Class::TrueHit
-                } else if error < 0.0 {
+                } else if t < truth.t {
                     Class::Early
                 } else {
                     Class::Late
                 }
             }
         }
+    }
+
+    /// What an answer is compared with: the true hit; of an ambiguous ray the nearest of its true hits, or its true miss for a miss.
+    pub(super) fn truth_for(&self, index: usize, hit: &Hit) -> Option<TrueHit> {
+        let answer = &self.answers[index];
+        if !answer.is_ambiguous() || !hit.is_hit() && answer.all().all(|truth| truth.is_some()) {
+            return answer.hit;
+        }
+        let off = |truth: &TrueHit| (f64::from(hit.t) - truth.t).abs();
+        answer.all().flatten().filter(|_| hit.is_hit()).min_by(|one, other| off(one).total_cmp(&off(other)))
     }
 
     fn tolerance(&self, rule: Rule, index: usize, true_t: f64) -> f64 {
@@ -216,14 +230,23 @@ impl Judge<'_> {
         2.0 * point.distance(self.eye) / REFERENCE_PIXELS
     }
 
-    /// Rays that are no tie.
-    fn judged(&self) -> impl ParallelIterator<Item = usize> + '_ {
-        (0..self.rays.len()).into_par_iter().filter(|index| !self.answers[*index].tie)
+    /// Whether an answer can be wrong: of ambiguous any-hit rays both are right.
+    fn is_judged(&self, index: usize) -> bool {
+        self.query == Query::Closest || !self.answers[index].is_ambiguous()
     }
 
-    fn ties(&self) -> (u64, bool) {
-        let ties = self.answers.iter().filter(|answer| answer.tie).count();
-        (ties as u64, ties as f64 > MANY_TIES * self.rays.len() as f64)
+    fn judged(&self) -> impl ParallelIterator<Item = usize> + '_ {
+        (0..self.rays.len()).into_par_iter().filter(|index| self.is_judged(*index))
+    }
+
+    /// Rays of which one surface alone is right.
+    fn unambiguous(&self) -> impl ParallelIterator<Item = usize> + '_ {
+        (0..self.rays.len()).into_par_iter().filter(|index| !self.answers[*index].is_ambiguous())
+    }
+
+    fn ambiguous(&self) -> (u64, bool) {
+        let rays = self.answers.iter().filter(|answer| answer.is_ambiguous()).count();
+        (rays as u64, rays as f64 > MANY_AMBIGUOUS * self.rays.len() as f64)
     }
 
     /// The causes of what is wrong under a rule: by ray, in ray order. `known`: those under another rule, which are the same.
@@ -253,7 +276,7 @@ impl Judge<'_> {
         let mut kept: Vec<WrongAnswer> = of_cause.values().flat_map(spaced).collect();
         kept.sort_unstable_by_key(|(index, ..)| *index);
         let record = |(index, class, cause): WrongAnswer| {
-            let (ray, hit, truth) = (&self.rays[index], &hits[index], self.answers[index].hit);
+            let (ray, hit, truth) = (&self.rays[index], &hits[index], self.truth_for(index, &hits[index]));
             let named = |primitive: u32| (primitive != NO_PRIMITIVE).then_some(primitive);
             WrongRay {
                 index: index as u64,
@@ -268,10 +291,27 @@ impl Judge<'_> {
                 status: Status::from_code(hit.status).unwrap_or(Status::Unwritten).name().to_owned(),
                 class: class.name(self.query).to_owned(),
                 cause: cause.to_owned(),
+                ambiguous: self.answers[index].is_ambiguous(),
             }
         };
         kept.into_iter().map(record).collect()
     }
+}
+
+/// What the truth says of rays.
+pub fn true_counts(answers: &[Answer]) -> TrueCounts {
+    let mut counts = TrueCounts::default();
+    for answer in answers {
+        let slot = match (answer.is_ambiguous(), answer.hit) {
+            (false, Some(_)) => &mut counts.hits,
+            (false, None) => &mut counts.misses,
+            (true, Some(_)) => &mut counts.ambiguous_hits,
+            (true, None) => &mut counts.ambiguous_misses,
+        };
+        *slot += 1;
+        counts.ambiguous_may_miss += u64::from(answer.is_ambiguous() && answer.all().any(|truth| truth.is_none()));
+    }
+    counts
 }
 
 fn count_causes(wrong: &[WrongAnswer]) -> BTreeMap<String, u64> {

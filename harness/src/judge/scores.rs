@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 use tracebench_api::Hit;
 
-use super::{Class, Judge, Rule, count_causes};
-use crate::results::{AnyJudgement, ByRule, Classes, ClosestJudgement, Headline, OCCLUSION, Occlusion, Percentiles};
+use super::{Class, Judge, Rule, count_causes, true_counts};
+use crate::results::{AnyJudgement, ByRule, Classes, ClosestJudgement, OCCLUSION, Occlusion, Percentiles};
 use crate::statistics::{percentile, wilson};
 use crate::truth::{Ray64, RayFrame, TrueHit, intersect};
 
@@ -14,9 +14,9 @@ pub const CURVE_TOLERANCES: [f64; 17] =
 
 impl Judge<'_> {
     pub(super) fn judge_closest(&self, hits: &[Hit]) -> ClosestJudgement {
-        let (ties, many_ties) = self.ties();
-        let classes = |rule| self.count(rule, hits);
-        let (hit_miss, tight, footprint) = (classes(Rule::HitMiss), classes(Rule::Tight), classes(Rule::Footprint));
+        let (ties, many_ties) = self.ambiguous();
+        let by_rule = Rule::ALL.map(|rule| self.count(self.judged(), rule, hits));
+        let without_ambiguous = Rule::ALL.map(|rule| agreement(&self.count(self.unambiguous(), rule, hits)));
         let wrong_tight = self.wrong(Rule::Tight, hits, &[]);
         let wrong_footprint = self.wrong(Rule::Footprint, hits, &wrong_tight);
         let causes = [
@@ -24,17 +24,13 @@ impl Judge<'_> {
             ("footprint".to_owned(), count_causes(&wrong_footprint)),
         ];
         let errors = self.position_errors(hits);
+        let (shares, intervals) = (by_rule.each_ref().map(agreement), by_rule.each_ref().map(interval));
+        let [hit_miss, tight, footprint] = by_rule;
         ClosestJudgement {
-            agreement: Headline {
-                hit_miss: agreement(&hit_miss),
-                tight: agreement(&tight),
-                footprint: agreement(&footprint),
-            },
-            interval: Headline {
-                hit_miss: interval(&hit_miss),
-                tight: interval(&tight),
-                footprint: interval(&footprint),
-            },
+            agreement: shares.into(),
+            agreement_without_ambiguous: Some(without_ambiguous.into()),
+            interval: intervals.into(),
+            truth: Some(true_counts(self.answers)),
             curve: self.curve(&hit_miss, &errors),
             position_error: Percentiles {
                 p50: percentile(&errors, 50.0),
@@ -52,8 +48,8 @@ impl Judge<'_> {
     }
 
     pub(super) fn judge_any(&self, hits: &[Hit]) -> AnyJudgement {
-        let (ties, many_ties) = self.ties();
-        let classes = self.count(Rule::HitMiss, hits);
+        let (ties, many_ties) = self.ambiguous();
+        let classes = self.count(self.judged(), Rule::HitMiss, hits);
         let wrong = self.wrong(Rule::HitMiss, hits, &[]);
         AnyJudgement {
             occlusion: occlusion(&classes),
@@ -64,7 +60,7 @@ impl Judge<'_> {
         }
     }
 
-    fn count(&self, rule: Rule, hits: &[Hit]) -> Classes {
+    fn count(&self, rays: impl ParallelIterator<Item = usize>, rule: Rule, hits: &[Hit]) -> Classes {
         let tally = |mut classes: Classes, class: Class| {
             let slot = match class {
                 Class::TrueHit => &mut classes.true_hit,
@@ -77,16 +73,18 @@ impl Judge<'_> {
             *slot += 1;
             classes
         };
-        let found: Vec<Class> = self.judged().map(|index| self.class(rule, index, &hits[index])).collect();
+        let found: Vec<Class> = rays.map(|index| self.class(rule, index, &hits[index])).collect();
         found.into_iter().fold(Classes::default(), tally)
     }
 
-    /// |t - t*| of every ray that truth and tracer both say hits, scene units.
+    /// |t - t*| of every ray that truth and tracer both say hits, scene units; nothing where t lies between those of an ambiguous ray.
     fn position_errors(&self, hits: &[Hit]) -> Vec<f64> {
         self.judged()
-            .filter_map(|index| match self.answers[index].hit {
-                Some(truth) if hits[index].is_hit() => Some((f64::from(hits[index].t) - truth.t).abs()),
-                _ => None,
+            .filter(|index| hits[*index].is_hit())
+            .filter_map(|index| {
+                let (truth, t) = (self.truth_for(index, &hits[index])?, f64::from(hits[index].t));
+                let between = self.answers[index].is_ambiguous() && self.answers[index].has_between(t);
+                Some(if between { 0.0 } else { (t - truth.t).abs() })
             })
             .collect()
     }
@@ -111,7 +109,9 @@ impl Judge<'_> {
         let named: Vec<bool> = self
             .judged()
             .filter(|index| self.class(Rule::Tight, *index, &hits[*index]) == Class::TrueHit)
-            .filter_map(|index| self.answers[index].hit.map(|truth| self.names(index, truth, hits[index].primitive)))
+            .map(|index| {
+                self.answers[index].all().flatten().any(|truth| self.names(index, truth, hits[index].primitive))
+            })
             .collect();
         let right = named.iter().filter(|right| **right).count();
         (!named.is_empty()).then(|| right as f64 / named.len() as f64)

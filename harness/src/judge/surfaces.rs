@@ -49,9 +49,9 @@ impl Judge<'_> {
     pub fn judge_surfaces(&self, hits: &[Hit], surfaces: &[Surface]) -> Result<SurfaceJudgement, JudgeError> {
         self.check_surfaces(hits, surfaces)?;
         let is_lost = |index: usize| surfaces[index].status == SurfaceStatus::Lost as u32;
-        let lost = self.judged().filter(|index| is_lost(*index)).count() as u64;
+        let lost = self.unambiguous().filter(|index| is_lost(*index)).count() as u64;
         let references: Vec<(usize, Reference)> =
-            self.judged().filter_map(|index| Some((index, self.reference(index, &hits[index])?))).collect();
+            self.unambiguous().filter_map(|index| Some((index, self.reference(index, &hits[index])?))).collect();
         let compared: Vec<Compared> = references
             .par_iter()
             .filter(|(index, _)| !is_lost(*index))

@@ -58,7 +58,7 @@ impl Judge<'_> {
         hit: &Hit,
         class: Class,
     ) -> &'static str {
-        let lost = match (class, self.answers[index].hit) {
+        let lost = match (class, self.truth_for(index, hit)) {
             (Class::FalseMiss | Class::Late, Some(truth)) => Some(truth),
             _ => None,
         };

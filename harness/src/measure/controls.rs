@@ -9,7 +9,7 @@ use tracebench_api::{
     Query, Ray, Residency, Status, Structure, Surface, SurfaceStatus, TraceJob, Tracer, TracerError, Update, Viewpoint,
 };
 
-use crate::results::{AnyJudgement, Classes, ClosestJudgement, Judgement, SurfaceJudgement};
+use crate::results::{AnyJudgement, Classes, ClosestJudgement, Judgement, SurfaceJudgement, TrueCounts};
 use crate::truth::{Answer, Ray64};
 
 /// A control.
@@ -28,13 +28,14 @@ pub enum Control {
 /// Of so many rays that truly hit the corrupted control misses one, and of so many that truly miss it hits with one.
 const CORRUPTED_ONE_OF: u64 = 8;
 
-/// Which rays the corrupted control answers wrongly: the first of every eight that hit and are no tie, and of every eight that miss.
+/// Which rays the corrupted control answers wrongly: the first of every eight that hit, and of every eight that miss; never an
+/// ambiguous one.
 pub fn corrupted(answers: &[Answer]) -> Vec<bool> {
     let mut seen = [0_u64; 2];
     let wrong = |answer: &Answer| {
         let seen = &mut seen[usize::from(answer.hit.is_some())];
-        *seen += u64::from(!answer.tie);
-        !answer.tie && *seen % CORRUPTED_ONE_OF == 1
+        *seen += u64::from(!answer.is_ambiguous());
+        !answer.is_ambiguous() && *seen % CORRUPTED_ONE_OF == 1
     };
     answers.iter().map(wrong).collect()
 }
@@ -79,13 +80,24 @@ impl Control {
         matches!(self, Self::Oracle | Self::Corrupted)
     }
 
-    /// Of so many rays that hit, and so many that miss, how many it answers wrongly.
-    fn wrong(self, occluded: u64, free: u64) -> [u64; 2] {
+    /// Of the rays that are not ambiguous, those that hit and those that miss, how many it answers wrongly.
+    fn wrong(self, TrueCounts { hits, misses, .. }: &TrueCounts) -> [u64; 2] {
         match self {
             Self::Oracle => [0, 0],
-            Self::AlwaysMiss => [occluded, 0],
-            Self::AlwaysHit => [0, free],
-            Self::Corrupted => [occluded, free].map(|rays| rays.div_ceil(CORRUPTED_ONE_OF)),
+            Self::AlwaysMiss => [*hits, 0],
+            Self::AlwaysHit => [0, *misses],
+            Self::Corrupted => [*hits, *misses].map(|rays| rays.div_ceil(CORRUPTED_ONE_OF)),
+        }
+    }
+
+    /// How many ambiguous closest-hit rays it finds, rightly misses, and loses. Every such ray may hit.
+    fn ambiguous(self, counts: &TrueCounts) -> [u64; 3] {
+        let TrueCounts { ambiguous_hits, ambiguous_misses, ambiguous_may_miss, .. } = *counts;
+        let all = ambiguous_hits + ambiguous_misses;
+        match self {
+            Self::Oracle | Self::Corrupted => [ambiguous_hits, ambiguous_misses, 0],
+            Self::AlwaysMiss => [0, ambiguous_may_miss, all.saturating_sub(ambiguous_may_miss)],
+            Self::AlwaysHit => [all, 0, 0],
         }
     }
 
@@ -94,68 +106,73 @@ impl Control {
         Box::new(Answering { control: self, known: Arc::new(known), diagonal, geometry: None })
     }
 
-    /// Checks what the judge made of the control. `occluded` and `free` are the numbers of rays, without ties, that
-    /// truth says hit and miss.
+    /// Checks what the judge made of the control, by what the truth says of the rays.
     ///
     /// # Errors
     /// What the control scored wrongly; the run is void then.
-    pub fn check(self, judgement: &Judgement, occluded: u64, free: u64) -> Result<(), String> {
+    pub fn check(self, judgement: &Judgement, counts: &TrueCounts) -> Result<(), String> {
         let passed = match judgement {
-            Judgement::Closest(closest) => self.passes_closest(closest, occluded, free),
-            Judgement::Any(any) => self.passes_any(any, occluded, free),
+            Judgement::Closest(closest) => self.passes_closest(closest, counts),
+            Judgement::Any(any) => self.passes_any(any, counts),
         };
         if passed {
             return Ok(());
         }
         let name = self.description().name;
-        Err(format!("control '{name}' scored what it must not over {occluded} hits and {free} misses: {judgement:?}"))
+        Err(format!("control '{name}' scored what it must not over {counts:?}: {judgement:?}"))
     }
 
     /// Checks what the judge made of the control's surfaces, as [`Control::check`] does of its hits.
     ///
     /// # Errors
     /// What the control scored wrongly; the run is void then.
-    pub fn check_surfaces(self, judgement: &SurfaceJudgement, occluded: u64, free: u64) -> Result<(), String> {
+    pub fn check_surfaces(self, judgement: &SurfaceJudgement, counts: &TrueCounts) -> Result<(), String> {
         let SurfaceJudgement { judged, lost, agreement, material, normal, position, .. } = judgement;
-        let [missed, invented] = self.wrong(occluded, free);
-        let all_right = (occluded > missed).then_some(1.0);
+        let TrueCounts { hits, misses, .. } = *counts;
+        let [missed, invented] = self.wrong(counts);
+        let all_right = (hits > missed).then_some(1.0);
         let passed = match self {
             Self::Oracle | Self::Corrupted => {
-                *judged == occluded - missed
+                *judged == hits - missed
                     && *lost == invented
                     && [*agreement, *material, *position] == [all_right; 3]
                     && normal.is_none_or(|share| share == 1.0)
             }
             Self::AlwaysMiss => *judged + *lost == 0 && agreement.is_none(),
-            Self::AlwaysHit => *lost == occluded + free && agreement.is_none_or(|share| share == 0.0),
+            Self::AlwaysHit => *lost == hits + misses && agreement.is_none_or(|share| share == 0.0),
         };
         if passed {
             return Ok(());
         }
         let name = self.description().name;
-        Err(format!("control '{name}' has surfaces that it must not have over {occluded} hits: {judgement:?}"))
+        Err(format!("control '{name}' has surfaces that it must not have over {hits} hits: {judgement:?}"))
     }
 
-    fn passes_closest(self, judgement: &ClosestJudgement, occluded: u64, free: u64) -> bool {
-        let share = |right: u64| (occluded + free > 0).then(|| right as f64 / (occluded + free) as f64);
-        let [missed, invented] = self.wrong(occluded, free);
-        let agreement = &judgement.agreement;
+    fn passes_closest(self, judgement: &ClosestJudgement, counts: &TrueCounts) -> bool {
+        let share = |wrong: u64, of: u64| (of > 0).then(|| (of - wrong) as f64 / of as f64);
+        let TrueCounts { hits, misses, .. } = *counts;
+        let [missed, invented] = self.wrong(counts);
+        let [found, passed, lost] = self.ambiguous(counts);
+        let right = [hits - missed + found, misses - invented + passed, invented, missed + lost];
+        let (agreement, without) = (&judgement.agreement, &judgement.agreement_without_ambiguous);
         [&judgement.classes.tight, &judgement.classes.footprint].into_iter().all(|classes| {
             let Classes { true_hit, true_miss, false_hit, false_miss, early, late } = *classes;
             // Always the same t is early or late, or right by chance.
             let found = if self == Self::AlwaysHit { true_hit + early + late } else { true_hit };
-            (self == Self::AlwaysHit || early + late == 0)
-                && (found, true_miss, false_hit, false_miss) == (occluded - missed, free - invented, invented, missed)
-        }) && agreement.hit_miss == share(occluded + free - missed - invented)
+            (self == Self::AlwaysHit || early + late == 0) && [found, true_miss, false_hit, false_miss] == right
+        }) && agreement.hit_miss == share(invented + missed + lost, right.iter().sum())
+            && without.as_ref().is_none_or(|without| without.hit_miss == share(missed + invented, hits + misses))
             && (!self.knows()
                 || [agreement.tight, agreement.footprint] == [agreement.hit_miss; 2]
+                    && without.as_ref().is_none_or(|each| [each.tight, each.footprint] == [each.hit_miss; 2])
                     && judgement.identity.is_none_or(|identity| identity == 1.0))
     }
 
-    fn passes_any(self, judgement: &AnyJudgement, occluded: u64, free: u64) -> bool {
+    fn passes_any(self, judgement: &AnyJudgement, counts: &TrueCounts) -> bool {
+        let (occluded, free) = (counts.hits, counts.misses);
         let table = &judgement.occlusion;
         let found = [table.true_occluded, table.true_free, table.false_occluded, table.false_free];
-        let [missed, invented] = self.wrong(occluded, free);
+        let [missed, invented] = self.wrong(counts);
         let expected = [occluded - missed, free - invented, invented, missed];
         let share = |wrong: u64, of: u64| (of > 0).then(|| (of - wrong) as f64 / of as f64);
         let accuracy = match (share(missed, occluded), share(invented, free)) {

@@ -58,13 +58,6 @@ impl PreparedRays {
         let sha256 = crate::hash::sha256_of(&rays);
         Self { set, buffer: RayBuffer::new(rays, set.query, gpu), answers, sha256, pixels: Arc::default() }
     }
-
-    /// Numbers of rays that truth says hit and miss, without ties.
-    pub fn hits_and_misses(&self) -> (u64, u64) {
-        let count =
-            |hit: bool| self.answers.iter().filter(|each| !each.tie && each.hit.is_some() == hit).count() as u64;
-        (count(true), count(false))
-    }
 }
 
 /// What a tracer sees the scene through, as the judge is told.
@@ -356,7 +349,7 @@ impl Session {
         of: &[usize],
     ) -> Result<BTreeMap<String, u64>, SessionError> {
         let hosts: Vec<Ray> = of.iter().map(|ray| rays.buffer.host[*ray]).collect();
-        let answers: Vec<Answer> = of.iter().map(|ray| rays.answers[*ray]).collect();
+        let answers: Vec<Answer> = of.iter().map(|ray| rays.answers[*ray].clone()).collect();
         let hits: Vec<Hit> = of.iter().map(|ray| told.hits[*ray]).collect();
         let judge = self.judge_of(rays, &told.sight.samplings);
         let judge = Judge { rays: &hosts, answers: &answers, voxels: told.sight.voxels, ..judge };
@@ -383,7 +376,7 @@ impl Session {
         judged.map(Some).map_err(|error| no_answers(contender.description.name, rays, error))
     }
 
-    /// The class of every answer under a rule, `None` for ties, as [`Judge::classes`].
+    /// The class of every answer under a rule, as [`Judge::classes`].
     ///
     /// # Errors
     /// [`SessionError::Judge`] if they are no answers.

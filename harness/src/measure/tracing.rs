@@ -9,6 +9,7 @@ use super::records::{self, Traced};
 use super::rounds::Rounds;
 use super::session::PreparedRays;
 use super::twice::{Double, void_reason};
+use crate::judge::true_counts;
 use crate::results::{RaceRecord, TraceRecord};
 
 /// Tries at a race: one whose clock fails its control is run again once.
@@ -172,9 +173,9 @@ impl Race<'_> {
         };
         let mut void = None;
         if let Some(control) = self.lanes[lane].control {
-            let (occluded, free) = rays.hits_and_misses();
-            let of_hits = control.check(&judgement, occluded, free);
-            let of_surfaces = surfaces.as_ref().map_or(Ok(()), |each| control.check_surfaces(each, occluded, free));
+            let counts = true_counts(&rays.answers);
+            let of_hits = control.check(&judgement, &counts);
+            let of_surfaces = surfaces.as_ref().map_or(Ok(()), |each| control.check_surfaces(each, &counts));
             void = of_hits.and(of_surfaces).err();
             // What a control gets wrong it gets wrong by design.
             judgement.wrong_rays_mut().clear();

@@ -222,7 +222,7 @@ pub(crate) fn footprint(trace: &TraceRecord) -> Option<f64> {
 /// Rays that count, and of them those missed under `tight`; of closest-hit sets alone.
 pub(crate) fn false_misses(trace: &TraceRecord) -> Option<[u64; 2]> {
     let Judgement::Closest(closest) = &trace.judgement else { return None };
-    Some([trace.count.saturating_sub(closest.ties), closest.classes.tight.false_miss])
+    Some([trace.count.saturating_sub(closest.left_out()), closest.classes.tight.false_miss])
 }
 
 /// Rays that count, and of them those that passed their true hit, into nothing or on to another surface, by more than a footprint; of
@@ -230,7 +230,7 @@ pub(crate) fn false_misses(trace: &TraceRecord) -> Option<[u64; 2]> {
 pub(crate) fn passed(trace: &TraceRecord) -> Option<[u64; 2]> {
     let Judgement::Closest(closest) = &trace.judgement else { return None };
     let classes = &closest.classes.footprint;
-    Some([trace.count.saturating_sub(closest.ties), classes.false_miss + classes.late])
+    Some([trace.count.saturating_sub(closest.left_out()), classes.false_miss + classes.late])
 }
 
 /// Rays that count, and of them those wrong under `tight`; of closest-hit sets alone.
@@ -238,7 +238,7 @@ pub(crate) fn wrong(trace: &TraceRecord) -> Option<[u64; 2]> {
     let Judgement::Closest(closest) = &trace.judgement else { return None };
     let classes = &closest.classes.tight;
     let wrong = classes.false_hit + classes.false_miss + classes.early + classes.late;
-    Some([trace.count.saturating_sub(closest.ties), wrong])
+    Some([trace.count.saturating_sub(closest.left_out()), wrong])
 }
 
 /// Rays in a million, of a share.

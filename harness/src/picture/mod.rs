@@ -47,7 +47,7 @@ pub enum PictureError {
 
 type Rgb = [u8; 3];
 
-/// Colours of the classes, and of ties.
+/// Colours of the classes, and of ambiguous any-hit rays.
 const CLASS_COLOURS: [(Class, Rgb); 6] = [
     (Class::TrueHit, [210, 210, 210]),
     (Class::TrueMiss, [245, 245, 245]),
@@ -56,7 +56,7 @@ const CLASS_COLOURS: [(Class, Rgb); 6] = [
     (Class::Early, [240, 150, 30]),
     (Class::Late, [40, 100, 220]),
 ];
-const TIE_COLOUR: Rgb = [120, 90, 40];
+const AMBIGUOUS_COLOUR: Rgb = [120, 90, 40];
 const BACKGROUND: Rgb = [32, 36, 48];
 
 /// Draws a picture of the plan's one scene by its one tracer, and gives its legend, a line an entry.
@@ -185,24 +185,14 @@ fn errors(loaded: &LoadedScene, rays: &PreparedRays, hits: &[Hit]) -> (Vec<Rgb>,
         names_primitives: false,
         wrong_rays_per_cause: 0,
     };
-    let classes: Vec<Option<Class>> = (0..hits.len())
-        .map(|index| (!rays.answers[index].tie).then(|| judge.class(Rule::Footprint, index, &hits[index])))
-        .collect();
-    let colour_of = |class: Option<Class>| match class {
-        None => TIE_COLOUR,
-        Some(class) => {
-            CLASS_COLOURS.iter().find(|(known, _)| *known == class).map_or(TIE_COLOUR, |(_, colour)| *colour)
-        }
+    let classes: Vec<Class> = (0..hits.len()).map(|index| judge.class(Rule::Footprint, index, &hits[index])).collect();
+    let colour_of =
+        |class: &Class| CLASS_COLOURS.iter().find(|(known, _)| known == class).map_or([0; 3], |(_, colour)| *colour);
+    let line = |(class, [red, green, blue]): &(Class, Rgb)| {
+        let count = classes.iter().filter(|each| *each == class).count();
+        format!("#{red:02x}{green:02x}{blue:02x} {}: {count} rays", class.name(Query::Closest))
     };
-    let line = |name: &str, class: Option<Class>| {
-        let [red, green, blue] = colour_of(class);
-        let count = classes.iter().filter(|each| **each == class).count();
-        format!("#{red:02x}{green:02x}{blue:02x} {name}: {count} rays")
-    };
-    let mut legend: Vec<String> =
-        CLASS_COLOURS.iter().map(|(class, _)| line(class.name(Query::Closest), Some(*class))).collect();
-    legend.push(line("tie", None));
-    (classes.iter().map(|class| colour_of(*class)).collect(), legend)
+    (classes.iter().map(colour_of).collect(), CLASS_COLOURS.iter().map(line).collect())
 }
 
 fn write_png(path: &Path, width: u32, height: u32, pixels: &[Rgb]) -> Result<(), PictureError> {

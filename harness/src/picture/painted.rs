@@ -3,7 +3,7 @@
 
 use tracebench_api::Query;
 
-use super::{CLASS_COLOURS, PictureError, Rgb, TIE_COLOUR, encoded};
+use super::{AMBIGUOUS_COLOUR, CLASS_COLOURS, PictureError, Rgb, encoded};
 use crate::judge::Class;
 use crate::rays::Pixel;
 
@@ -69,10 +69,10 @@ impl Canvas<'_> {
         self.paint(vec![[0; 3], [245; 3], [90; 3]], |ray| if occluded[ray] { FIRST } else { MISS })
     }
 
-    /// Classes; `None` is a tie.
+    /// Classes; `None` is an ambiguous any-hit ray.
     pub(crate) fn classes(&self, classes: &[Option<Class>]) -> Painted {
         let colours = CLASS_COLOURS.iter().map(|(_, colour)| *colour);
-        let palette = [[0; 3], TIE_COLOUR].into_iter().chain(colours).collect();
+        let palette = [[0; 3], AMBIGUOUS_COLOUR].into_iter().chain(colours).collect();
         self.paint(palette, |ray| {
             let known = CLASS_COLOURS.iter().position(|(class, _)| Some(*class) == classes[ray]);
             known.map_or(MISS, |place| FIRST + place as u8)
@@ -130,7 +130,7 @@ pub(crate) fn class_legend(query: Query) -> Vec<(&'static str, String)> {
     let told = |class: &Class| query == Query::Closest || !matches!(class, Class::Early | Class::Late);
     let classes = CLASS_COLOURS.iter().filter(|(class, _)| told(class));
     let mut all: Vec<_> = classes.map(|(class, rgb)| (class.name(query), colour(*rgb))).collect();
-    all.push(("tie", colour(TIE_COLOUR)));
+    all.extend((query == Query::Any).then(|| ("ambiguous", colour(AMBIGUOUS_COLOUR))));
     all
 }
 
@@ -198,7 +198,7 @@ mod tests {
         for (place, (class, colour)) in CLASS_COLOURS.iter().enumerate() {
             assert_eq!(painted.palette[painted.pixels[place] as usize], *colour, "{class:?}");
         }
-        assert_eq!(painted.palette[painted.pixels[6] as usize], TIE_COLOUR);
+        assert_eq!(painted.palette[painted.pixels[6] as usize], AMBIGUOUS_COLOUR);
         let names =
             |query| class_legend(query).into_iter().map(|(name, _)| name).collect::<std::collections::BTreeSet<_>>();
         assert_eq!((names(Query::Closest).len(), names(Query::Any).len()), (7, 5));

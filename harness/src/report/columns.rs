@@ -6,7 +6,7 @@ use serde::Serialize;
 use tracebench_api::Query;
 
 use super::format::{self, clock_code, clock_of, significant};
-use super::metrics::{self, BUILD_TIME, Metric, STRUCTURE, TIES, Traced};
+use super::metrics::{self, AMBIGUOUS, BUILD_TIME, Metric, STRUCTURE, Traced};
 use super::sheet::{Cell, Column, Sheet};
 use crate::results::{
     CounterRecord, Judgement, PhaseRecord, Provenance, Run, SceneRecord, Times, TraceRecord, TracerRun, ViewpointRecord,
@@ -111,9 +111,11 @@ impl<'a, R> Sheet<'a, R> {
         self.and(metric.shown(cell))
     }
 
-    /// With every figure of a trace.
-    pub(super) fn metrics(self, of: impl Fn(&R) -> Option<Traced<'_>> + Copy + 'a) -> Self {
-        self.with(metrics::METRICS.iter().map(|metric| metric.column(of).whole(*metric)).collect())
+    /// With every figure of a trace; what older records have none of is not there.
+    pub(super) fn metrics(self, runs: &[TracerRun], of: impl Fn(&R) -> Option<Traced<'_>> + Copy + 'a) -> Self {
+        let beside = metrics::with_ambiguous(runs.iter().flat_map(|run| &run.traces));
+        let all = metrics::METRICS.iter().chain(&beside);
+        self.with(all.map(|metric| metric.column(of).whole(*metric)).collect())
     }
 
     /// With what tells how often answers to a query are right, of a judgement on so many rays that count.
@@ -134,9 +136,9 @@ impl<'a, R> Sheet<'a, R> {
         self.with(metrics::accuracies(query).iter().map(|metric| metric.of_trace(of)).collect())
     }
 
-    /// With what tells how often answers are right, whatever was asked, and the ties.
+    /// With what tells how often answers are right, whatever was asked, and the ambiguous rays.
     pub(super) fn accuracy(self, of: impl Fn(&R) -> Option<&TraceRecord> + Copy + 'a) -> Self {
-        self.accuracies(Query::Closest, of).accuracies(Query::Any, of).trace(TIES, of)
+        self.accuracies(Query::Closest, of).accuracies(Query::Any, of).trace(AMBIGUOUS, of)
     }
 
     /// With a column of each counter that some runs have, its mean per ray.

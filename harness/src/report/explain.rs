@@ -23,9 +23,12 @@ pub fn explanation_page(run: &Run, found: &ExplanationRecord) -> String {
         run.preset,
         run.seed
     );
-    page.push_str(
+    let has_ambiguous = run.runs.iter().flat_map(|row| &row.traces).any(|trace| trace.judgement.has_ambiguous());
+    let of_ambiguous = if has_ambiguous { "" } else { "; ties left out" };
+    let _ = write!(
+        page,
         "Every ray is traced on every rung of the ladder below, each of which takes one weakness away and keeps what the rungs \
-         before have taken. A wrong ray (under `tight`; ties left out) has the cause that is taken away by the rung from which \
+         before have taken. A wrong ray (under `tight`{of_ambiguous}) has the cause that is taken away by the rung from which \
          on it is right; what is wrong on the last rung was given up there (`step_cap`) or is unexplained",
     );
     if found.judged {

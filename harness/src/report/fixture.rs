@@ -12,7 +12,8 @@ use crate::machine::Machine;
 use crate::results::{
     AnyJudgement, BuildRecord, ByRule, Classes, ClosestJudgement, CounterRecord, EndedBy, Headline, Judgement,
     MemoryRecord, Occlusion, Percentiles, PhaseRecord, PieceDistance, Provenance, RaceRecord, Run, SCHEMA, Sampling,
-    SceneRecord, Skipped, SurfaceDistance, Times, TraceRecord, TracerRecord, TracerRun, ViewpointRecord, WrongRay,
+    SceneRecord, Skipped, SurfaceDistance, Times, TraceRecord, TracerRecord, TracerRun, TrueCounts, ViewpointRecord,
+    WrongRay,
 };
 use crate::statistics::{median, median_interval, wilson};
 
@@ -101,6 +102,26 @@ pub(crate) fn run(contenders: &[(&str, Quality)], sets: &[(&str, Query)]) -> Run
             rays: None,
             reason: "not available on this machine: the adapter has no ray queries | none".to_owned(),
         }],
+    }
+}
+
+/// Lets ambiguous rays count, of which each may hit and may miss.
+pub(crate) fn judge_ambiguous(run: &mut Run) {
+    for trace in run.runs.iter_mut().chain(&mut run.controls).flat_map(|one| &mut one.traces) {
+        let Judgement::Closest(closest) = &mut trace.judgement else { continue };
+        closest.agreement_without_ambiguous = Some(closest.agreement.clone());
+        closest.truth = Some(TrueCounts {
+            hits: HITS,
+            misses: COUNT - TIES - HITS,
+            ambiguous_hits: TIES,
+            ambiguous_misses: 0,
+            ambiguous_may_miss: TIES,
+        });
+        for classes in [&mut closest.classes.tight, &mut closest.classes.footprint] {
+            let hits = classes.true_hit + classes.early + classes.late;
+            *(if hits > 0 { &mut classes.true_hit } else { &mut classes.true_miss }) += TIES;
+        }
+        score(closest);
     }
 }
 
@@ -376,6 +397,8 @@ fn closest(quality: Quality) -> ClosestJudgement {
         ties: TIES,
         many_ties: false,
         agreement: Headline::default(),
+        agreement_without_ambiguous: None,
+        truth: None,
         interval: Headline::default(),
         curve: curve.map(|tolerance| [tolerance, agreement(tolerance)]).collect(),
         position_error: Percentiles {
@@ -429,7 +452,7 @@ fn surface_distance(quality: Quality) -> SurfaceDistance {
 
 /// Fills in shares and intervals from the classes.
 fn score(judgement: &mut ClosestJudgement) {
-    let trials = COUNT - TIES;
+    let trials = COUNT - judgement.left_out();
     let tight = judgement.classes.tight.true_hit + judgement.classes.tight.true_miss;
     let footprint = judgement.classes.footprint.true_hit + judgement.classes.footprint.true_miss;
     let hit_miss = trials - judgement.classes.tight.false_hit - judgement.classes.tight.false_miss;
@@ -484,6 +507,7 @@ fn wrong_rays(quality: Quality) -> Vec<WrongRay> {
         status: "miss".to_owned(),
         class: "false_miss".to_owned(),
         cause: "hidden, \"layer\"".to_owned(),
+        ambiguous: false,
     };
     if quality.missed > 0.0 { (0..5).map(ray).collect() } else { Vec::new() }
 }

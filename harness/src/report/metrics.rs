@@ -215,17 +215,24 @@ pub(super) fn any(trace: &TraceRecord) -> Option<&AnyJudgement> {
     }
 }
 
-/// Rays whose truth hangs on rounding.
-pub(super) fn ties(judgement: &Judgement) -> u64 {
-    match judgement {
-        Judgement::Closest(judgement) => judgement.ties,
-        Judgement::Any(judgement) => judgement.ties,
+/// What stands beside agreements that ambiguous rays are in.
+pub(super) fn with_ambiguous<'a>(mut traces: impl Iterator<Item = &'a TraceRecord>) -> Option<Metric> {
+    traces.any(|trace| trace.judgement.has_ambiguous()).then_some(WITHOUT_AMBIGUOUS)
+}
+
+/// What pages say of ambiguous rays.
+pub(super) fn of_ambiguous<'a>(mut judged: impl Iterator<Item = &'a Judgement>) -> &'static str {
+    if judged.any(Judgement::has_ambiguous) {
+        "Ambiguous rays (ties), whose truth depends on rounding, have several right answers; those of any-hit sets, where both are right, \
+         are left out of every share."
+    } else {
+        "Ties, rays whose truth hangs on rounding, are left out of every share."
     }
 }
 
 /// Rays that count.
 pub(crate) fn trials(trace: &TraceRecord) -> u64 {
-    trace.count.saturating_sub(ties(&trace.judgement))
+    trace.count.saturating_sub(trace.judgement.left_out())
 }
 
 /// Bytes of the structure that are used.

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::ReportError;
-use super::format::{NONE, optional, percent_with_interval, significant, statistic, thousands, with_interval};
+use super::format::{NONE, optional, percent, percent_with_interval, significant, statistic, thousands, with_interval};
 use super::markdown::inline;
 use crate::results::{Percentiles, Ratio, Times};
 use crate::studies::pareto::Amount;
@@ -35,11 +35,13 @@ pub(crate) enum Cell {
     Percent(f64, [f64; 2]),
     /// How often answers are right.
     Accuracy(Accuracy),
+    /// Three shares of so many rays.
+    Shares([Option<f64>; 3], u64),
     /// Median, 95th and 99th percentile.
     Percentiles(Percentiles),
 }
 
-/// A share of right answers; nothing where every ray is a tie.
+/// A share of right answers; nothing where no ray is judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Accuracy {
     /// The share.
@@ -61,7 +63,7 @@ impl Cell {
     /// The number, if it is one: of a number with an interval itself, of percentiles the median.
     pub(crate) fn value(&self) -> Option<f64> {
         match self {
-            Self::None | Self::Text(_) | Self::Named(..) | Self::Flag(_) => None,
+            Self::None | Self::Text(_) | Self::Named(..) | Self::Flag(_) | Self::Shares(..) => None,
             Self::Count(count) => Some(*count as f64),
             Self::Bytes(value)
             | Self::Statistic(value)
@@ -91,6 +93,7 @@ impl Cell {
             Self::Percent(value, interval) => ends(Some(*value), &Some(*interval)),
             Self::Accuracy(accuracy) => ends(accuracy.share, &accuracy.interval),
             Self::Percentiles(Percentiles { p50, p95, p99 }) => [*p50, *p95, *p99].map(number),
+            Self::Shares(shares, _) => shares.map(number),
         }
     }
 
@@ -114,6 +117,10 @@ impl Cell {
                     format!("{share}; {} wrong of {}", thousands(*wrong), thousands(*trials))
                 },
             ),
+            Self::Shares(shares, trials) => {
+                let told = |share: Option<f64>| share.map_or_else(|| NONE.to_owned(), |share| percent(share, *trials));
+                format!("{} %", shares.map(told).join(" / "))
+            }
             Self::Percentiles(Percentiles { p50, p95, p99 }) => {
                 [p50, p95, p99].map(|percentile| optional(*percentile, 3)).join(" / ")
             }

@@ -11,8 +11,8 @@ use super::format::{self, mib, significant, statistic, thousands};
 use super::group::{Group, RaySet, Role};
 use super::markdown::inline;
 use super::metrics::{
-    self, BUILD_PEAK, BUILD_TIME, FALSE_FREE, FALSE_OCCLUDED, GEOMETRY, IDENTITY, Metric, POSITION, SPEED, STRUCTURE,
-    TIES, TRACE_TIME, TRUE_FREE, TRUE_OCCLUDED,
+    self, AMBIGUOUS, BUILD_PEAK, BUILD_TIME, FALSE_FREE, FALSE_OCCLUDED, GEOMETRY, IDENTITY, Metric, POSITION, SPEED,
+    STRUCTURE, TRACE_TIME, TRUE_FREE, TRUE_OCCLUDED,
 };
 use super::sheet::{Columns, Sheet};
 use super::surfaces;
@@ -58,9 +58,13 @@ pub(crate) fn head(run: &Run, title: &str) -> String {
              are set as the first contender's of their scene, which every window has, was slower or faster there.\n"
         );
     }
-    text += "Times are medians with an order-statistic interval in brackets; shares have 95 % Wilson intervals. Ties, \
-             rays whose truth hangs on rounding, are left out of every share. Each time names its clock; times of \
-             different clocks do not compare. ↑ more is better, ↓ less is better. 1 MiB is 2^20 bytes.\n";
+    let judged = run.runs.iter().flat_map(|row| &row.traces).map(|trace| &trace.judgement);
+    let _ = writeln!(
+        text,
+        "Times are medians with an order-statistic interval in brackets; shares have 95 % Wilson intervals. {} Each time names its clock; \
+         times of different clocks do not compare. ↑ more is better, ↓ less is better. 1 MiB is 2^20 bytes.",
+        metrics::of_ambiguous(judged)
+    );
     text
 }
 
@@ -246,7 +250,8 @@ fn metrics<'a>(metrics: impl IntoIterator<Item = Metric>) -> Columns<'a, Row<'a>
 }
 
 fn closest_tables(text: &mut String, rows: &[Row<'_>]) {
-    let main = traced(Query::Closest).with(metrics([POSITION, IDENTITY, TIES]));
+    let beside = metrics::with_ambiguous(rows.iter().map(|(.., trace)| *trace));
+    let main = traced(Query::Closest).with(metrics(beside.into_iter().chain([POSITION, IDENTITY, AMBIGUOUS])));
     let mut by_rule: Vec<(String, &str, &Classes)> = Vec::new();
     for (role, run, trace) in rows {
         let Some(classes) = metrics::closest(trace).map(|judgement| &judgement.classes) else { continue };
@@ -266,7 +271,7 @@ fn closest_tables(text: &mut String, rows: &[Row<'_>]) {
 }
 
 fn any_tables(text: &mut String, rows: &[Row<'_>]) {
-    let counts = [TRUE_OCCLUDED, TRUE_FREE, FALSE_OCCLUDED, FALSE_FREE, TIES];
+    let counts = [TRUE_OCCLUDED, TRUE_FREE, FALSE_OCCLUDED, FALSE_FREE, AMBIGUOUS];
     let _ = write!(text, "\n{}", traced(Query::Any).with(metrics(counts)).markdown(rows));
 }
 

@@ -29,7 +29,7 @@ pub(super) fn traces(run: &Run, groups: &[Group<'_>]) -> Result<Vec<u8>, ReportE
         .clock("build_clock", |(_, run, _)| Some(&run.build.times))
         .hits(|(.., trace)| Some(trace))
         .whole_provenance(run, Some(run.seed))
-        .metrics(|(_, run, trace)| Some((run, trace)))
+        .metrics(&run.runs, |(_, run, trace)| Some((run, trace)))
         .with(of_maps(&rows));
     sheet.csv("traces.csv", &rows)
 }

@@ -148,6 +148,42 @@ fn no_speed_without_accuracy() {
     assert!(!row.contains("17."), "{row}");
 }
 
+/// Where ambiguous rays are judged, every ray counts, and beside the shares stand those without them; older records say that theirs leave
+/// them out, and have no such column. Controls are held to ambiguous rays as well: one that is wrong with one more voids the run.
+#[test]
+fn ambiguous_rays_count() {
+    let mut run = fixture::typical();
+    let page = |run: &Run| summary::summary(run, &group::groups(run));
+    let (beside, column) =
+        ("without ambiguous rays: hit_miss / tight / footprint ↑", "agreement_without_ambiguous_tight_share");
+    let older = page(&run);
+    assert!(older.contains("are left out of every share") && older.contains("wrong of 131,060"), "{older}");
+    assert!(!older.contains(beside) && !older.contains("wrong of 131,072"));
+    let (_folder, files) = write(&run);
+    assert!(!table(&files, "traces.csv").0.contains(&column.to_owned()));
+    let Judgement::Closest(before) = run.runs[1].traces[0].judgement.clone() else { panic!("primary is closest-hit") };
+    fixture::judge_ambiguous(&mut run);
+    assert_eq!(verdict::controls(&run), verdict::Verdict::Sound);
+    let page = page(&run);
+    assert!(page.contains("Ambiguous rays (ties)") && page.contains(beside), "{page}");
+    assert!(page.contains("wrong of 131,072"));
+    let (_folder, files) = write(&run);
+    let rows = table(&files, "traces.csv").1;
+    let row = rows.iter().find(|row| row["tracer"] == run.runs[1].tracer.name && row["rays"] == "primary").unwrap();
+    assert_eq!(row[column].parse::<f64>().unwrap(), before.agreement.tight.unwrap());
+    assert_ne!(row["agreement_tight_share"], row[column]);
+    for control in 0..Control::ALL.len() {
+        let mut bad = run.clone();
+        let Judgement::Closest(closest) = &mut bad.controls[control].traces[0].judgement else { panic!("closest-hit") };
+        for classes in [&mut closest.classes.tight, &mut closest.classes.footprint] {
+            let right = if classes.true_miss > 0 { &mut classes.true_miss } else { &mut classes.early };
+            *right -= 1;
+            classes.false_miss += 1;
+        }
+        assert!(matches!(verdict::controls(&bad), verdict::Verdict::Void(failed) if failed.len() == 1), "{control}");
+    }
+}
+
 /// A control that fails is said to void the run.
 #[test]
 fn failing_controls_are_told() {

@@ -1,7 +1,7 @@
 //! Whether the controls of a run scored what they must; one that did not, or is not there, voids the run.
 
 use crate::measure::controls::Control;
-use crate::results::{Classes, Judgement, Run, TraceRecord, TracerRun, ViewpointRecord};
+use crate::results::{Classes, Judgement, Run, TraceRecord, TracerRun, TrueCounts, ViewpointRecord};
 use crate::studies::tune::Tuning;
 
 /// What the controls say of a run.
@@ -66,8 +66,7 @@ fn problem_on<'a>(
         .flat_map(|one| &one.traces)
         .find(|one| (one.rays.as_str(), one.rays_sha256.as_str(), one.count) == rays);
     let Some(found) = found else { return Some("is missing") };
-    let (occluded, free) = hits_and_misses(judgement);
-    control.check(&found.judgement, occluded, free).err().map(|_| "fails")
+    control.check(&found.judgement, &true_counts(judgement)).err().map(|_| "fails")
 }
 
 /// Looks for every control beside every ray set of a tuning, by the same rule.
@@ -88,16 +87,18 @@ pub(super) fn tuning_controls(tuning: &Tuning) -> Verdict {
     if failed.is_empty() { Verdict::Sound } else { Verdict::Void(failed) }
 }
 
-/// The numbers of rays, without ties, that truth says hit and miss: a property of the rays, whoever traced them.
-fn hits_and_misses(judgement: &Judgement) -> (u64, u64) {
+/// What the truth says of the rays, whoever traced them; where ambiguous rays are left out, by the classes of the others.
+fn true_counts(judgement: &Judgement) -> TrueCounts {
+    let of = |hits, misses| TrueCounts { hits, misses, ..TrueCounts::default() };
     match judgement {
         Judgement::Closest(judgement) => {
             let Classes { true_hit, true_miss, false_hit, false_miss, early, late } = judgement.classes.tight;
-            (true_hit + false_miss + early + late, true_miss + false_hit)
+            let by_class = || of(true_hit + false_miss + early + late, true_miss + false_hit);
+            judgement.truth.clone().unwrap_or_else(by_class)
         }
         Judgement::Any(judgement) => {
             let table = &judgement.occlusion;
-            (table.true_occluded + table.false_free, table.true_free + table.false_occluded)
+            of(table.true_occluded + table.false_free, table.true_free + table.false_occluded)
         }
     }
 }

@@ -51,10 +51,14 @@ fn shares(judgement: &Judgement) -> Vec<(f64, [f64; 2])> {
     let all = match judgement {
         Judgement::Closest(closest) => {
             let (share, interval) = (&closest.agreement, &closest.interval);
+            let without = closest.agreement_without_ambiguous.clone().unwrap_or_default();
             vec![
                 (share.hit_miss, interval.hit_miss),
                 (share.tight, interval.tight),
                 (share.footprint, interval.footprint),
+                (without.hit_miss, None),
+                (without.tight, None),
+                (without.footprint, None),
             ]
         }
         Judgement::Any(any) => vec![(any.occlusion.balanced_accuracy, any.occlusion.balanced_accuracy_interval)],

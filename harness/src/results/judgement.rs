@@ -42,6 +42,27 @@ pub enum Judgement {
 }
 
 impl Judgement {
+    /// Ambiguous rays.
+    pub fn ambiguous(&self) -> u64 {
+        match self {
+            Self::Closest(closest) => closest.ties,
+            Self::Any(any) => any.ties,
+        }
+    }
+
+    /// Whether ambiguous rays are in its shares.
+    pub fn has_ambiguous(&self) -> bool {
+        matches!(self, Self::Closest(closest) if closest.truth.is_some())
+    }
+
+    /// Rays that are in no share.
+    pub fn left_out(&self) -> u64 {
+        match self {
+            Self::Closest(closest) => closest.left_out(),
+            Self::Any(any) => any.ties,
+        }
+    }
+
     /// The wrong rays that are kept.
     pub fn wrong_rays_mut(&mut self) -> &mut Vec<WrongRay> {
         match self {
@@ -70,17 +91,23 @@ pub type Causes = BTreeMap<String, BTreeMap<String, u64>>;
 pub struct ClosestJudgement {
     /// Class counts under the two rules that look at t.
     pub classes: ByRule<Classes>,
-    /// Rays whose truth hangs on rounding; left out of every share.
+    /// Ambiguous rays, whose truth depends on rounding.
     pub ties: u64,
-    /// Whether ties exceed 1e-3 of the set.
+    /// Whether they exceed 1e-3 of the set.
     pub many_ties: bool,
-    /// Shares of right answers; `None` if every ray is a tie.
+    /// Shares of right answers among all rays; `None` without rays. Records without `truth` leave ambiguous rays out.
     pub agreement: Headline<Option<f64>>,
+    /// The same shares without ambiguous rays; `None` if all are ambiguous.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub agreement_without_ambiguous: Option<Headline<Option<f64>>>,
+    /// What the truth says of the rays; `None` in records whose classes and shares leave ambiguous rays out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truth: Option<TrueCounts>,
     /// 95 % Wilson intervals of the agreements.
     pub interval: Headline<Option<[f64; 2]>>,
     /// Pairs of tolerance (in scene diagonals) and agreement.
     pub curve: Vec<[f64; 2]>,
-    /// |t - t*| of the rays that are rightly said to hit, scene units.
+    /// |t - t*| of the rays that are rightly said to hit, scene units; of ambiguous ones from the nearest true hit.
     pub position_error: Percentiles,
     /// How far told hits are from the piece of mesh that is truly hit; `None` in records from before it was told.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -93,10 +120,32 @@ pub struct ClosestJudgement {
     pub wrong_rays: Vec<WrongRay>,
 }
 
+impl ClosestJudgement {
+    /// Rays that are in no share: the ambiguous ones of older records.
+    pub fn left_out(&self) -> u64 {
+        if self.truth.is_some() { 0 } else { self.ties }
+    }
+}
+
+/// What the truth says of a set's rays: a property of rays and scene, whoever traces them.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TrueCounts {
+    /// Rays that hit and are not ambiguous.
+    pub hits: u64,
+    /// Rays that miss and are not ambiguous.
+    pub misses: u64,
+    /// Ambiguous rays that hit themselves.
+    pub ambiguous_hits: u64,
+    /// Ambiguous rays that miss themselves.
+    pub ambiguous_misses: u64,
+    /// Ambiguous rays that miss, themselves or moved.
+    pub ambiguous_may_miss: u64,
+}
+
 /// How far told hits are from the nearest point of the connected piece of mesh that the true hit lies on.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceDistance {
-    /// Rays with a true hit, without ties.
+    /// Rays with a true hit, without ambiguous ones.
     pub rays: u64,
     /// The longest edge of the scene's bounds over 1280, scene units.
     pub common_texel: f64,
@@ -138,9 +187,9 @@ pub struct PieceDistance {
 pub struct AnyJudgement {
     /// The 2x2 table.
     pub occlusion: Occlusion,
-    /// Rays whose truth hangs on rounding.
+    /// Ambiguous rays: either answer is right, so they are in no count.
     pub ties: u64,
-    /// Whether ties exceed 1e-3 of the set.
+    /// Whether they exceed 1e-3 of the set.
     pub many_ties: bool,
     /// Why rays are wrong, under `occlusion`.
     pub causes: Causes,
@@ -168,7 +217,13 @@ pub struct Headline<T> {
     pub footprint: T,
 }
 
-/// Class counts; ties are in none.
+impl<T> From<[T; 3]> for Headline<T> {
+    fn from([hit_miss, tight, footprint]: [T; 3]) -> Self {
+        Self { hit_miss, tight, footprint }
+    }
+}
+
+/// Class counts.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Classes {
     /// Both hit, t within tolerance.
@@ -204,7 +259,7 @@ pub struct Occlusion {
     /// Truth is occluded.
     pub false_free: u64,
     /// Mean of the shares of right answers among occluded and among free rays; where truth has only one of the two, the
-    /// share of that one; `None` if every ray is a tie.
+    /// share of that one; `None` if every ray is ambiguous.
     pub balanced_accuracy: Option<f64>,
     /// 95 % interval of the balanced accuracy, from the Wilson intervals of its two shares.
     pub balanced_accuracy_interval: Option<[f64; 2]>,
@@ -224,9 +279,10 @@ pub struct Percentiles {
 /// The verdict on a ray set's surfaces.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceJudgement {
-    /// Rays whose surfaces were judged: true hits under `footprint`, of an any-hit set the rightly occluded rays.
+    /// Rays whose surfaces were judged: true hits under `footprint`, of an any-hit set the rightly occluded rays;
+    /// without ambiguous rays.
     pub judged: u64,
-    /// Hits, judged or not, whose surfaces the tracer did not find; without ties.
+    /// Hits, judged or not, whose surfaces the tracer did not find; without ambiguous rays.
     pub lost: u64,
     /// Share of the judged whose surface was found and is right: its position within a pixel of the common reference camera,
     /// its normal within a degree, its material. `None` if none was judged.
@@ -258,7 +314,7 @@ pub struct WrongRay {
     pub t_min: f32,
     /// Greatest t.
     pub t_max: f32,
-    /// Truth: t, `None` for a miss.
+    /// Truth: t, `None` for a miss; of an ambiguous ray the nearest true one.
     pub true_t: Option<f64>,
     /// Truth: triangle.
     pub true_primitive: Option<u32>,
@@ -272,4 +328,7 @@ pub struct WrongRay {
     pub class: String,
     /// Cause of the error.
     pub cause: String,
+    /// Whether the ray is ambiguous.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub ambiguous: bool,
 }

@@ -39,7 +39,7 @@ pub use explanation::{
 };
 pub use judgement::{
     AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Headline, Judgement, OCCLUSION, Occlusion, Percentiles,
-    PieceDistance, Rule, SurfaceDistance, SurfaceJudgement, WrongRay,
+    PieceDistance, Rule, SurfaceDistance, SurfaceJudgement, TrueCounts, WrongRay,
 };
 pub use key::{same_place, same_pose, same_rays, same_work};
 pub use means::{AtMeans, MARGIN, Means, MeansRecord, ProbeRecord, RAYS_PER_LANE, READS, at_means};

@@ -6,15 +6,15 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-use super::{Answer, TrueHit};
+use super::{Answer, MOVES, TrueHit};
 
 /// Part of every key: raised whenever the truth is told differently.
-pub const VERSION: u32 = 4;
+pub const VERSION: u32 = 5;
 
-/// Bytes a ray: t as f64, primitive as u32, flags as u32.
+/// Bytes of a hit or miss: t as f64, primitive as u32, flags as u32. One of every ray, then the moved ones of every ambiguous ray.
 const RECORD: usize = 16;
 const HIT: u32 = 1;
-const TIE: u32 = 2;
+const AMBIGUOUS: u32 = 2;
 const DIGEST: usize = 32;
 
 /// A folder of answers, or none.
@@ -62,18 +62,30 @@ impl Cache {
     pub fn load(&self, key: &str, count: usize) -> Option<Vec<Answer>> {
         let bytes = std::fs::read(self.path(key)?).ok()?;
         let body_length = bytes.len().checked_sub(DIGEST)?;
-        if body_length != count * RECORD {
+        let (body, digest) = bytes.split_at(body_length);
+        if Sha256::digest(body).as_slice() != digest {
             return None;
         }
-        let (body, digest) = bytes.split_at(body_length);
-        (Sha256::digest(body).as_slice() == digest).then(|| body.chunks_exact(RECORD).map(decode).collect())
+        let (own, moved) = body.split_at_checked(count * RECORD)?;
+        let own: Vec<(Option<TrueHit>, bool)> = own.chunks_exact(RECORD).map(decode).collect();
+        if moved.len() != own.iter().filter(|(_, ambiguous)| *ambiguous).count() * MOVES * RECORD {
+            return None;
+        }
+        let mut moved = moved.chunks_exact(RECORD).map(|record| decode(record).0);
+        let answer = |(hit, ambiguous): (Option<TrueHit>, bool)| Answer {
+            hit,
+            perturbed: ambiguous.then(|| Box::new(std::array::from_fn(|_| moved.next().flatten()))),
+        };
+        Some(own.into_iter().map(answer).collect())
     }
 
     /// Keeps answers. Failing to is no error: they can be made again.
     pub fn store(&self, key: &str, answers: &[Answer]) {
         let Some(path) = self.path(key) else { return };
         let Some(folder) = path.parent() else { return };
-        let mut body: Vec<u8> = answers.iter().flat_map(encode).collect();
+        let own = answers.iter().flat_map(|answer| encode(answer.hit, answer.is_ambiguous()));
+        let moved = answers.iter().filter_map(|answer| answer.perturbed.as_deref()).flatten();
+        let mut body: Vec<u8> = own.chain(moved.flat_map(|hit| encode(*hit, false))).collect();
         let digest = Sha256::digest(&body);
         body.extend_from_slice(&digest);
         let write = || -> std::io::Result<()> {
@@ -88,9 +100,9 @@ impl Cache {
     }
 }
 
-fn encode(answer: &Answer) -> [u8; RECORD] {
-    let (t, primitive) = answer.hit.map_or((0.0, 0), |hit| (hit.t, hit.primitive));
-    let flags = u32::from(answer.hit.is_some()) * HIT + u32::from(answer.tie) * TIE;
+fn encode(hit: Option<TrueHit>, ambiguous: bool) -> [u8; RECORD] {
+    let (t, primitive) = hit.map_or((0.0, 0), |hit| (hit.t, hit.primitive));
+    let flags = u32::from(hit.is_some()) * HIT + u32::from(ambiguous) * AMBIGUOUS;
     let mut record = [0; RECORD];
     record[..8].copy_from_slice(&t.to_le_bytes());
     record[8..12].copy_from_slice(&primitive.to_le_bytes());
@@ -98,11 +110,11 @@ fn encode(answer: &Answer) -> [u8; RECORD] {
     record
 }
 
-fn decode(record: &[u8]) -> Answer {
+fn decode(record: &[u8]) -> (Option<TrueHit>, bool) {
     let word = |at: usize| u32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]]);
     let t = f64::from_bits(u64::from(word(0)) | u64::from(word(4)) << 32);
     let flags = word(12);
-    Answer { hit: (flags & HIT != 0).then(|| TrueHit { t, primitive: word(8) }), tie: flags & TIE != 0 }
+    ((flags & HIT != 0).then(|| TrueHit { t, primitive: word(8) }), flags & AMBIGUOUS != 0)
 }
 
 #[cfg(test)]
@@ -110,10 +122,13 @@ mod tests {
     use super::*;
 
     fn answers() -> Vec<Answer> {
+        let moved = |t: f64| Some(TrueHit { t, primitive: 3 });
+        let perturbed = [moved(1.5), None, moved(-2.0), None, None, None, None, moved(f64::MAX)];
+        let all = [moved(4.0); MOVES];
         vec![
-            Answer { hit: Some(TrueHit { t: 1.25e-3, primitive: 7 }), tie: false },
-            Answer { hit: None, tie: true },
-            Answer { hit: Some(TrueHit { t: 0.0, primitive: u32::MAX }), tie: true },
+            Answer { hit: Some(TrueHit { t: 1.25e-3, primitive: 7 }), perturbed: None },
+            Answer { hit: None, perturbed: Some(Box::new(perturbed)) },
+            Answer { hit: Some(TrueHit { t: 0.0, primitive: u32::MAX }), perturbed: Some(Box::new(all)) },
         ]
     }
 
@@ -124,7 +139,7 @@ mod tests {
         let cache = Cache::in_folder(folder.path());
         cache.store("key", &answers());
         assert_eq!(cache.load("key", 3), Some(answers()));
-        assert_eq!(cache.load("key", 2), None);
+        assert_eq!([0, 1, 2, 4, 11].map(|count| cache.load("key", count)), [const { None }; 5]);
         assert_eq!(cache.load("other", 3), None);
         let path = cache.path("key").unwrap();
         let mut bytes = std::fs::read(&path).unwrap();

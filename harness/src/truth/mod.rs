@@ -31,13 +31,16 @@ pub const TIGHT_RELATIVE: f64 = 1e-4;
 /// `tight`: absolute part of the tolerance on t, in scene diagonals.
 pub const TIGHT_ABSOLUTE: f64 = 1e-6;
 
-/// Ulps of the largest origin coordinate by which an origin is moved to see whether a ray is a tie.
-const TIE_ULPS: f64 = 4.0;
+/// Ulps by which a ray's origin and the ends of its span are moved to see whether it is ambiguous.
+const MOVED_ULPS: f64 = 4.0;
+
+/// Rays that an ambiguous ray is moved to: its origin four times, then each end of its span up and down.
+pub(crate) const MOVES: usize = 8;
 
 /// The least coordinate, in scene diagonals, whose ulps count: next to the coordinates' origin the ulps of an origin's
 /// own coordinates shrink below what even f64 tells. No larger than that needs, so that fine things in large scenes keep
 /// their edges.
-const TIE_LEAST_COORDINATE_DIAGONALS: f64 = 1e-4;
+const LEAST_COORDINATE_DIAGONALS: f64 = 1e-4;
 
 /// Rays of each set that are audited by brute force, at most; fewer in large scenes, but never fewer than four.
 const AUDITED_RAYS: usize = 32;
@@ -54,13 +57,33 @@ pub struct TrueHit {
 }
 
 /// What is true of one ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Answer {
     /// The nearest hit within the ray's span, of any-hit rays too.
     pub hit: Option<TrueHit>,
-    /// Whether the answer hangs on rounding: it changes when the origin moves by 4 ulp of its largest coordinate (or of 1e-4
-    /// scene diagonals, if that is more) in any of four directions square to the ray. A property of ray and scene, never of a candidate.
-    pub tie: bool,
+    /// The nearest hits of the moved rays, where one of them changes the answer; `None` of a ray that is not ambiguous. The origin moves
+    /// by 4 ulp of its largest coordinate (or of 1e-4 scene diagonals, if that is more) in four directions square to the ray; then
+    /// `t_min`, then `t_max` moves up and down by 4 ulp of the larger of itself and that coordinate. An infinite end stays. A property
+    /// of ray and scene, never of a candidate.
+    pub perturbed: Option<Box<[Option<TrueHit>; MOVES]>>,
+}
+
+impl Answer {
+    /// Whether the answer depends on rounding.
+    pub fn is_ambiguous(&self) -> bool {
+        self.perturbed.is_some()
+    }
+
+    /// Every right answer: the ray's own, and of an ambiguous ray those of the moved rays.
+    pub fn all(&self) -> impl Iterator<Item = Option<TrueHit>> {
+        std::iter::once(self.hit).chain(self.perturbed.iter().flat_map(|hits| hits.iter().copied()))
+    }
+
+    /// Whether `t` lies between those of two right answers that hit the same triangle.
+    pub fn has_between(&self, t: f64) -> bool {
+        let mut before = self.all().flatten().filter(|hit| hit.t <= t);
+        before.any(|one| self.all().flatten().any(|other| other.primitive == one.primitive && other.t >= t))
+    }
 }
 
 /// A ray in f64.
@@ -233,29 +256,45 @@ impl Truth {
         rays.par_chunks(1024).flat_map_iter(answer_chunk).collect()
     }
 
-    /// Answers one ray and finds whether it is a tie.
+    /// Answers one ray and finds whether it is ambiguous.
     pub fn answer_one(&self, ray: &Ray64, query: Query) -> Answer {
         let hit = self.closest(ray);
-        let least = TIE_LEAST_COORDINATE_DIAGONALS * self.diagonal;
-        let largest = ray.origin.abs().max_element().max(least) as f32;
-        let step = TIE_ULPS * f64::from(largest.next_up() - largest);
-        let (across, upward) = ray.direction.normalize_or_zero().any_orthonormal_pair();
-        let moves = [across, -across, upward, -upward];
-        let tie = moves.iter().any(|direction| self.changes(ray, *direction * step, hit, query));
-        Answer { hit, tie }
+        let moved = self.moved(ray);
+        let is_ambiguous = moved.iter().any(|moved| self.changes(ray, moved, hit, query));
+        Answer { hit, perturbed: is_ambiguous.then(|| Box::new(moved.map(|moved| self.closest(&moved)))) }
     }
 
-    /// Whether a moved ray gets another answer.
-    fn changes(&self, ray: &Ray64, by: DVec3, hit: Option<TrueHit>, query: Query) -> bool {
-        let mut moved = Ray64 { origin: ray.origin + by, ..*ray };
+    /// The rays that rounding may make of a ray, in the order of [`Answer::perturbed`].
+    fn moved(&self, ray: &Ray64) -> [Ray64; MOVES] {
+        let step = |largest: f64| MOVED_ULPS * f64::from((largest as f32).next_up() - largest as f32);
+        let largest = ray.origin.abs().max_element().max(LEAST_COORDINATE_DIAGONALS * self.diagonal);
+        let (across, upward) = ray.direction.normalize_or_zero().any_orthonormal_pair();
+        let of_end = |end: f64| Some(step(end.abs().max(largest))).filter(|step| step.is_finite()).unwrap_or(0.0);
+        let (near, far) = (of_end(ray.t_min), of_end(ray.t_max));
+        let origin = |direction: DVec3| Ray64 { origin: ray.origin + direction * step(largest), ..*ray };
+        let span = |near: f64, far: f64| Ray64 { t_min: ray.t_min + near, t_max: ray.t_max + far, ..*ray };
+        let [right, left, up, down] = [across, -across, upward, -upward].map(origin);
+        [right, left, up, down, span(near, 0.0), span(-near, 0.0), span(0.0, far), span(0.0, -far)]
+    }
+
+    /// Whether a moved ray gets another answer than a ray's own.
+    fn changes(&self, ray: &Ray64, moved: &Ray64, hit: Option<TrueHit>, query: Query) -> bool {
+        let is_nearer = |other: &TrueHit| hit.is_none_or(|hit| other.t < hit.t - tight_tolerance(hit.t, self.diagonal));
+        if moved.origin == ray.origin && hit.is_none_or(|hit| (moved.t_min..=moved.t_max).contains(&hit.t)) {
+            // Where the span alone moves, only what it gains can change the answer.
+            let gained = [Ray64 { t_max: ray.t_min, ..*moved }, Ray64 { t_min: ray.t_max, ..*moved }];
+            let searched =
+                gained.iter().filter(|span| span.t_min < span.t_max && (hit.is_none() || query == Query::Closest));
+            return searched.into_iter().any(|span| self.closest(span).is_some_and(|other| is_nearer(&other)));
+        }
         match (hit, query) {
-            (None, _) => self.closest(&moved).is_some(),
-            (Some(_), Query::Any) => self.closest(&moved).is_none(),
+            (None, _) => self.closest(moved).is_some(),
+            (Some(_), Query::Any) => self.closest(moved).is_none(),
             (Some(hit), Query::Closest) => {
-                let tolerance = tight_tolerance(hit.t, self.diagonal);
                 // What lies beyond the tolerance need not be searched: finding nothing is a change as well.
-                moved.t_max = ray.t_max.min(hit.t + tolerance);
-                self.closest(&moved).is_none_or(|other| other.t < hit.t - tolerance)
+                let most = hit.t + tight_tolerance(hit.t, self.diagonal);
+                let other = self.closest(&Ray64 { t_max: moved.t_max.min(most), ..*moved });
+                other.is_none_or(|other| is_nearer(&other))
             }
         }
     }
@@ -265,12 +304,18 @@ impl Truth {
         let stride = rays.len().div_ceil(wanted).max(1);
         let audited: Vec<usize> = (0..rays.len()).step_by(stride).collect();
         let disagreement = audited.par_iter().find_map_first(|&ray| {
-            let by_brute_force = self.closest_by_brute_force(&Ray64::from(&rays[ray]));
-            (by_brute_force != answers[ray].hit).then(|| TruthError::Audit {
-                ray,
-                by_hierarchy: answers[ray].hit,
-                by_brute_force,
-                cache: cache.describe(),
+            let own = Ray64::from(&rays[ray]);
+            // Of a ray that is not ambiguous there is one answer.
+            let mut pairs = std::iter::once(own).chain(self.moved(&own)).zip(answers[ray].all());
+            pairs.find_map(|(moved, by_hierarchy)| {
+                let by_brute_force = self.closest_by_brute_force(&moved);
+                let cache = cache.describe();
+                (by_brute_force != by_hierarchy).then_some(TruthError::Audit {
+                    ray,
+                    by_hierarchy,
+                    by_brute_force,
+                    cache,
+                })
             })
         });
         disagreement.map_or(Ok(()), Err)

@@ -8,7 +8,7 @@ fn classes_of_a_ray_that_hits() {
     use Class::{Early, FalseMiss, Late, TrueHit};
     let case = one();
     assert_eq!(case.answers[0].hit.map(|hit| (hit.t, hit.primitive)), Some((2.0, 1)));
-    assert!(!case.answers[0].tie);
+    assert!(!case.answers[0].is_ambiguous());
     assert_eq!(classes(&case, hit(2.0)), [TrueHit, TrueHit, TrueHit]);
     assert_eq!(classes(&case, hit(1.9)), [TrueHit, Early, Early]);
     assert_eq!(classes(&case, hit(2.1)), [TrueHit, Late, Late]);
@@ -26,7 +26,7 @@ fn classes_of_a_ray_that_hits() {
 #[test]
 fn classes_of_a_ray_that_misses() {
     let case = Case::new(framed(plate()), vec![down(3.0, 0.5, 2.0)], Query::Closest);
-    assert_eq!(case.answers[0], Answer { hit: None, tie: false });
+    assert_eq!(case.answers[0], Answer { hit: None, perturbed: None });
     assert_eq!(classes(&case, miss()), [Class::TrueMiss; 3]);
     for t in [0.0, 2.0, 1e20] {
         assert_eq!(classes(&case, hit(t)), [Class::FalseHit; 3]);
@@ -173,8 +173,11 @@ fn identity() {
         Judgement::Any(_) => panic!("closest was asked"),
     }
     assert_eq!(case.closest(&vec![miss(); 100]).identity, None);
-    case.answers.iter_mut().for_each(|answer| answer.tie = true);
-    assert_eq!(case.closest(&hits).identity, None);
+    // An ambiguous ray may name the triangle of any of its true hits.
+    hits.clone_from(&case.right());
+    make_ambiguous(&mut case.answers[0], &[Some((2.0, 7))]);
+    let named = |primitive: u32| case.closest(&[&[Hit { primitive, ..hit(2.0) }], &hits[1..]].concat()).identity;
+    assert_eq!([1, 7, 8].map(named), [Some(1.0), Some(1.0), Some(59.0 / 60.0)]);
 }
 
 /// Proves that of two triangles which overlap in a plane either names what is hit, and one that lies elsewhere, or a
@@ -190,40 +193,6 @@ fn identity_of_coplanar_overlaps() {
     assert_eq!(names.len(), 2, "{names:?}: one of the plate, one of what lies on it");
     assert!(names[0] < 2 && (2..4).contains(&names[1]), "{names:?}");
     assert_eq!(identity(1000), Some(0.0));
-}
-
-/// Proves that ties are in no class, share, curve, percentile, cause or list, whatever was answered, that they are
-/// counted, that more than a thousandth of them is said, and that a set of ties only has no share at all.
-#[test]
-fn ties_are_left_out() {
-    let mut case = hundred(Query::Closest);
-    case.answers[5].tie = true;
-    case.answers[70].tie = true;
-    let mut hits = case.right();
-    let right = case.closest(&hits);
-    hits[5] = miss();
-    hits[70] = hit(77.0);
-    let judgement = case.closest(&hits);
-    assert_eq!(judgement, right);
-    assert_eq!((judgement.ties, judgement.many_ties), (2, true));
-    assert_eq!((judgement.classes.tight.true_hit, judgement.classes.tight.true_miss), (59, 39));
-    assert_eq!(judgement.agreement.tight, Some(1.0));
-    case.answers.iter_mut().for_each(|answer| answer.tie = true);
-    let none = case.closest(&hits);
-    assert_eq!((none.ties, none.agreement.hit_miss, none.interval.tight, none.curve.len()), (100, None, None, 0));
-    case.query = Query::Any;
-    let none = case.any(&hits);
-    assert_eq!(
-        (none.ties, none.occlusion.balanced_accuracy, none.occlusion.balanced_accuracy_interval),
-        (100, None, None)
-    );
-    // One in a thousand is not yet many.
-    let rays = vec![down(0.25, 0.5, 2.0); 1000];
-    let mut case = Case::new(framed(plate()), rays, Query::Closest);
-    case.answers[0].tie = true;
-    assert!(!case.closest(&case.right()).many_ties);
-    case.answers[1].tie = true;
-    assert!(case.closest(&case.right()).many_ties);
 }
 
 /// Proves the 2x2 table of an any-hit set, that t does not count there, and the balanced accuracy.

@@ -1,6 +1,7 @@
 //! The judge against hand-made cases: every class under every rule, just inside and just outside of each tolerance,
 //! every cause from the smallest scene that shows it, and the controls.
 
+mod ambiguous;
 mod causes;
 mod classes;
 mod controls;
@@ -15,10 +16,10 @@ use glam::{DVec3, Vec3};
 use tracebench_api::{
     Geometry, Hit, Layers, NO_PRIMITIVE, Projection, Query, Ray, Sampling, Status, View, Viewpoint, VoxelGrid,
 };
-use tracebench_harness::judge::{CURVE_TOLERANCES, Class, Judge, JudgeError, Rule, WRONG_RAYS_PER_CAUSE};
+use tracebench_harness::judge::{CURVE_TOLERANCES, Class, Judge, JudgeError, Rule, WRONG_RAYS_PER_CAUSE, true_counts};
 use tracebench_harness::measure::controls::{Control, corrupted};
 use tracebench_harness::progress::Progress;
-use tracebench_harness::results::{AnyJudgement, Classes, ClosestJudgement, Judgement};
+use tracebench_harness::results::{AnyJudgement, Classes, ClosestJudgement, Judgement, TrueCounts};
 use tracebench_harness::truth::{Answer, Cache, TrueHit, Truth};
 use tracebench_tests::{rectangle, soup};
 
@@ -119,6 +120,15 @@ impl Case {
     }
 }
 
+/// Makes a ray ambiguous: right is its own answer, and those given (t and triangle, or a miss) once it is moved; the rest stay as its own.
+fn make_ambiguous(answer: &mut Answer, moved: &[Option<(f64, u32)>]) {
+    let mut perturbed = Box::new([answer.hit; 8]);
+    for (slot, hit) in perturbed.iter_mut().zip(moved) {
+        *slot = hit.map(|(t, primitive)| TrueHit { t, primitive });
+    }
+    answer.perturbed = Some(perturbed);
+}
+
 /// One ray down onto the plate from z = 2: true t is 2, and the eye is where it starts.
 fn one() -> Case {
     Case::new(framed(plate()), vec![down(0.25, 0.5, 2.0)], Query::Closest)
@@ -135,7 +145,7 @@ fn hundred(query: Query) -> Case {
         if index < 60 { down(along - 0.3, 0.31, 2.0) } else { down(2.0 + along, 0.31, 2.0) }
     });
     let case = Case::new(framed(plate()), rays.collect(), query);
-    assert!(case.answers.iter().all(|answer| !answer.tie));
+    assert!(case.answers.iter().all(|answer| !answer.is_ambiguous()));
     assert_eq!(case.answers.iter().filter(|answer| answer.hit.is_some()).count(), 60);
     case
 }

@@ -123,19 +123,20 @@ fn malformed_surfaces_are_refused() {
 fn controls_check_surfaces() {
     for query in [Query::Closest, Query::Any] {
         let case = hundred(query);
+        let known = TrueCounts { hits: 60, misses: 40, ..TrueCounts::default() };
         let oracle = judged(&case, &right_surfaces(&case));
-        Control::Oracle.check_surfaces(&oracle, 60, 40).unwrap();
+        Control::Oracle.check_surfaces(&oracle, &known).unwrap();
         let lost = vec![Surface::none(SurfaceStatus::Lost); 100];
         let hits = vec![Hit { primitive: NO_PRIMITIVE, ..hit((DIAGONAL / 2.0) as f32) }; 100];
         let always_hit = case.judge().judge_surfaces(&hits, &lost).unwrap();
-        Control::AlwaysHit.check_surfaces(&always_hit, 60, 40).unwrap();
+        Control::AlwaysHit.check_surfaces(&always_hit, &known).unwrap();
         let none = vec![Surface::none(SurfaceStatus::NoHit); 100];
         let always_miss = case.judge().judge_surfaces(&vec![miss(); 100], &none).unwrap();
-        Control::AlwaysMiss.check_surfaces(&always_miss, 60, 40).unwrap();
+        Control::AlwaysMiss.check_surfaces(&always_miss, &known).unwrap();
         let all = [(Control::Oracle, &oracle), (Control::AlwaysHit, &always_hit), (Control::AlwaysMiss, &always_miss)];
         for (control, _) in all {
             for (other, theirs) in all {
-                assert_eq!(control.check_surfaces(theirs, 60, 40).is_ok(), control == other, "{control:?} {other:?}");
+                assert_eq!(control.check_surfaces(theirs, &known).is_ok(), control == other, "{control:?} {other:?}");
             }
         }
         for spoil in [
@@ -146,8 +147,8 @@ fn controls_check_surfaces() {
         ] {
             let mut spoilt = right_surfaces(&case);
             spoil(&mut spoilt[9]);
-            assert!(Control::Oracle.check_surfaces(&judged(&case, &spoilt), 60, 40).is_err());
+            assert!(Control::Oracle.check_surfaces(&judged(&case, &spoilt), &known).is_err());
         }
-        assert!(Control::Oracle.check_surfaces(&oracle, 61, 40).is_err());
+        assert!(Control::Oracle.check_surfaces(&oracle, &TrueCounts { hits: 61, ..known.clone() }).is_err());
     }
 }

@@ -51,7 +51,7 @@ fn cause_by(grid: VoxelGrid, triangles: Vec<[[f32; 3]; 3]>, ray: Ray, answer: Hi
     let mut case = Case::new(framed(triangles), vec![ray], Query::Closest);
     // Far off, so that a pixel of the reference camera is small and hides no cause.
     case.eye = Vec3::from(ray.origin).as_dvec3();
-    assert!(!case.answers[0].tie);
+    assert!(!case.answers[0].is_ambiguous());
     (case.samplings, case.voxels) = (images(), Some(grid));
     case.cause("tight", &[answer])
 }

@@ -91,6 +91,40 @@ fn the_audit_refuses_wrong_answers() {
     assert_eq!(answer(&truth, &rays, &cache).unwrap(), fresh);
 }
 
+/// The same of what an ambiguous ray hits when it is moved.
+#[test]
+fn the_audit_refuses_wrong_perturbed_answers() {
+    let (truth, rays) = cached_scene();
+    let folder = tempfile::tempdir().unwrap();
+    let cache = Cache::in_folder(folder.path());
+    let fresh = answer(&truth, &rays, &Cache::none()).unwrap();
+    let at = fresh.iter().position(|each| each.hit.is_some()).unwrap();
+    let mut ending = rays.to_vec();
+    ending[at].t_max = fresh[at].hit.unwrap().t as f32;
+    let ending = Arc::new(ending);
+    let fresh = answer(&truth, &ending, &cache).unwrap();
+    let before = fresh[..at].iter().filter(|each| each.is_ambiguous()).count();
+    let perturbed = fresh[at].perturbed.clone().unwrap();
+    assert!(perturbed[6].is_some() && perturbed[7].is_none(), "{perturbed:?}");
+    let path = only_file(folder.path());
+    let stored = std::fs::read(&path).unwrap();
+    // Behind one record a ray eight of every ambiguous one; the seventh is of the span that ends later.
+    let place = (rays.len() + 8 * before + 6) * 16;
+    for (offset, flip) in [(0, 1), (8, 1), (12, 1)] {
+        let mut body = stored[..stored.len() - 32].to_vec();
+        body[place + offset] ^= flip;
+        let digest = Sha256::digest(&body);
+        body.extend_from_slice(&digest);
+        std::fs::write(&path, &body).unwrap();
+        match answer(&truth, &ending, &cache) {
+            Err(TruthError::Audit { ray, by_brute_force, .. }) => assert_eq!((ray, by_brute_force), (at, perturbed[6])),
+            other => panic!("not refused at {offset}: {other:?}"),
+        }
+    }
+    std::fs::write(&path, &stored).unwrap();
+    assert_eq!(answer(&truth, &ending, &cache).unwrap(), fresh);
+}
+
 /// Proves scenes of one triangle, and of many with the same bounds and centre, for which hierarchies are built in
 /// special ways.
 #[test]

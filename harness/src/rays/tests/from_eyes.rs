@@ -99,7 +99,7 @@ fn lenses_start_several_rays_a_pixel() {
     };
     let many = Starts::primary(
         Arc::new(vec![straight[0]; 1_000_000]),
-        Arc::new(vec![Answer { hit: None, tie: false }; 1_000_000]),
+        Arc::new(vec![Answer { hit: None, perturbed: None }; 1_000_000]),
     );
     let set = RAY_SETS.iter().find(|set| set.name == "lens").unwrap();
     let error = make(set, &scene, &many, |_| Ok(Vec::new())).unwrap_err().to_string();

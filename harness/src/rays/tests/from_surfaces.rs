@@ -170,7 +170,7 @@ fn pixel_random_starts_twenty_a_pixel() {
         parameters: &RayParameters::try_from(&floor.parameters).unwrap(),
     };
     let ray = floor.primary().rays[0];
-    let miss = Answer { hit: None, tie: false };
+    let miss = Answer { hit: None, perturbed: None };
     let many = Starts::primary(Arc::new(vec![ray; 1_000_000]), Arc::new(vec![miss; 1_000_000]));
     let set = RAY_SETS.iter().find(|set| set.name == "pixel-random").unwrap();
     let error = make(set, &scene, &many, |_| Ok(Vec::new())).unwrap_err().to_string();

@@ -43,7 +43,7 @@ pub(super) fn chart(stability: &Stability) -> Chart {
     ];
     let titles = [
         "Wrong rays over the strength of one difficulty".to_owned(),
-        "From left to right harder; ties are left out".to_owned(),
+        "From left to right harder; ambiguous any-hit rays are left out".to_owned(),
     ];
     let commit = format::commit(&stability.provenance.commit, stability.provenance.dirty);
     let caption = format!("Commit {commit}. Machine: {}.", stability.provenance.machine.label());

@@ -4,10 +4,10 @@ use tracebench_api::Query;
 
 use super::Better::{Higher, Lower, Neither};
 use super::{
-    Metric, any, closest, distance, metric, plain, right_of, speed, speed_interval, structure, ties, timed, used_bytes,
+    Metric, any, closest, distance, metric, plain, right_of, speed, speed_interval, structure, timed, used_bytes,
 };
 use crate::report::sheet::Cell;
-use crate::results::{Judgement, SurfaceJudgement, TraceRecord};
+use crate::results::{Headline, Judgement, SurfaceJudgement, TraceRecord};
 
 /// Rays asked.
 pub(crate) const COUNT: Metric = plain(&["count_rays"], |trace| Some(trace.count.into()));
@@ -83,9 +83,24 @@ pub(crate) const IDENTITY: Metric = metric(&["identity_share"], "identity", "", 
     let judgement = closest(trace)?;
     Some(Cell::Share(judgement.identity?, None, judgement.classes.tight.true_hit))
 });
-/// Rays left out.
-pub(crate) const TIES: Metric =
-    metric(&["ties_rays"], "ties", "rays", Neither, |trace| Some(ties(&trace.judgement).into()));
+/// Ambiguous rays.
+pub(crate) const AMBIGUOUS: Metric =
+    metric(&["ties_rays"], "ties", "rays", Neither, |trace| Some(trace.judgement.ambiguous().into()));
+/// The agreements without them, by rule.
+pub(crate) const WITHOUT_AMBIGUOUS: Metric = metric(
+    &[
+        "agreement_without_ambiguous_hit_miss_share",
+        "agreement_without_ambiguous_tight_share",
+        "agreement_without_ambiguous_footprint_share",
+    ],
+    "without ambiguous rays: hit_miss / tight / footprint",
+    "",
+    Higher,
+    |trace| {
+        let Headline { hit_miss, tight, footprint } = closest(trace)?.agreement_without_ambiguous.clone()?;
+        Some(Cell::Shares([hit_miss, tight, footprint], trace.count.saturating_sub(trace.judgement.ambiguous())))
+    },
+);
 /// Right about occlusion.
 pub(crate) const BALANCED: Metric = metric(
     &["balanced_accuracy_share", "balanced_accuracy_low_share", "balanced_accuracy_high_share"],
@@ -169,7 +184,7 @@ pub(crate) const BUILD_PEAK: Metric = structure(&["build_peak_bytes"], "build pe
 /// Every figure of a trace, in the order of the table's columns. Shares are 0 to 1.
 pub(crate) const METRICS: &[Metric] = &[
     COUNT,
-    TIES,
+    AMBIGUOUS,
     SPEED,
     TRACE_TIME,
     plain(&["interval_coverage_share"], |trace| timed(trace, trace.times.interval_coverage.into())),
@@ -253,7 +268,7 @@ mod tests {
     fn figures_are_named_once() {
         let mut found = Vec::new();
         sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut found);
-        let figures = || METRICS.iter().chain([&USED]);
+        let figures = || METRICS.iter().chain([&USED, &WITHOUT_AMBIGUOUS]);
         let columns = figures().flat_map(|each| each.names).filter(|name| name.contains('_'));
         let mut names: Vec<String> = columns.map(|name| (*name).to_owned()).collect();
         let told = figures().filter(|each| !each.label.is_empty());

@@ -42,6 +42,6 @@ pub(super) fn table<'a>(run: &Run, sweep: &SweepRecord, views: &'a [View<'a>]) -
         .clock("build_clock", |row| measured(row).map(|(run, _)| &run.build.times))
         .structure(USED, |row| measured(row).map(|(run, _)| run))
         .provenance(&run.provenance, &run.preset)
-        .metrics(measured);
+        .metrics(&run.runs, measured);
     sheet.csv(NAME, &rows)
 }

@@ -4,7 +4,7 @@ use tracebench_api::Query;
 
 use super::{Errors, labels_of, score_at, trials};
 use crate::report::ReportError;
-use crate::report::metrics::{COUNT, TIES};
+use crate::report::metrics::{AMBIGUOUS, COUNT};
 use crate::report::sheet::{Column, Sheet};
 use crate::results::Judgement;
 use crate::studies::tune::{Label, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned};
@@ -74,7 +74,7 @@ pub(super) fn table(tuning: &Tuning) -> Result<Vec<u8>, ReportError> {
         .column("rays_sha256", |row| row.set.rays_sha256.clone())
         .query(|row| Some(row.set.query))
         .metric(COUNT, |row: &Row<'_>| Some(row.set.count.into()))
-        .metric(TIES, |row: &Row<'_>| row.judged().map(|(_, trials)| (row.set.count - trials).into()))
+        .metric(AMBIGUOUS, |row: &Row<'_>| row.judgement().map(|judgement| judgement.ambiguous().into()))
         .column("skipped", |row| row.value.skipped.clone())
         .column("hits_sha256", |row| row.value.judged.as_ref().map(|judged| judged.hits_sha256.clone()))
         .constant("rule", tuning.rule.name())

@@ -76,9 +76,9 @@ impl Errors {
     }
 }
 
-/// Rays that count: without ties.
+/// Rays that count.
 pub(in crate::report) fn trials(set: &SetTuned, judgement: &Judgement) -> u64 {
-    set.count.saturating_sub(super::metrics::ties(judgement))
+    set.count.saturating_sub(judgement.left_out())
 }
 
 /// The labels under which a value would have been chosen.

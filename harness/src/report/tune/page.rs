@@ -8,7 +8,7 @@ use super::{Errors, chart_stems, labels_of, score_at, score_name, trials};
 use crate::report::format::{self, points, significant, thousands};
 use crate::report::markdown::inline;
 use crate::report::sheet::{Cell, Column, Sheet};
-use crate::report::{summary, verdict};
+use crate::report::{metrics, summary, verdict};
 use crate::studies::tune::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned, interval};
 
 /// The whole page.
@@ -37,6 +37,8 @@ pub(super) fn head(tuning: &Tuning) -> String {
     let title = format!("Tuning {} of {}", inline(&axis.name), inline(&tuning.tracer.label()));
     let controls = verdict::tuning_controls(tuning);
     let mut text = summary::head_of(&tuning.provenance, &tuning.preset, tuning.seed, &controls, &title);
+    let sets = tuning.scenes.iter().flat_map(|scene| &scene.views).flat_map(|view| &view.sets);
+    let judged = sets.flat_map(|set| &set.values).filter_map(|value| value.judged.as_ref());
     let unit = if axis.unit.is_empty() { String::new() } else { format!(" ({})", inline(&axis.unit)) };
     let _ = writeln!(
         text,
@@ -45,11 +47,11 @@ pub(super) fn head(tuning: &Tuning) -> String {
          bound, since whoever tunes has seen the answers. **Tuned elsewhere** is the value that is best from the scene's other \
          viewpoint, **tuned on the other scenes** the one that is best on average over their own viewpoints; both are judged \
          here. Best is by `{}`, of any-hit sets by balanced accuracy; of equal values the smaller. Losses are in percentage \
-         points, negative ones are gains; those in bold are beyond both 95 % Wilson intervals. Ties, rays whose truth hangs on rounding, are left out of \
-         every share.",
+         points, negative ones are gains; those in bold are beyond both 95 % Wilson intervals. {}",
         inline(&axis.name),
         inline(&axis.effect),
-        tuning.rule.name()
+        tuning.rule.name(),
+        metrics::of_ambiguous(judged.map(|judged| &judged.judgement))
     );
     for (rays, query) in ray_sets(tuning) {
         text += &overview(tuning, &rays, query);

@@ -243,7 +243,7 @@ fn the_table_tells_what_each_value_loses() {
             .map(|name| row[name].parse::<u64>().unwrap());
         assert_eq!(counted, [classes.false_miss, classes.false_hit, classes.early, classes.late]);
         let number = |name: &str| row[name].parse::<f64>().unwrap();
-        let trials = (fixture::COUNT - closest.ties) as f64;
+        let trials = (fixture::COUNT - closest.left_out()) as f64;
         let score = (classes.true_hit + classes.true_miss) as f64 / trials;
         assert_eq!(number("score_share"), score);
         assert_eq!(number("agreement_footprint_share"), score);

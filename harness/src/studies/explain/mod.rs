@@ -141,7 +141,7 @@ fn rungs(request: &TracerRequest, ladder: &[Remedy]) -> Result<Vec<TracerRequest
     Ok(rungs)
 }
 
-/// Notes what is wrong under `tight` on every rung; ties never are.
+/// Notes what is wrong under `tight` on every rung.
 fn look(session: &Session, tracer: &str, rays: &PreparedRays, rungs: &[&Told]) -> Result<Found, RunError> {
     let mut found = Found { wrong: Vec::new(), classes: Vec::new(), given_up: Vec::new() };
     for Told { hits, .. } in rungs {
@@ -194,7 +194,7 @@ fn explained<E>(
         rays_sha256: rays.sha256.clone(),
         query: rays.set.query,
         count: found.classes.len() as u64,
-        ties: rays.answers.iter().filter(|answer| answer.tie).count() as u64,
+        ties: rays.answers.iter().filter(|answer| answer.is_ambiguous()).count() as u64,
         wrong_by_rung: of_rung,
         wrong_on_the_way: on_the_way,
         unexplained,

@@ -119,7 +119,7 @@ fn changes(
     Ok(all)
 }
 
-/// Counts rays by whether both were right; `None` for ties, which are ties of both.
+/// Counts rays by whether both were right; `None` for ambiguous any-hit rays, of which either answer is.
 fn changed(first: &[Option<bool>], own: &[Option<bool>]) -> ChangedRays {
     let mut counts = ChangedRays::default();
     for (was, is) in first.iter().zip(own) {

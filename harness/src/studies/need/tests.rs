@@ -66,11 +66,11 @@ fn steps_are_of_rooms() {
     assert_eq!(smaller(&voxels, grid).len(), grid.steps.len());
 }
 
-/// Rays that changed are counted by hand; what is a tie is in no count; turned round, wrong and right change places.
+/// Rays that changed are counted by hand; what is not judged is in no count; turned round, wrong and right change places.
 #[test]
 fn rays_are_their_own_controls() {
-    let (yes, no, tie) = (Some(true), Some(false), None);
-    let (first, own) = ([yes, yes, yes, no, no, tie], [yes, no, no, yes, no, tie]);
+    let (yes, no, none) = (Some(true), Some(false), None);
+    let (first, own) = ([yes, yes, yes, no, no, none], [yes, no, no, yes, no, none]);
     assert_eq!(changed(&first, &own), ChangedRays { rays: 5, newly_wrong: 2, newly_right: 1 });
     assert_eq!(changed(&own, &first), ChangedRays { rays: 5, newly_wrong: 1, newly_right: 2 });
     assert_eq!(changed(&first, &first).newly_wrong, 0);

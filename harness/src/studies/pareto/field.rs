@@ -148,10 +148,10 @@ impl Wrong {
     }
 }
 
-/// Three of the rays without ties; of any hit the mean of three of the occluded and three of the free ones.
+/// Three of the rays that count; of any hit the mean of three of the occluded and three of the free ones.
 fn bound(trace: &TraceRecord) -> f64 {
     match &trace.judgement {
-        Judgement::Closest(closest) => rule_of_three(trace.count.saturating_sub(closest.ties)),
+        Judgement::Closest(closest) => rule_of_three(trace.count.saturating_sub(closest.left_out())),
         Judgement::Any(any) => {
             let table = &any.occlusion;
             let kinds = [table.true_occluded + table.false_free, table.true_free + table.false_occluded];
@@ -207,7 +207,9 @@ pub(super) fn sees_nothing(trace: &TraceRecord) -> bool {
     match &trace.judgement {
         Judgement::Closest(closest) => {
             let classes = &closest.classes.tight;
-            classes.true_hit + classes.false_miss + classes.early + classes.late == 0 && closest.ties < trace.count
+            let by_class = classes.true_hit + classes.false_miss + classes.early + classes.late;
+            let hits = closest.truth.as_ref().map_or(by_class, |truth| truth.hits + truth.ambiguous_hits);
+            hits == 0 && closest.left_out() < trace.count
         }
         Judgement::Any(any) => any.occlusion.true_occluded + any.occlusion.false_free == 0,
     }

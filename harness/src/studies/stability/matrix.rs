@@ -48,7 +48,7 @@ pub struct Cell {
 pub struct Measured {
     /// The knob's value.
     pub strength: f64,
-    /// Shares of wrong rays; `None` if it gave no answers or every ray is a tie.
+    /// Shares of wrong rays; `None` if it gave no answers or no ray is judged.
     pub wrong: Option<Wrong>,
     /// The greatest share of rays, by any rule, whose wrong answers have no cause.
     pub unexplained: f64,

@@ -10,11 +10,14 @@ use tracebench_api::{Geometry, Gpu};
 use crate::cases::{CASES, Case, Probe, Setup};
 use crate::contenders::Expectation;
 use crate::hash;
+use crate::judge::true_counts;
 use crate::measure::session::Session;
 use crate::measure::{self, Context, Effort, Place, Placed, Refusal, Request, RunError, records};
 use crate::plan::TracerRequest;
 use crate::rays::RaySet;
-use crate::results::{CaseRecord, CaseTracer, CasesRecord, KnobRecord, NoAnswer, Run, SceneRecord, Skipped, Strength};
+use crate::results::{
+    CaseRecord, CaseTracer, CasesRecord, KnobRecord, NoAnswer, Run, SceneRecord, Skipped, Strength, TrueCounts,
+};
 use crate::truth::Truth;
 
 pub use matrix::{CaseMatrix, Cell, Measured, Stability};
@@ -186,7 +189,7 @@ pub fn prepare(case: &Case, setup: &Setup, gpu: Option<&Arc<Gpu>>) -> Result<Ses
 
 fn describe(case: &Case, strength: f64, setup: &Setup, session: &Session) -> Strength {
     let rays = &session.rays[0];
-    let (true_hits, true_misses) = rays.hits_and_misses();
+    let TrueCounts { hits: true_hits, misses: true_misses, .. } = true_counts(&rays.answers);
     let probe = Probe { setup, truth: session.truth(), answers: &rays.answers };
     let featured = (0..setup.rays.len()).filter(|index| (case.feature.has)(&probe, *index)).count();
     let count = setup.rays.len() as u64;

@@ -92,7 +92,7 @@ fn false_misses_beyond_dirt(scene: &SceneRows<'_>) -> Option<f64> {
 fn share(run: &TracerRun, of: impl Fn(&Classes) -> u64) -> Option<f64> {
     let traced = trace(run, "specular")?;
     let Judgement::Closest(closest) = &traced.judgement else { return None };
-    let rays = traced.count.saturating_sub(closest.ties);
+    let rays = traced.count.saturating_sub(closest.left_out());
     (rays > 0).then(|| of(&closest.classes.footprint) as f64 / rays as f64 * MILLION)
 }
 

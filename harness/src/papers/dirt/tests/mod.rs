@@ -199,7 +199,7 @@ fn set_wrong(run: &mut TracerRun, false_miss: u64, late: u64) {
         let Judgement::Closest(closest) = &mut trace.judgement else { continue };
         let classes = &mut closest.classes.tight;
         (classes.false_miss, classes.late, classes.early, classes.false_hit) = (false_miss, late, 0, 0);
-        let trials = trace.count - closest.ties;
+        let trials = trace.count - closest.left_out();
         closest.agreement.tight = Some(1.0 - (false_miss + late) as f64 / trials as f64);
     }
 }

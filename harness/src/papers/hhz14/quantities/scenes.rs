@@ -44,14 +44,14 @@ fn grid_by_rule_total_over_best(scene: &SceneRows<'_>) -> Option<Estimate> {
 /// Rays that count and those wrong under `footprint`; of closest-hit sets alone.
 fn wrong(trace: &TraceRecord) -> Option<[u64; 2]> {
     let Judgement::Closest(closest) = &trace.judgement else { return None };
-    Some([trace.count.saturating_sub(closest.ties), closest.classes.footprint.wrong()])
+    Some([trace.count.saturating_sub(closest.left_out()), closest.classes.footprint.wrong()])
 }
 
 /// The same of a cause.
 fn of_wrong_axis(trace: &TraceRecord) -> Option<[u64; 2]> {
     let Judgement::Closest(closest) = &trace.judgement else { return None };
     let rays = closest.causes.get("footprint")?.get(WRONG_AXIS).copied().unwrap_or(0);
-    Some([trace.count.saturating_sub(closest.ties), rays])
+    Some([trace.count.saturating_sub(closest.left_out()), rays])
 }
 
 /// The share of all closest-hit rays of a row that are of a kind.

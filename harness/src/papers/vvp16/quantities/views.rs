@@ -128,7 +128,7 @@ fn rays_of_cause(run: &TracerRun, cause: &str) -> Option<f64> {
         let Judgement::Closest(closest) = &trace.judgement else { continue };
         let Some(causes) = closest.causes.get("tight") else { continue };
         let lost = causes.get(cause).copied().unwrap_or(0);
-        sums = [sums[0] + trace.count.saturating_sub(closest.ties), sums[1] + lost];
+        sums = [sums[0] + trace.count.saturating_sub(closest.left_out()), sums[1] + lost];
     }
     let [rays, lost] = sums.map(|sum| sum as f64);
     (rays > 0.0).then(|| lost / rays * MILLION)

@@ -56,7 +56,7 @@ pub(super) fn share_behind_first(trace: &TraceRecord) -> Option<f64> {
 fn of_cause(trace: &TraceRecord, cause: &str) -> Option<[u64; 2]> {
     let Judgement::Closest(closest) = &trace.judgement else { return None };
     let rays = closest.causes.get("footprint")?.get(cause).copied().unwrap_or(0);
-    Some([trace.count.saturating_sub(closest.ties), rays])
+    Some([trace.count.saturating_sub(closest.left_out()), rays])
 }
 
 /// The same as a share of the rays of one trace.
@@ -67,7 +67,7 @@ pub(super) fn share_of_cause(trace: &TraceRecord, cause: &str) -> Option<f64> {
 /// Rays that count, and of them those wrongly missed, under `footprint`; of closest-hit sets alone.
 fn missed(trace: &TraceRecord) -> Option<[u64; 2]> {
     let Judgement::Closest(closest) = &trace.judgement else { return None };
-    Some([trace.count.saturating_sub(closest.ties), closest.classes.footprint.false_miss])
+    Some([trace.count.saturating_sub(closest.left_out()), closest.classes.footprint.false_miss])
 }
 
 /// The same as a share of the rays of one trace.
