@@ -13,6 +13,7 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 use tracebench_api::{AdapterChoice, EndPoint, Gpu, Preset, Timing};
+use tracebench_harness::files::OutputFolder;
 use tracebench_harness::judge::WRONG_RAYS_PER_CAUSE;
 use tracebench_harness::measure::session::Session;
 use tracebench_harness::measure::{self, Contender, Crew};
@@ -59,7 +60,7 @@ fn reproduce(preset: Option<&str>) -> Result<PathBuf, Box<dyn Error>> {
     if budget == "whole" && out.join("reproduce.json").is_file() {
         command.arg("--resume");
     } else if out.exists() {
-        std::fs::remove_dir_all(&out)?;
+        OutputFolder::remove_all(&out)?;
     }
     // Ends with this process, however that ends.
     let mut child = command.arg("--until-stdin-ends").stdin(Stdio::piped()).spawn()?;

@@ -1,26 +1,30 @@
-//! Whole files or none: every file is written beside its place and renamed, so no file is ever half-written.
+//! Whole files or none: every file is written beside its place and renamed, so no file is ever half-written. No file of somebody else is
+//! ever replaced.
+
+mod folder;
+#[cfg(test)]
+mod tests;
 
 use std::fs;
-use std::io::Write as _;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
-use std::sync::{PoisonError, RwLock, RwLockWriteGuard};
+use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+
+pub use folder::{LIST, OutputFolder};
+
+/// How many names a message has at most.
+const MOST_NAMES: usize = 12;
 
 /// Why something could not be written. Every message names the file and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
-    /// The output folder cannot be made.
-    #[error("cannot create the output folder {}: {source}; choose another folder", path.display())]
-    CreateDirectory {
+    /// A folder cannot be made, or nothing can be written into it.
+    #[error("cannot write to the output folder {}: {source}; choose another with --out", path.display())]
+    Folder {
         /// The folder.
         path: PathBuf,
         /// Why.
-        source: std::io::Error,
-    },
-    /// The path given for the output folder is something else.
-    #[error("{} is not a folder; choose another output folder", path.display())]
-    NotADirectory {
-        /// The path.
-        path: PathBuf,
+        source: io::Error,
     },
     /// A file cannot be written.
     #[error("cannot write {}: {source}; check that the folder may be written and the disk is not full", path.display())]
@@ -28,7 +32,32 @@ pub enum FileError {
         /// The file.
         path: PathBuf,
         /// Why.
-        source: std::io::Error,
+        source: io::Error,
+    },
+    /// Files of somebody else lie where others are to be written.
+    #[error(
+        "{} holds what tracebench did not write there or what was changed since: {}; it stays as it is: move it away, or choose another place",
+        folder.display(), some(names)
+    )]
+    InTheWay {
+        /// The folder.
+        folder: PathBuf,
+        /// The files, with the reason.
+        names: Vec<String>,
+    },
+    /// Another process is at it.
+    #[error("another process writes into {}; wait for it, or choose another folder", path.display())]
+    Busy {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// What has the name of a list is none.
+    #[error("{} is no list of files that tracebench wrote: {reason}; move it away, or choose another folder", path.display())]
+    NoList {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
     },
     /// A file's contents cannot be made.
     #[error("cannot make {what}: {source}")]
@@ -40,37 +69,42 @@ pub enum FileError {
     },
 }
 
-/// Makes a folder with all its parents; one that exists is fine.
-pub(crate) fn create_directory(path: &Path) -> Result<(), FileError> {
-    // Asked first because the system's own message for a file in the way, "file exists", explains little.
-    if path.exists() && !path.is_dir() {
-        return Err(FileError::NotADirectory { path: path.to_owned() });
-    }
-    fs::create_dir_all(path).map_err(|source| FileError::CreateDirectory { path: path.to_owned(), source })
+fn some(names: &[String]) -> String {
+    let more = names.len().saturating_sub(MOST_NAMES);
+    let shown = names[..names.len() - more].join(", ");
+    if more == 0 { shown } else { format!("{shown} and {more} more") }
 }
 
-/// Looks whether a file could be written, by one beside its place that is gone again at once.
+/// Looks whether a single file could be written.
 pub(crate) fn check_writable(path: &Path) -> Result<(), FileError> {
-    let fail = |source| FileError::Write { path: path.to_owned(), source };
-    check_place(path).map_err(fail)?;
-    tempfile_beside(path).map(drop).map_err(fail)
+    let (folder, name) = OutputFolder::of_file(path)?;
+    folder.check(&name)
 }
 
-/// A rename would put a file in the place of a folder's name or of a device such as /dev/null.
-fn check_place(path: &Path) -> std::io::Result<()> {
-    match fs::metadata(path) {
-        Ok(found) if !found.is_file() => {
-            Err(std::io::Error::new(std::io::ErrorKind::AlreadyExists, "what is there is no regular file"))
-        }
-        _ => Ok(()),
+/// Writes a single file, which the list of its folder then has.
+pub(crate) fn write(path: &Path, contents: &[u8]) -> Result<(), FileError> {
+    let (folder, name) = OutputFolder::of_file(path)?;
+    folder.write(&name, contents).map(drop)
+}
+
+/// Writes a document of the user's anew, as its author would.
+pub(crate) fn edit(path: &Path, contents: &[u8]) -> Result<(), FileError> {
+    let _writing = writing();
+    let fail = |source| FileError::Write { path: path.to_owned(), source };
+    let mut file = temporary(path.parent().unwrap_or(Path::new(""))).map_err(fail)?;
+    file.write_all(contents).map_err(fail)?;
+    match fs::symlink_metadata(path) {
+        Ok(found) if found.is_file() => file.persist(path).map(drop).map_err(|error| fail(error.error)),
+        Ok(_) => Err(fail(io::Error::new(io::ErrorKind::AlreadyExists, "what is there is no regular file"))),
+        Err(error) => Err(fail(error)),
     }
 }
 
-/// A temporary file in the same folder: a rename does not cross file systems.
-fn tempfile_beside(path: &Path) -> std::io::Result<tempfile::NamedTempFile> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+/// A temporary file in a folder: a rename does not cross file systems.
+fn temporary(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     // The system's word alone: the temporary file's name would only puzzle.
-    builder().tempfile_in(folder).map_err(|error| error.raw_os_error().map_or(error, std::io::Error::from_raw_os_error))
+    builder().tempfile_in(folder).map_err(|error| error.raw_os_error().map_or(error, io::Error::from_raw_os_error))
 }
 
 /// A document as JSON, on one line: results are kept, and indented they are twice as large. `what` is the file's name, for
@@ -85,22 +119,13 @@ pub(crate) fn json(what: &str, document: &impl serde::Serialize) -> Result<Vec<u
 /// Held for reading while a file is written.
 static WRITING: RwLock<()> = RwLock::new(());
 
+fn writing() -> RwLockReadGuard<'static, ()> {
+    WRITING.read().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Lets no file be begun while what is given is there; those that were begun are whole by then. For who ends the process.
 pub(crate) fn stop_writing() -> RwLockWriteGuard<'static, ()> {
     WRITING.write().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Writes a file beside its place and renames it, so that readers see the old contents or the new, never a part.
-pub(crate) fn write(path: &Path, contents: &[u8]) -> Result<(), FileError> {
-    let _writing = WRITING.read().unwrap_or_else(PoisonError::into_inner);
-    let fail = |source| FileError::Write { path: path.to_owned(), source };
-    check_place(path).map_err(fail)?;
-    // Of a link the target is written, and the link stays.
-    let target = if path.is_symlink() { fs::canonicalize(path).map_err(fail)? } else { path.to_owned() };
-    let mut file = tempfile_beside(&target).map_err(fail)?;
-    file.write_all(contents).map_err(fail)?;
-    file.persist(&target).map_err(|error| fail(error.error))?;
-    Ok(())
 }
 
 /// Temporary files are private by default; results are for everyone whom the user's mask lets read.

@@ -1,9 +1,10 @@
 //! Every table that `tracebench table` makes: of peers, of means, of ablations, and of the papers' tables and figures.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::ablation;
 use crate::contenders::Ablation;
+use crate::files::OutputFolder;
 use crate::means;
 use crate::papers::{self, Experiment, PAPERS, Paper};
 use crate::peers::{self, Subject, TABLES};
@@ -110,8 +111,8 @@ pub fn of_run(run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
 /// Writes a table over a run that was made for it, or for no table, and gives the paths.
 ///
 /// # Errors
-/// If the folder or a file cannot be written, or the run has nothing for the table, or is another one's.
-pub fn write(table: Table, run: &Run, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
+/// If a file cannot be written, or the run has nothing for the table, or is another one's.
+pub fn write(table: Table, run: &Run, folder: &OutputFolder) -> Result<Vec<PathBuf>, ReportError> {
     let made = |reason: &str| ReportError::Made { what: format!("table {}", table.name()), reason: reason.to_owned() };
     let run = &*run.aligned();
     // Its rows are chosen, set and scaled for what it is of.
@@ -129,7 +130,7 @@ pub fn write(table: Table, run: &Run, directory: &Path) -> Result<Vec<PathBuf>, 
         (false, Some(_)) => return Err(made("the run follows animations")),
         (false, None) => table.files(run)?,
     };
-    report::write_all(contents, directory)
+    report::write_all(&contents, folder)
 }
 
 #[cfg(test)]
@@ -164,18 +165,19 @@ mod tests {
         assert!(of_run(&run).unwrap().is_empty());
         let folder = TempDir::new().unwrap();
         let bvh = Table::find("bvh").unwrap();
-        let paths = write(bvh, &run, folder.path()).unwrap();
+        let folder = OutputFolder::open(folder.path()).unwrap();
+        let paths = write(bvh, &run, &folder).unwrap();
         let made = of_run(&Run { table: Some("bvh".to_owned()), ..run.clone() }).unwrap();
         assert_eq!(paths.len(), made.len());
         for (path, (name, contents)) in paths.iter().zip(&made) {
             assert!(path.ends_with(name) && std::fs::read(path).unwrap() == *contents, "{name} differs");
         }
         let others = Run { runs: run.runs[1..].to_vec(), ..run };
-        assert!(write(bvh, &others, folder.path()).unwrap_err().to_string().contains("no tracer"));
+        assert!(write(bvh, &others, &folder).unwrap_err().to_string().contains("no tracer"));
         let updates = Some(UpdatesRecord { frames: 1, passes: 1, scenes: Vec::new() });
         let films = Run { table: Some("bvh-updates".to_owned()), updates, ..others };
         let foreign = |name: &str, run: &Run| {
-            let error = write(Table::find(name).unwrap(), run, folder.path()).unwrap_err().to_string();
+            let error = write(Table::find(name).unwrap(), run, &folder).unwrap_err().to_string();
             assert!(error.contains(&format!("table {name}: the run was made for table ")), "{error}");
             error
         };

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::output::print;
-use super::work::OutputFolder;
+use super::work::refuse_others;
 use super::{CliError, names};
+use crate::files::OutputFolder;
 use crate::results::Run;
 use crate::{papers, report};
 
@@ -43,7 +44,9 @@ pub(super) fn claims(arguments: &ClaimsArguments) -> Result<(), CliError> {
         )));
     }
     if let Some(out) = &arguments.out {
-        papers::write_claims(paper, &runs, &OutputFolder::open(out)?.path)?;
+        let folder = OutputFolder::open(out)?;
+        refuse_others(out, arguments.runs.iter())?;
+        report::write_all(&papers::claims_files(paper, &runs)?, &folder)?;
     }
     print(&papers::claims_text(paper, &runs)?)
 }

@@ -8,13 +8,12 @@ use tracebench_api::EndPoint;
 
 use super::arguments::CommonArguments;
 use super::output::print;
-use super::work::{OutputFolder, needs_device, wait_for_turn};
+use super::work::{needs_device, wait_for_turn};
 use super::{CliError, names, open_device};
-use crate::files;
+use crate::files::{self, OutputFolder};
 use crate::measure::{Context, Journal};
 use crate::plan::{Plan, RUN_PRESETS, RunPreset, SAMPLING, TracerRequest};
 use crate::progress::Progress;
-use crate::report::{self, ReportError};
 use crate::results::{Provenance, Sampling};
 use crate::studies::clock::{self, ClockRecord, ClockTrial};
 use crate::truth::Cache;
@@ -99,6 +98,7 @@ pub(super) fn clock(arguments: &ClockArguments, progress: &Progress) -> Result<(
     let needed = needs_device(&plan.tracers);
     let device = open_device(&arguments.common.device, needed, needed)?;
     let out = arguments.out.as_deref().map(OutputFolder::open).transpose()?;
+    out.as_ref().map_or(Ok(()), |out| out.check_all(|name| name == RECORD))?;
     let _turn = wait_for_turn();
     let provenance = Provenance::now(device.as_deref().ok());
     let (cache, journal) = (Cache::of_user(), Journal::none());
@@ -120,10 +120,7 @@ pub(super) fn clock(arguments: &ClockArguments, progress: &Progress) -> Result<(
     };
     let record = ClockRecord::new(provenance, &plan, found);
     if let Some(out) = out {
-        report::write_all(
-            vec![(RECORD.to_owned(), files::json(RECORD, &record).map_err(ReportError::from)?)],
-            &out.path,
-        )?;
+        out.write(RECORD, &files::json(RECORD, &record)?)?;
     }
     print(&record.text())
 }

@@ -74,7 +74,7 @@ pub(super) fn explain(arguments: &ExplainArguments, progress: &Progress) -> Resu
     let execute = |context: &Context<'_>| explain::execute(&work.plan, request, ladder, context);
     let run = work.bench.measure(&plan, progress, execute)?;
     let Some(found) = &run.explanation else { return Ok(()) };
-    let page = work.bench.out.path.join(report::EXPLAIN_PAGE);
+    let page = work.bench.out.path().join(report::EXPLAIN_PAGE);
     print(&format!("{}\n{}\n", report::explanation_page(&run, found), page.display()))?;
     let open: Vec<String> = found
         .left_open()

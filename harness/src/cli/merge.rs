@@ -6,9 +6,11 @@ use clap::Args;
 
 use super::CliError;
 use super::output::print;
-use super::work::OutputFolder;
+use crate::files::OutputFolder;
+use crate::measure::Journal;
+use crate::report::{self, ReportError};
 use crate::results::merge;
-use crate::{report, tables};
+use crate::tables;
 
 #[derive(Args)]
 pub(super) struct MergeArguments {
@@ -32,7 +34,17 @@ pub(super) fn merge_shards(arguments: &MergeArguments) -> Result<(), CliError> {
         return Err(CliError::Other("nothing was measured in any shard".to_owned()));
     }
     let folder = OutputFolder::open(&arguments.out)?;
-    let written = report::write_run(&whole, &folder.path, tables::of_run)?;
-    report::take_pictures(&whole, &arguments.shards, &folder.path)?;
+    let is_same = match report::read_run(folder.path()) {
+        Ok(run) => run.provenance.shard.is_none() && run.provenance.plan_sha256 == whole.provenance.plan_sha256,
+        Err(ReportError::Missing { .. }) => !Journal::is_in(folder.path()),
+        Err(_) => false,
+    };
+    if !is_same {
+        let out = arguments.out.display();
+        return Err(CliError::Argument(format!("{out} holds another run: choose another folder with --out")));
+    }
+    folder.check_all(report::may_be_written)?;
+    let written = report::write_run(&whole, &folder, tables::of_run)?;
+    report::take_pictures(&whole, &arguments.shards, &folder)?;
     print(&written.iter().map(|path| format!("{}\n", path.display())).collect::<String>())
 }

@@ -33,6 +33,7 @@ use tracebench_api::{AdapterChoice, Gpu, TracerError};
 
 use arguments::DeviceArguments;
 
+use crate::files::FileError;
 use crate::measure::RunError;
 use crate::picture::PictureError;
 use crate::progress::{self, Progress};
@@ -103,7 +104,10 @@ pub(crate) enum CliError {
     /// A run failed.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// A file could not be read or written.
+    /// A file could not be written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A record could not be read, or what derives from it not be made.
     #[error(transparent)]
     Report(#[from] ReportError),
     /// A picture could not be made.
@@ -161,6 +165,8 @@ pub fn main() -> ExitCode {
         Verb::Clock(arguments) => clock::clock(arguments, &progress),
         Verb::Docs(arguments) => docs::docs(arguments),
     };
+    // The last hold on a folder of results: it is closed.
+    stop::keeps(None);
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

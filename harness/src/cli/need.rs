@@ -44,7 +44,7 @@ pub(super) fn need(arguments: &NeedArguments, progress: &Progress) -> Result<(),
     let required = work.plan.tracers.iter().any(TracerRequest::must_have_device);
     let plan = described("need", std::slice::from_ref(&work.plan), Value::Null);
     work.bench.measure(&plan, progress, |context| need::execute(&work.plan, required, context))?;
-    let page = work.bench.out.path.join(report::NEED_PAGE);
+    let page = work.bench.out.path().join(report::NEED_PAGE);
     let text = std::fs::read_to_string(&page)
         .map_err(|error| CliError::Other(format!("cannot read {}: {error}", page.display())))?;
     print(&format!("{text}\n{}\n", page.display()))

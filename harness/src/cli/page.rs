@@ -4,17 +4,24 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use super::CliError;
-use crate::files;
+use crate::files::OutputFolder;
 use crate::progress::Progress;
-use crate::report::{self as reports, MOST_BYTES, Makers, ReportError};
+use crate::report::{self as reports, MOST_BYTES, Makers};
 use crate::results::Run;
 use crate::{papers, tables};
 
 const MAKERS: Makers = Makers { tables: tables::of_run, claims: papers::claims_of };
 
 /// Writes one page of all records, with what is missing beside them.
-pub(super) fn write(file: &Path, paths: &[PathBuf], missing: Vec<String>, progress: &Progress) -> Result<(), CliError> {
+pub(super) fn write(
+    file: &Path,
+    (folder, name): (&OutputFolder, &str),
+    paths: &[PathBuf],
+    missing: Vec<String>,
+    progress: &Progress,
+) -> Result<(), CliError> {
     spares(file)?;
+    folder.check(name)?;
     let mut records: Vec<(String, Run)> = Vec::new();
     for path in paths {
         if let Some(name) = claims_alone(path) {
@@ -32,7 +39,7 @@ pub(super) fn write(file: &Path, paths: &[PathBuf], missing: Vec<String>, progre
         return Err(CliError::Argument("claims alone are no record: give those of the tables, too".to_owned()));
     }
     let page = reports::html_page(&records, &missing, MAKERS, &command(file, paths), MOST_BYTES)?;
-    files::write(file, page.html.as_bytes()).map_err(ReportError::from)?;
+    folder.write(name, page.html.as_bytes())?;
     for what in &page.dropped {
         progress.say(&format!("left out for want of room: {what}"));
     }

@@ -77,7 +77,7 @@ pub(super) fn pareto(arguments: &ParetoArguments, progress: &Progress) -> Result
     let words = json!({ "most_points": extent.most_points, "rays_per_pixel": extent.rays_per_pixel });
     let plan = described("pareto", std::slice::from_ref(&work.plan), words);
     work.bench.measure(&plan, progress, |context| pareto.execute(required, context))?;
-    let page = work.bench.out.path.join(report::PARETO_PAGE);
+    let page = work.bench.out.path().join(report::PARETO_PAGE);
     let text = std::fs::read_to_string(&page)
         .map_err(|error| CliError::Other(format!("cannot read {}: {error}", page.display())))?;
     print(&format!("{text}\n{}\n", page.display()))

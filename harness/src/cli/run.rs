@@ -7,8 +7,9 @@ use tracebench_api::EndPoint;
 
 use super::arguments::{PictureArguments, RunArguments};
 use super::output::print;
-use super::work::{Clock, Work, all_measured};
+use super::work::{Clock, Work, all_measured, refuse_others};
 use super::{CliError, names, open_device};
+use crate::files::OutputFolder;
 use crate::picture;
 use crate::plan::{Plan, RunPreset, TracerRequest};
 use crate::progress::Progress;
@@ -29,7 +30,7 @@ pub(super) struct ReportArguments {
 pub(super) fn run(arguments: &RunArguments, progress: &Progress) -> Result<(), CliError> {
     let work = Work::prepare(&arguments.work, || arguments.matter(), Clock::Timed, progress)?;
     let run = work.measure("run", progress)?;
-    print(&format!("{}{}\n", reports::run_table(&run), work.bench.out.path.join("summary.md").display()))?;
+    print(&format!("{}{}\n", reports::run_table(&run), work.bench.out.path().join("summary.md").display()))?;
     all_measured(&work.plan, &run)
 }
 
@@ -37,13 +38,16 @@ pub(super) fn report(arguments: &ReportArguments, progress: &Progress) -> Result
     let Some(file) = &arguments.html else {
         for path in &arguments.paths {
             let run = reports::read_run(path)?;
-            for written in reports::write_derived(&run, &folder_of(path), tables::of_run)? {
+            let folder = OutputFolder::open(&folder_of(path))?;
+            refuse_others(folder.path(), std::iter::once(path))?;
+            for written in reports::write_derived(&run, &folder, tables::of_run)? {
                 progress.say(&written.display().to_string());
             }
         }
         return Ok(());
     };
-    super::page::write(file, &arguments.paths, Vec::new(), progress)
+    let (folder, name) = OutputFolder::of_file(file)?;
+    super::page::write(file, (&folder, &name), &arguments.paths, Vec::new(), progress)
 }
 
 /// The folder that a file is in, or that is one.

@@ -46,7 +46,7 @@ pub(super) fn stability(arguments: &StabilityArguments, progress: &Progress) -> 
     let plan = described("stability", &[], json!({ "cases": names, "tracers": tracers }));
     let run = bench.measure(&plan, progress, |context| stability::run(&cases, &requests, context))?;
     let Some(found) = Stability::of(&run) else { return Ok(()) };
-    let written = bench.out.path.join(report::STABILITY_TABLE);
+    let written = bench.out.path().join(report::STABILITY_TABLE);
     print(&format!("{}\n{}\n", report::stability_matrix(&found), written.display()))?;
     outcome(&found)
 }

@@ -171,7 +171,7 @@ pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(
     let required = work.plan.tracers.iter().any(TracerRequest::must_have_device);
     let plan = described("sweep", std::slice::from_ref(&work.plan), json!({ "axes": axes, "grid": grid }));
     work.bench.measure(&plan, progress, |context| sweep.execute(required, context))?;
-    let page = work.bench.out.path.join(report::SWEEP_PAGE);
+    let page = work.bench.out.path().join(report::SWEEP_PAGE);
     let text = std::fs::read_to_string(&page)
         .map_err(|error| CliError::Other(format!("cannot read {}: {error}", page.display())))?;
     print(&format!("{text}\n{}\n", page.display()))

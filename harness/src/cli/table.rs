@@ -1,14 +1,15 @@
 //! `table`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
 use super::arguments::TableArguments;
 use super::output::print;
 use super::run::folder_of;
-use super::work::{Clock, OutputFolder, Work, described};
+use super::work::{Clock, Work, described, refuse_others};
 use super::{CliError, names};
+use crate::files::OutputFolder;
 use crate::measure::{self, Context};
 use crate::papers::{self, Experiment, PART_SETTINGS, Paper};
 use crate::peers::Subject;
@@ -59,7 +60,7 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
         }
         Table::Paper(paper, experiment) => measure(paper, experiment, arguments, &mut work, progress)?,
     }
-    show(table, &work.bench.out.path)
+    show(table, work.bench.out.path())
 }
 
 /// Runs an experiment's steps into one run.
@@ -146,16 +147,13 @@ fn estimate(
 }
 
 /// Makes the table of what was measured before.
-fn again(table: Table, path: &Path, out: Option<&Path>) -> Result<(), CliError> {
-    let open = || match out {
-        Some(out) => OutputFolder::open(out).map(|folder| folder.path),
-        None => Ok(folder_of(path)),
-    };
+fn again(table: Table, path: &PathBuf, out: Option<&Path>) -> Result<(), CliError> {
     // Read before anything is written.
     let run = report::read_run(path)?;
-    let folder = open()?;
+    let folder = OutputFolder::open(&out.map_or_else(|| folder_of(path), Path::to_owned))?;
+    refuse_others(folder.path(), std::iter::once(path))?;
     tables::write(table, &run, &folder)?;
-    show(table, &folder)
+    show(table, folder.path())
 }
 
 /// The table itself, and where it stands.

@@ -127,7 +127,7 @@ pub(super) fn tune(arguments: &TuneArguments, progress: &Progress) -> Result<(),
         .inspect_err(|_| work.bench.out.abandon())?;
     let plan = described("tune", std::slice::from_ref(&work.plan), words);
     let run = work.bench.measure(&plan, progress, |context| tune.execute(context))?;
-    let page = work.bench.out.path.join(report::TUNE_PAGE);
+    let page = work.bench.out.path().join(report::TUNE_PAGE);
     let overview = Tuning::of(&run).map(|tuning| report::tuning_overview(&tuning)).unwrap_or_default();
     print(&format!("{overview}\n{}\n", page.display()))
 }

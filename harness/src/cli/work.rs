@@ -2,12 +2,14 @@
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 use serde_json::{Value, json};
 
 use super::arguments::{Matter, WorkArguments};
 use super::{CliError, open_device, stop};
+use crate::files::{FileError, OutputFolder};
 use crate::machine;
 use crate::means;
 use crate::measure::{self, Context, Journal, RunError, records};
@@ -15,7 +17,7 @@ use crate::plan::{Plan, RunPreset, Shard, TracerRequest};
 use crate::progress::{self, Progress};
 use crate::registry::Device;
 use crate::report::{self, ReportError};
-use crate::results::{Means, MeansRecord, Run, Skipped};
+use crate::results::{Means, MeansRecord, Provenance, Run, Skipped};
 use crate::tables;
 use crate::truth::Cache;
 
@@ -27,7 +29,7 @@ pub(super) struct OutputArguments {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Go on with the run that was broken off in --out: what had ended there is not measured again. Everything else must be
-    /// said as it was then.
+    /// said as it was then. A run that is complete is left as it is; where there is none one begins.
     #[arg(long, requires = "out")]
     pub resume: bool,
     /// Measure the I-th of N parts, by whole scenes, for `merge` to join. Several machines may each take one.
@@ -58,7 +60,9 @@ impl OutputArguments {
         if let Some(means) = self.means.clone().map(Ok).or(told).transpose()? {
             return Ok(Some(MeansRecord { means, probe: None }));
         }
-        let begun = self.out.as_deref().filter(|_| self.resume).and_then(Journal::means_of);
+        let begun = self.out.as_deref().filter(|_| self.resume).and_then(|out| {
+            Journal::means_of(out).or_else(|| report::read_run(out).ok().and_then(|run| run.provenance.means))
+        });
         if begun.is_some() {
             return Ok(begun);
         }
@@ -162,7 +166,7 @@ pub(super) fn described(verb: &str, plans: &[Plan], further: Value) -> Value {
 /// A device and a folder.
 pub(super) struct Bench<'a> {
     pub(super) device: Device,
-    pub(super) out: OutputFolder,
+    pub(super) out: Arc<OutputFolder>,
     clock: Clock,
     means: Option<MeansRecord>,
     arguments: &'a OutputArguments,
@@ -177,13 +181,11 @@ impl<'a> Bench<'a> {
         requests: &mut [TracerRequest],
         progress: &Progress,
     ) -> Result<Self, CliError> {
-        let out = match &arguments.out {
-            Some(path) if arguments.resume && !path.is_dir() => {
-                return Err(CliError::Other(format!("there is no run to go on with in {}: no folder", path.display())));
-            }
+        let out = Arc::new(match &arguments.out {
             Some(path) => OutputFolder::open(path)?,
-            None => OutputFolder::fresh()?,
-        };
+            None => fresh_folder()?,
+        });
+        stop::keeps(Some(stop::Kept { folder: out.clone(), named: arguments.out.is_some() }));
         let means = arguments.means(&device, requests, clock, progress).inspect_err(|_| out.abandon())?;
         let bench = Self { device, out, clock, means, arguments };
         bench.give_means(requests);
@@ -204,27 +206,34 @@ impl<'a> Bench<'a> {
         progress: &Progress,
         work: impl FnOnce(&Context<'_>) -> Result<Run, RunError>,
     ) -> Result<Run, CliError> {
-        let shard = self.arguments.shard.map(|[index, count]| {
-            let plan_sha256 = crate::hash::sha256_of(plan.to_string().as_bytes());
-            Shard { index, count, plan_sha256 }
-        });
+        let plan_sha256 = crate::hash::sha256_of(plan.to_string().as_bytes());
+        let of_plan = |[index, count]: [u32; 2]| Shard { index, count, plan_sha256: plan_sha256.clone() };
+        let shard = self.arguments.shard.map(of_plan);
+        let is_begun = self.arguments.resume && Journal::is_in(self.out.path());
+        if self.arguments.resume
+            && !is_begun
+            && let Some(run) = self.complete(&plan_sha256)?
+        {
+            stop::keeps(None);
+            return Ok(run);
+        }
+        if !self.arguments.resume {
+            refuse_another(self.out.path(), plan["verb"].as_str())?;
+        }
+        self.out.check_all(report::may_be_written).inspect_err(|_| self.out.abandon())?;
         let machine = machine::this_machine(self.device.as_deref().ok());
         let words = json!({ "plan": plan, "shard": self.arguments.shard });
-        if !self.arguments.resume {
-            refuse_another(&self.out.path, plan["verb"].as_str())?;
-        }
-        let begun = match self.arguments.resume {
-            true => Journal::resume(&self.out.path, &words, &machine),
-            false => Journal::begin(&self.out.path, &words, &machine, self.means.as_ref()),
+        let begun = match is_begun {
+            true => Journal::resume(&self.out, &words, &machine),
+            false => Journal::begin(&self.out, &words, &machine, self.means.as_ref()),
         };
         let journal = begun.map_err(|error| CliError::Run(error.into())).inspect_err(|_| self.out.abandon())?;
-        stop::keeps(Some(self.out.kept(self.arguments.out.is_some())));
         // Held until the work is done.
         let _turn = (self.clock == Clock::Timed).then(wait_for_turn);
         let cache = Cache::of_user();
         let context =
             Context::new(&self.device, &cache, progress, &journal).of_shard(shard).with_means(self.means.clone());
-        let run = work(&context).inspect_err(|error| {
+        let mut run = work(&context).inspect_err(|error| {
             // Where nothing could run there is nothing to go on with.
             if matches!(error, RunError::Nothing(_)) {
                 journal.finish();
@@ -233,7 +242,7 @@ impl<'a> Bench<'a> {
             }
             self.out.abandon();
             if journal.holds() && !matches!(error, RunError::Journal(_)) {
-                let folder = self.out.path.display();
+                let folder = self.out.path().display();
                 progress::to_stderr(&format!("what had ended is kept in {folder}; go on with --out {folder} --resume"));
             }
         })?;
@@ -242,10 +251,32 @@ impl<'a> Bench<'a> {
                 .say(&format!("shard {index} of {count}: what follows tells of this part alone; `merge` joins all"));
         }
         say_skipped(&run.skipped, progress);
-        report::write_run(&run, &self.out.path, tables::of_run)?;
+        run.provenance.plan_sha256 = Some(plan_sha256);
+        report::write_run(&run, &self.out, tables::of_run)?;
         journal.finish();
         stop::keeps(None);
         Ok(run)
+    }
+
+    /// The record of a complete run that is to be gone on with; `None` where there is no record.
+    fn complete(&self, plan_sha256: &str) -> Result<Option<Run>, CliError> {
+        let run = match report::read_run(self.out.path()) {
+            Err(ReportError::Missing { .. }) => return Ok(None),
+            run => run?,
+        };
+        let Provenance { started, commit, shard, plan_sha256: own, .. } = &run.provenance;
+        let folder = self.out.path().display();
+        let part = shard.as_ref().map(|shard| [shard.index, shard.count]);
+        if own.as_deref() != Some(plan_sha256) || part != self.arguments.shard {
+            return Err(CliError::Argument(format!(
+                "{folder} holds a complete run of another plan, begun {started}: leave --resume out to replace it, or choose another folder \
+                 with --out"
+            )));
+        }
+        progress::to_stderr(&format!(
+            "the run in {folder} is complete, begun {started} by commit {commit}: nothing is measured"
+        ));
+        Ok(Some(run))
     }
 }
 
@@ -272,69 +303,20 @@ pub(super) fn wait_for_turn() -> Option<File> {
         }
     };
     if file.try_lock().is_err() {
-        progress::to_stderr(&format!(
-            "waiting: another tracebench takes times on this machine ({} is locked)",
-            path.display()
-        ));
+        let what = format!("another tracebench takes times on this machine ({} is locked)", path.display());
+        progress::to_stderr(&format!("waiting: {what}"));
+        stop::waits(Some(what));
         if let Err(error) = file.lock() {
             progress::to_stderr(&format!("cannot lock {}: {error}", path.display()));
         }
+        stop::waits(None);
     }
     Some(file)
 }
 
-/// The folder for results, made before the work is done: one that cannot be written is refused then.
-pub(super) struct OutputFolder {
-    pub(super) path: PathBuf,
-    /// What was made for it, the outermost last; removed again, while empty, when the run fails.
-    made: Vec<PathBuf>,
-}
-
-impl OutputFolder {
-    pub(super) fn open(path: &Path) -> Result<Self, CliError> {
-        let fail = |reason: std::io::Error| {
-            CliError::Other(format!(
-                "cannot write to the output folder {}: {reason}; choose another with --out",
-                path.display()
-            ))
-        };
-        let missing = |part: &&Path| !part.as_os_str().is_empty() && !part.exists();
-        let made = path.ancestors().take_while(missing).map(Path::to_owned).collect();
-        std::fs::create_dir_all(path).map_err(fail)?;
-        let folder = Self { path: path.to_owned(), made };
-        tempfile::NamedTempFile::new_in(path).map_err(fail).inspect_err(|_| folder.abandon())?;
-        Ok(folder)
-    }
-
-    /// A new folder, named after the time; two runs that begin in the same second get one each.
-    pub(super) fn fresh() -> Result<Self, CliError> {
-        let parent = Self::open(Path::new("tracebench-out"))?;
-        let stamp = machine::utc_now().replace(':', "");
-        for attempt in 1..1000 {
-            let name = if attempt == 1 { stamp.clone() } else { format!("{stamp}-{attempt}") };
-            let path = parent.path.join(name);
-            match std::fs::create_dir(&path) {
-                Ok(()) => return Ok(Self { made: [vec![path.clone()], parent.made].concat(), path }),
-                Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
-                Err(error) => return Err(CliError::Other(format!("cannot make {}: {error}", path.display()))),
-            }
-        }
-        Err(CliError::Other(format!("{} is full of runs of this second", parent.path.display())))
-    }
-
-    /// What is told of it if the process is ended; `named` if it was given.
-    pub(super) fn kept(&self, named: bool) -> stop::Kept {
-        stop::Kept { folder: self.path.clone(), named, made: self.made.clone() }
-    }
-
-    /// A run that failed before anything ended leaves nothing; a folder that is not empty stays, whatever happens here.
-    pub(super) fn abandon(&self) {
-        for path in &self.made {
-            if std::fs::remove_dir(path).is_err() {
-                break;
-            }
-        }
-    }
+/// A new folder, named after the time; two runs that begin in the same second get one each.
+pub(super) fn fresh_folder() -> Result<OutputFolder, FileError> {
+    OutputFolder::fresh(Path::new("tracebench-out"), &machine::utc_now().replace(':', ""))
 }
 
 /// Refuses a folder with a record of another verb than `own`: it would be written over, and its pages left without it.
@@ -350,6 +332,20 @@ pub(super) fn refuse_another(out: &Path, own: Option<&str>) -> Result<(), CliErr
         Err(_) => format!("a {}", report::RUN_FILE),
     };
     Err(CliError::Argument(format!("{} holds {what}: choose another folder with --out", out.display())))
+}
+
+/// Refuses a folder with another record than those that are given: what derives from these would pass for what derives from it.
+pub(super) fn refuse_others<'p>(folder: &Path, mut given: impl Iterator<Item = &'p PathBuf>) -> Result<(), CliError> {
+    let contents = |path: &Path| std::fs::read(report::record_file(path)).ok();
+    let there = contents(folder);
+    if there.is_none() || given.any(|path| contents(path) == there) {
+        return Ok(());
+    }
+    let (folder, file) = (folder.display(), report::record_file(folder));
+    Err(CliError::Argument(format!(
+        "{folder} holds the record of another run, {}: choose another folder",
+        file.display()
+    )))
 }
 
 fn say_plan(plan: &Plan, adapter: Option<&str>, progress: &Progress) {

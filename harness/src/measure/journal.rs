@@ -2,26 +2,22 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::fs::{self, File, TryLockError};
-use std::io::ErrorKind;
+use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::files::{self, FileError};
+use crate::files::{self, FileError, OutputFolder};
 use crate::machine::{self, Machine};
 use crate::results::MeansRecord;
 
-/// The folder below that of the results.
-const FOLDER: &str = "races";
+/// What the names of its files begin with: a folder below that of the results.
+const FOLDER: &str = "races/";
 /// The file with the plan.
-const PLAN: &str = "plan.json";
-/// The file that is locked while a process measures into the folder.
-const LOCK: &str = "lock";
-/// What the folder is called while it is taken away: nobody takes what is left of it for a run that was broken off.
-const ENDED: &str = "races-ended";
+const PLAN: &str = "races/plan.json";
 
 /// Why what has ended cannot be kept or gone on with.
 #[derive(Debug, thiserror::Error)]
@@ -29,14 +25,6 @@ pub enum JournalError {
     /// A file cannot be read or written.
     #[error(transparent)]
     File(#[from] FileError),
-    /// There is nothing to go on with.
-    #[error("there is no run to go on with in {}: {reason}", path.display())]
-    Nothing {
-        /// The folder.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
     /// Something else was begun there.
     #[error("{} holds a run that was begun {what}; finish it as it was begun, or choose another folder", path.display())]
     Other {
@@ -46,24 +34,16 @@ pub enum JournalError {
         what: String,
     },
     /// The plan of what was begun cannot be read.
-    #[error("{} cannot be read ({reason}): what was begun there cannot be gone on with; remove {}", path.display(), folder.display())]
+    #[error("{} cannot be read ({reason}): what was begun there cannot be gone on with; remove its folder", path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// Its folder.
-        folder: PathBuf,
         /// Why.
         reason: String,
     },
-    /// Another process is at it.
-    #[error("another process measures into {}; wait for it, or choose another folder", path.display())]
-    Busy {
-        /// The folder.
-        path: PathBuf,
-    },
     /// A run that was broken off is in the way.
     #[error(
-        "{} holds a run that was broken off; go on with it by --resume, choose another folder, or remove its {FOLDER}/",
+        "{} holds a run that was broken off; go on with it by --resume, choose another folder, or remove its {FOLDER}",
         path.display()
     )]
     InTheWay {
@@ -99,10 +79,9 @@ struct Ended<T> {
 /// The journal of a run; one without a folder keeps nothing.
 #[derive(Debug, Default)]
 pub struct Journal {
-    folder: Option<PathBuf>,
+    /// The folder of results that it keeps what has ended in.
+    folder: Option<Arc<OutputFolder>>,
     plan_sha256: String,
-    /// Held while there is a journal.
-    _lock: Option<File>,
     resumed: Vec<String>,
     started: Option<String>,
     /// What is there, by name: read once, when the run is gone on with.
@@ -116,56 +95,44 @@ impl Journal {
     }
 
     /// The folder of results that it keeps what has ended for.
-    pub fn results(&self) -> Option<&Path> {
-        self.folder.as_deref().and_then(Path::parent)
+    pub fn results(&self) -> Option<&OutputFolder> {
+        self.folder.as_deref()
     }
 
     /// Begins in a folder of results: the plan is there before anything is measured.
     ///
     /// # Errors
-    /// If a run that was broken off is there, another process measures there, or the plan cannot be written.
+    /// If a run that was broken off is there, or the plan cannot be written.
     pub fn begin(
-        results: &Path,
+        results: &Arc<OutputFolder>,
         plan: &Value,
         machine: &Machine,
         means: Option<&MeansRecord>,
     ) -> Result<Self, JournalError> {
-        let folder = results.join(FOLDER);
-        if folder.is_dir() {
-            // Who is still measuring there was not broken off.
-            drop(lock(&folder, results)?);
-        }
-        if folder.join(PLAN).exists() {
-            return Err(JournalError::InTheWay { path: results.to_owned() });
+        if Self::is_in(results.path()) {
+            return Err(JournalError::InTheWay { path: results.path().to_owned() });
         }
         // Races without a plan are left of nothing that could be gone on with.
-        let _ = fs::remove_dir_all(&folder);
-        files::create_directory(&folder)?;
-        let lock = lock(&folder, results)?;
+        Self::take_away(results);
         let begun = Begun { means: means.cloned(), ..Begun::now(plan, machine) };
-        files::write(&folder.join(PLAN), &files::json(PLAN, &begun)?)?;
+        results.write(PLAN, &files::json(PLAN, &begun)?)?;
         let (started, plan_sha256) = (Some(begun.started), sha256_of(plan));
-        Ok(Self { folder: Some(folder), started, plan_sha256, _lock: Some(lock), ..Self::default() })
+        Ok(Self { folder: Some(results.clone()), started, plan_sha256, ..Self::default() })
     }
 
     /// Goes on with what is in a folder of results, if it is the same plan by the same program on the same machine.
     ///
     /// # Errors
     /// If there is nothing, or something else was begun.
-    pub fn resume(results: &Path, plan: &Value, machine: &Machine) -> Result<Self, JournalError> {
-        let nothing = |reason: String| JournalError::Nothing { path: results.to_owned(), reason };
-        let folder = results.join(FOLDER);
-        let unreadable =
-            |path: PathBuf, reason: String| JournalError::Unreadable { path, folder: folder.clone(), reason };
-        let text = fs::read(folder.join(PLAN)).map_err(|error| match error.kind() {
-            ErrorKind::NotFound => nothing("it has none that was broken off".to_owned()),
-            _ => unreadable(folder.join(PLAN), error.to_string()),
-        })?;
-        let lock = lock(&folder, results)?;
-        let mut begun: Begun =
-            serde_json::from_slice(&text).map_err(|error| unreadable(folder.join(PLAN), error.to_string()))?;
+    pub fn resume(results: &Arc<OutputFolder>, plan: &Value, machine: &Machine) -> Result<Self, JournalError> {
+        let read = |name: &str| {
+            let path = results.path().join(name);
+            fs::read(&path).map_err(|error| JournalError::Unreadable { path, reason: error.to_string() })
+        };
+        let mut begun: Begun = serde_json::from_slice(&read(PLAN)?)
+            .map_err(|error| JournalError::Unreadable { path: results.path().join(PLAN), reason: error.to_string() })?;
         let now = Begun::now(plan, machine);
-        let other = |what: &str| JournalError::Other { path: results.to_owned(), what: what.to_owned() };
+        let other = |what: &str| JournalError::Other { path: results.path().to_owned(), what: what.to_owned() };
         if begun.plan != now.plan {
             return Err(other(&format!("with another plan ({})", first_difference(&begun.plan, &now.plan, ""))));
         }
@@ -180,28 +147,30 @@ impl Journal {
             let (theirs, ours) = (begun.machine.label(), now.machine.label());
             return Err(other(&format!("on another machine ({theirs}; this is {ours})")));
         }
-        let kept = read_all(&folder).map_err(|(path, error)| unreadable(path, error.to_string()))?;
+        let races = Self::listed(results).into_iter().filter(|name| results.holds(name));
+        let race = |name: String| Ok((race_of(&name).to_owned(), read(&name)?));
+        let kept = RefCell::new(races.map(race).collect::<Result<_, JournalError>>()?);
         begun.resumed.push(now.started);
-        files::write(&folder.join(PLAN), &files::json(PLAN, &begun)?)?;
+        results.write(PLAN, &files::json(PLAN, &begun)?)?;
         let Begun { resumed, started, .. } = begun;
-        let (kept, plan_sha256) = (RefCell::new(kept), sha256_of(plan));
-        Ok(Self { folder: Some(folder), plan_sha256, _lock: Some(lock), resumed, started: Some(started), kept })
+        let plan_sha256 = sha256_of(plan);
+        Ok(Self { folder: Some(results.clone()), plan_sha256, resumed, started: Some(started), kept })
     }
 
     /// Whether a run that was broken off is in a folder of results.
     pub fn is_in(results: &Path) -> bool {
-        results.join(FOLDER).join(PLAN).is_file()
+        results.join(PLAN).is_file()
     }
 
     /// The means that the run in a folder of results was begun with; none where nothing tells them.
     pub fn means_of(results: &Path) -> Option<MeansRecord> {
-        let text = fs::read(results.join(FOLDER).join(PLAN)).ok()?;
+        let text = fs::read(results.join(PLAN)).ok()?;
         serde_json::from_slice::<Begun>(&text).ok()?.means
     }
 
     /// The error of a scene that is another one now.
     pub(super) fn other_scene(&self, name: &str) -> JournalError {
-        let path = self.folder.clone().unwrap_or_default();
+        let path = self.results().map(OutputFolder::path).unwrap_or(Path::new("")).to_owned();
         JournalError::Other { path, what: format!("with another scene of the name {name}") }
     }
 
@@ -222,15 +191,10 @@ impl Journal {
     /// Keeps what has ended.
     pub(super) fn keep(&self, name: &str, ended: &impl Serialize) -> Result<(), JournalError> {
         let Some(folder) = &self.folder else { return Ok(()) };
-        let (file, plan_sha256) = (format!("{name}.json"), self.plan_sha256.clone());
+        let (file, plan_sha256) = (format!("{FOLDER}{name}.json"), self.plan_sha256.clone());
         let ended = Ended { plan_sha256, name: name.to_owned(), ended };
-        Ok(files::write(&folder.join(&file), &files::json(&file, &ended)?)?)
-    }
-
-    /// Whether another process measures into a folder of results.
-    pub fn is_busy(results: &Path) -> bool {
-        let file = File::options().write(true).open(results.join(FOLDER).join(LOCK));
-        file.is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
+        folder.write(&file, &files::json(&file, &ended)?)?;
+        Ok(())
     }
 
     /// Takes it away: everything stands in the record now.
@@ -239,12 +203,10 @@ impl Journal {
     }
 
     /// Takes away what is in a folder of results.
-    pub fn take_away(results: &Path) {
-        let (folder, ended) = (results.join(FOLDER), results.join(ENDED));
-        // One that cannot be removed is in nobody's way.
-        let _ = fs::remove_dir_all(&ended);
-        let _ = fs::rename(folder, &ended);
-        let _ = fs::remove_dir_all(&ended);
+    pub fn take_away(results: &OutputFolder) {
+        // The plan first: nobody takes what is left for a run that was broken off.
+        results.remove(PLAN);
+        Self::listed(results).iter().for_each(|name| results.remove(name));
     }
 
     /// Whether any race has ended.
@@ -253,12 +215,13 @@ impl Journal {
     }
 
     /// Whether any race has ended in a folder of results: of places alone nothing was measured.
-    pub fn holds_in(results: &Path) -> bool {
-        let is_race = |entry: fs::DirEntry| {
-            let name = entry.file_name().to_string_lossy().into_owned();
-            ![PLAN, LOCK].contains(&&*name) && !name.ends_with("-place.json")
-        };
-        fs::read_dir(results.join(FOLDER)).into_iter().flatten().flatten().any(is_race)
+    pub fn holds_in(results: &OutputFolder) -> bool {
+        Self::listed(results).iter().any(|name| !name.ends_with("-place.json") && results.path().join(name).exists())
+    }
+
+    /// The files of what has ended that a folder of results lists.
+    fn listed(results: &OutputFolder) -> Vec<String> {
+        results.listed().into_iter().filter(|name| name.starts_with(FOLDER) && name != PLAN).collect()
     }
 
     /// Takes it away if no race has ended yet.
@@ -288,32 +251,9 @@ fn sha256_of(plan: &Value) -> String {
     crate::hash::sha256_of(plan.to_string().as_bytes())
 }
 
-/// Keeps other processes out.
-fn lock(folder: &Path, results: &Path) -> Result<File, JournalError> {
-    let path = folder.join(LOCK);
-    let fail = |error: std::io::Error| JournalError::Unreadable {
-        path: path.clone(),
-        folder: folder.to_owned(),
-        reason: error.to_string(),
-    };
-    let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(fail)?;
-    match file.try_lock() {
-        Err(TryLockError::WouldBlock) => Err(JournalError::Busy { path: results.to_owned() }),
-        // A file system without locks keeps nobody out.
-        _ => Ok(file),
-    }
-}
-
-fn read_all(folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, (PathBuf, std::io::Error)> {
-    let mut all = BTreeMap::new();
-    for entry in fs::read_dir(folder).map_err(|error| (folder.to_owned(), error))? {
-        let path = entry.map_err(|error| (folder.to_owned(), error))?.path();
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        if path.is_file() && path.extension().is_some_and(|end| end == "json") && !path.ends_with(PLAN) {
-            all.insert(name, fs::read(&path).map_err(|error| (path.clone(), error))?);
-        }
-    }
-    Ok(all)
+/// What a file of a race is of.
+fn race_of(file: &str) -> &str {
+    file.trim_start_matches(FOLDER).trim_end_matches(".json")
 }
 
 /// Where two plans differ first, in words.

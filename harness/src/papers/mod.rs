@@ -31,7 +31,7 @@ pub use duration::Duration;
 pub use estimate::Estimate;
 pub use experiment::{Experiment, Part, Row, StandIn, Step, TooManyRays};
 pub(crate) use page::files;
-pub use page::{claims_of, claims_text, write_claims};
+pub use page::{claims_files, claims_of, claims_text};
 pub(crate) use part::PART_SETTINGS;
 pub use published::{Publication, Published, PublishedColumn, PublishedRow, PublishedTable, Setting};
 pub use quantity::{Measure, OfScene, Quantity};

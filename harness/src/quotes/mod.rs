@@ -89,7 +89,7 @@ pub fn bring(root: &Path, documents: &[PathBuf], write: bool) -> Result<Vec<Diff
             Difference { path, line, says, record }
         }));
         if write && found.text != text {
-            files::write(path, found.text.as_bytes())?;
+            files::edit(path, found.text.as_bytes())?;
         }
     }
     Ok(differences)

@@ -161,7 +161,7 @@ mod tests {
         run.sweep.as_mut().unwrap().tracer = "bvh-gpu".to_owned();
         run.table = Some("bvh".to_owned());
         let folder = tempfile::TempDir::new().unwrap();
-        crate::report::write_derived(&run, folder.path(), fixture::tables).unwrap();
+        fixture::write_derived(&run, folder.path(), fixture::tables).unwrap();
         for (name, rows) in [("summary.md", 2), ("table_bvh.md", 2), ("sweep.md", 2)] {
             let text = std::fs::read_to_string(folder.path().join(name)).unwrap();
             assert_eq!(text.matches("1,234 (28.6 % of 4,321)").count(), rows, "{name}: {text}");

@@ -3,12 +3,15 @@
 mod fronts;
 
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 use tracebench_api::{AdapterListing, ClockKind, DeviceLimits, EndPoint, HitBuffer, MemoryEntry, Query, Rasterizer};
 
 pub(crate) use fronts::{FrontQuality, fronts};
 
+use crate::files::OutputFolder;
 use crate::machine::Machine;
+use crate::report::{self, ReportError, Tables};
 use crate::results::{
     AnyJudgement, BuildRecord, ByRule, Classes, ClosestJudgement, CounterRecord, EndedBy, Headline, Judgement,
     MemoryRecord, Occlusion, Percentiles, PhaseRecord, PieceDistance, Provenance, RaceRecord, Run, SCHEMA, Sampling,
@@ -16,6 +19,16 @@ use crate::results::{
     WrongRay,
 };
 use crate::statistics::{median, median_interval, wilson};
+
+/// Writes a record and what derives from it into a folder that is opened for this.
+pub(crate) fn write_run(run: &Run, folder: &Path, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
+    report::write_run(run, &OutputFolder::open(folder)?, tables)
+}
+
+/// Writes what derives from a record into a folder that is opened for this.
+pub(crate) fn write_derived(run: &Run, folder: &Path, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
+    report::write_derived(run, &OutputFolder::open(folder)?, tables)
+}
 
 /// Rays of every set.
 pub(crate) const COUNT: u64 = 131_072;
@@ -158,6 +171,7 @@ pub(crate) fn provenance() -> Provenance {
         started: "2031-05-06T07:08:09Z".to_owned(),
         rules_version: 2,
         resumed: Vec::new(),
+        plan_sha256: None,
         shard: None,
         further_machines: Vec::new(),
         converted_from: None,
@@ -513,7 +527,7 @@ fn wrong_rays(quality: Quality) -> Vec<WrongRay> {
 }
 
 /// The table of peers that a run was made for.
-pub(crate) fn tables(run: &Run) -> Result<Vec<(String, Vec<u8>)>, super::ReportError> {
+pub(crate) fn tables(run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
     let table = run.table.as_deref().and_then(crate::peers::find);
     table.map_or_else(|| Ok(Vec::new()), |table| super::peers::files(table, run))
 }

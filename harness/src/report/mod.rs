@@ -54,7 +54,7 @@ pub use sweep::SWEEP_PAGE;
 pub use terminal::run_table;
 pub use tune::{TUNE_PAGE, tuning_overview};
 
-use crate::files;
+use crate::files::{self, OutputFolder};
 use crate::results::{FrontScene, PICTURES_FOLDER, Run, SCHEMA};
 use crate::studies::stability::Stability;
 use crate::studies::tune::Tuning;
@@ -62,6 +62,9 @@ use kept::Kept;
 
 /// The file that holds everything.
 pub const RUN_FILE: &str = "run.json";
+
+/// The same compressed by gzip.
+const PACKED: &str = "run.json.gz";
 
 /// The page of a run in full.
 const SUMMARY: &str = "summary.md";
@@ -73,75 +76,93 @@ pub type Tables = fn(&Run) -> Result<Contents, ReportError>;
 /// Files: name and contents.
 pub type Contents = Vec<(String, Vec<u8>)>;
 
-/// Creates the folder if need be, writes `run.json`, then what is derived from it; gives the paths in that order.
+/// What the names of derived files begin with, up to a dot or an underscore.
+const BEGINNINGS: [&str; 17] = [
+    "agreement_over_tolerance",
+    "break_even",
+    "claims",
+    "error_vs",
+    "explain",
+    "figure",
+    "need",
+    "operating_points",
+    "pareto",
+    "stability",
+    "summary",
+    "sweep",
+    "table",
+    "traces",
+    "tune",
+    "verdicts",
+    "wrong_rays",
+];
+const ENDINGS: [&str; 5] = [".md", ".csv", ".json", ".svg", ".png"];
+
+/// Whether a verb that measures may write a file of this name, or a folder, right into its folder of results.
+pub fn may_be_written(name: &str) -> bool {
+    let begins = |begin: &&str| name.strip_prefix(*begin).is_some_and(|rest| rest.starts_with(['.', '_']));
+    let is_derived = BEGINNINGS.iter().any(begins) && ENDINGS.iter().any(|end| name.ends_with(end));
+    is_derived || [RUN_FILE, PACKED, PICTURES_FOLDER, "races"].contains(&name)
+}
+
+/// Writes `run.json`, then what is derived from it; gives the paths in that order.
 ///
 /// # Errors
-/// If the folder or a file cannot be written, or a chart cannot be drawn.
-pub fn write_run(run: &Run, directory: &Path, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
-    files::create_directory(directory)?;
-    let path = directory.join(RUN_FILE);
+/// If a file cannot be written, or a chart cannot be drawn.
+pub fn write_run(run: &Run, folder: &OutputFolder, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
     // First, so that a failure in a chart costs the chart and not the measurements.
-    files::write(&path, &files::json(RUN_FILE, run)?)?;
+    let mut paths = vec![folder.write(RUN_FILE, &files::json(RUN_FILE, run)?)?];
     // An older record, compressed, would pass for this one's.
-    let _ = fs::remove_file(directory.join(format!("{RUN_FILE}.gz")));
-    remove_stale_pictures(run, directory);
-    let mut paths = vec![path];
-    paths.extend(write_derived(run, directory, tables)?);
+    folder.remove(PACKED);
+    let kept: BTreeSet<String> = picture_files(run).map(|name| format!("{PICTURES_FOLDER}/{name}")).collect();
+    let pictures = folder.listed().into_iter().filter(|name| name.starts_with(PICTURES_FOLDER));
+    pictures.filter(|name| !kept.contains(name)).for_each(|name| folder.remove(&name));
+    paths.extend(write_derived(run, folder, tables)?);
     Ok(paths)
 }
 
 /// Takes the pictures that a record names from beside other records, as far as they are there and what they are called.
 ///
 /// # Errors
-/// If the folder or a file cannot be written.
-pub fn take_pictures(run: &Run, from: &[PathBuf], directory: &Path) -> Result<(), ReportError> {
-    let into = directory.join(PICTURES_FOLDER);
-    for name in run.pareto.iter().flat_map(|record| &record.scenes).flat_map(FrontScene::picture_files) {
+/// If a file cannot be written.
+pub fn take_pictures(run: &Run, from: &[PathBuf], folder: &OutputFolder) -> Result<(), ReportError> {
+    for name in picture_files(run) {
         let found = from.iter().find_map(|record| match kept::picture(record, name) {
             Kept::Picture(bytes) => Some(bytes),
             _ => None,
         });
         if let Some(bytes) = found {
-            files::create_directory(&into)?;
-            files::write(&into.join(name), &bytes)?;
+            folder.write(&format!("{PICTURES_FOLDER}/{name}"), &bytes)?;
         }
     }
     Ok(())
 }
 
-/// Removes pictures that an older record of the folder has left.
-fn remove_stale_pictures(run: &Run, directory: &Path) {
-    let kept: BTreeSet<&str> =
-        run.pareto.iter().flat_map(|record| &record.scenes).flat_map(FrontScene::picture_files).collect();
-    for entry in fs::read_dir(directory.join(PICTURES_FOLDER)).into_iter().flatten().flatten() {
-        if entry.file_name().to_str().is_some_and(|name| !kept.contains(name)) {
-            let _ = fs::remove_file(entry.path());
-        }
-    }
-    // Gone if it is empty.
-    let _ = fs::remove_dir(directory.join(PICTURES_FOLDER));
+/// The pictures that a record names.
+fn picture_files(run: &Run) -> impl Iterator<Item = &str> {
+    run.pareto.iter().flat_map(|record| &record.scenes).flat_map(FrontScene::picture_files)
 }
 
 /// Writes what is derived from a record and gives the paths: the pages, tables and charts of what was asked.
 ///
 /// # Errors
-/// If the folder or a file cannot be written, or a chart cannot be drawn.
-pub fn write_derived(run: &Run, directory: &Path, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
+/// If a file cannot be written, or a chart cannot be drawn.
+pub fn write_derived(run: &Run, folder: &OutputFolder, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
     let (contents, stems) = derived(&run.aligned(), tables)?;
-    let paths = write_all(contents, directory)?;
-    remove_stale_charts(directory, &paths, stems);
+    let paths = write_all(&contents, folder)?;
+    // Charts of scenes that only an older run in the same folder had would pass for this one's.
+    for name in folder.listed().iter().filter(|name| contents.iter().all(|(written, _)| written != *name)) {
+        let is_picture = [".svg", ".png"].iter().any(|ending| name.ends_with(ending));
+        if is_picture && stems.iter().any(|stem| name.starts_with(stem)) {
+            folder.remove(name);
+        }
+    }
     Ok(paths)
 }
 
 /// Writes files into a folder, and gives their paths.
-pub(crate) fn write_all(contents: Contents, directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
-    files::create_directory(directory)?;
-    let write = |(name, contents): (String, Vec<u8>)| {
-        let path = directory.join(name);
-        files::write(&path, &contents)?;
-        Ok(path)
-    };
-    contents.into_iter().map(write).collect()
+pub(crate) fn write_all(contents: &Contents, folder: &OutputFolder) -> Result<Vec<PathBuf>, ReportError> {
+    Ok(folder.write_all(contents.iter().map(|(name, contents)| (name.as_str(), contents.as_slice())))?)
 }
 
 /// The files that derive from a record, by name, and what the names of its charts begin with.
@@ -212,19 +233,6 @@ pub(crate) fn of_updates(run: &Run) -> Result<Contents, ReportError> {
     updates::files(run, run.updates.as_ref().ok_or_else(none)?)
 }
 
-/// Charts of scenes that only an older run in the same folder had would pass for this one's.
-fn remove_stale_charts(directory: &Path, written: &[PathBuf], stems: &[&str]) {
-    let entries = fs::read_dir(directory).into_iter().flatten().flatten();
-    for path in entries.map(|entry| entry.path()).filter(|path| !written.contains(path)) {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let is_picture = [".svg", ".png"].iter().any(|ending| name.ends_with(ending));
-        if is_picture && stems.iter().any(|stem| name.starts_with(stem)) {
-            // One that cannot be removed is in nobody's way.
-            let _ = fs::remove_file(&path);
-        }
-    }
-}
-
 /// Where the table of a folder stands.
 pub fn table_page(name: &str, directory: &Path) -> PathBuf {
     directory.join(format!("{}.md", peers::stem(name)))
@@ -239,7 +247,7 @@ pub fn read_run(path: &Path) -> Result<Run, ReportError> {
 }
 
 fn read(path: &Path, file: &'static str, wanted: u32) -> Result<Run, ReportError> {
-    let path = if path.is_dir() { in_folder(path, file) } else { path.to_owned() };
+    let path = record_file(path);
     let fail = |source: std::io::Error| match source.kind() {
         ErrorKind::NotFound => ReportError::Missing { path: path.clone(), file },
         _ => ReportError::Read { path: path.clone(), source },
@@ -274,8 +282,12 @@ fn read(path: &Path, file: &'static str, wanted: u32) -> Result<Run, ReportError
 /// What a compressed file begins with (RFC 1952).
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 
-/// The file of a folder, or the same compressed where that alone is there.
-fn in_folder(folder: &Path, file: &str) -> PathBuf {
-    let (plain, packed) = (folder.join(file), folder.join(format!("{file}.gz")));
-    if !plain.exists() && packed.exists() { packed } else { plain }
+/// The file of a record that is given by it or by its folder; the compressed one where that alone is there.
+pub fn record_file(path: &Path) -> PathBuf {
+    let (plain, packed) = (path.join(RUN_FILE), path.join(PACKED));
+    match path.is_dir() {
+        true if !plain.exists() && packed.exists() => packed,
+        true => plain,
+        false => path.to_owned(),
+    }
 }

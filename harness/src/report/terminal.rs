@@ -144,7 +144,7 @@ mod tests {
             "{text}"
         );
         let folder = tempfile::TempDir::new().unwrap();
-        crate::report::write_run(&run, folder.path(), fixture::tables).unwrap();
+        fixture::write_run(&run, folder.path(), fixture::tables).unwrap();
         let page = std::fs::read_to_string(folder.path().join("summary.md")).unwrap();
         assert!(page.contains("**times void**") && !page.contains(&speed), "{page}");
     }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use tempfile::TempDir;
 use tracebench_api::{ClockKind, Query};
 
+use super::fixture::{write_derived, write_run};
 use super::*;
 use crate::files::FileError;
 use crate::measure::controls::Control;
@@ -16,8 +17,8 @@ fn write(run: &Run) -> (TempDir, BTreeMap<String, Vec<u8>>) {
     assert_eq!(paths[0].file_name().unwrap(), RUN_FILE);
     let name = |path: &PathBuf| path.file_name().unwrap().to_str().unwrap().to_owned();
     let files: BTreeMap<_, _> = paths.iter().map(|path| (name(path), fs::read(path).unwrap())).collect();
-    // Nothing is left behind, nothing is hidden.
-    assert_eq!(fs::read_dir(folder.path().join("a/b")).unwrap().count(), files.len());
+    // Nothing is left behind but the list, nothing is hidden.
+    assert_eq!(fs::read_dir(folder.path().join("a/b")).unwrap().count(), files.len() + 1);
     (folder, files)
 }
 
@@ -305,16 +306,16 @@ fn errors_are_clear() {
     };
     let run = fixture::run(&[], &[]);
     fs::write(at("file"), "x").unwrap();
-    assert!(matches!(
-        write_run(&run, &at("file"), fixture::tables),
-        Err(ReportError::File(FileError::NotADirectory { .. }))
-    ));
+    assert!(matches!(write_run(&run, &at("file"), fixture::tables), Err(ReportError::File(FileError::Folder { .. }))));
     assert!(matches!(
         write_run(&run, &at("file/below"), fixture::tables),
-        Err(ReportError::File(FileError::CreateDirectory { .. }))
+        Err(ReportError::File(FileError::Folder { .. }))
     ));
     fs::create_dir_all(at("taken/run.json")).unwrap();
-    assert!(matches!(write_run(&run, &at("taken"), fixture::tables), Err(ReportError::File(FileError::Write { .. }))));
+    assert!(matches!(
+        write_run(&run, &at("taken"), fixture::tables),
+        Err(ReportError::File(FileError::InTheWay { .. }))
+    ));
     assert_eq!(fs::read_dir(at("taken")).unwrap().count(), 1);
 
     fails(&at("nowhere"), "there is no");

@@ -29,6 +29,9 @@ pub struct Provenance {
     /// When it was gone on with after it had been broken off, UTC.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub resumed: Vec<String>,
+    /// Hash of the plan, of all shards together; none in records of before it was kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plan_sha256: Option<String>,
     /// Which part of the plan it is, if it is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shard: Option<ShardRecord>,
@@ -89,6 +92,7 @@ impl Provenance {
             started: machine::utc_now(),
             rules_version: RULES_VERSION,
             resumed: Vec::new(),
+            plan_sha256: None,
             shard: None,
             further_machines: Vec::new(),
             converted_from: None,

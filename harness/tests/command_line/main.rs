@@ -6,6 +6,7 @@ mod docs;
 mod far;
 mod faults;
 mod fronts;
+mod ownership;
 mod pages;
 mod papers;
 mod refusals;
@@ -113,9 +114,19 @@ impl Bench {
     }
 }
 
+/// The names in a folder, but for the list of what was written there.
 fn names(folder: &Path) -> BTreeSet<String> {
     let entries = std::fs::read_dir(folder).map(|entries| entries.map(|entry| entry.unwrap().file_name()));
-    entries.map(|names| names.map(|name| name.into_string().unwrap()).collect()).unwrap_or_default()
+    let names = entries.map(|names| names.map(|name| name.into_string().unwrap()));
+    names.map(|names| names.filter(|name| name != "tracebench.sha256").collect()).unwrap_or_default()
+}
+
+/// Writes a file of a folder of results and puts it on the list, as the program does.
+fn write_as_the_program(folder: &Path, name: &str, text: &str) {
+    use std::io::Write as _;
+    let mut list = std::fs::File::options().append(true).open(folder.join("tracebench.sha256")).unwrap();
+    writeln!(list, "{}  {name}", tracebench_harness::hash::sha256_of(text.as_bytes())).unwrap();
+    std::fs::write(folder.join(name), text).unwrap();
 }
 
 /// A .glb with these positions as triangles, three vertices each.

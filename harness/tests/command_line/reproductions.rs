@@ -17,7 +17,8 @@ fn states(told: &Value) -> Vec<String> {
 fn a_reproduction_keeps_its_time_and_goes_on() {
     let bench = Bench::new();
     let words = ["--quiet", "reproduce", "--preset", "smoke", "--budget", "1s", "--out", "all"];
-    let outcome = bench.call(&words);
+    // Where nothing was begun it begins.
+    let outcome = bench.call(&[&words[..], &["--resume"]].concat());
     assert_eq!(outcome.status, 0, "{outcome:?}");
     let page = outcome.stdout.lines().last().unwrap();
     let text = std::fs::read_to_string(bench.path(page)).unwrap();
@@ -38,9 +39,17 @@ fn a_reproduction_keeps_its_time_and_goes_on() {
     assert_eq!(states(&second), states(&first));
     let took = |told: &Value| told["steps"][0]["took_s"].as_f64().unwrap();
     assert!(took(&second) > took(&first), "{first} {second}");
+    // What is complete stays so.
+    let mut all = second;
+    all["steps"].as_array_mut().unwrap().iter_mut().for_each(|step| step["state"] = json!("done"));
+    write_as_the_program(&bench.path("all"), "reproduce.json", &all.to_string());
+    let complete = bench.call(&[&words[..], &["--resume"]].concat());
+    assert_eq!(complete.status, 0, "{complete:?}");
+    assert!(complete.stderr.contains("the reproduction in all is complete"), "{complete:?}");
+    assert_eq!(told(&bench, "all"), all);
 }
 
-/// Proves that a time that is none, a folder with nothing to go on with and a preset that is none are refused with what to do.
+/// Proves that a time that is none, a folder without a name and a preset that is none are refused with what to do.
 #[test]
 fn what_cannot_be_reproduced_is_refused() {
     let bench = Bench::new();
@@ -49,7 +58,6 @@ fn what_cannot_be_reproduced_is_refused() {
         (&["--budget", "ten"], 2, "8m"),
         (&["--preset", "fast"], 2, "smoke"),
         (&["--resume"], 2, "--out"),
-        (&["--out", "nothing", "--resume"], 1, "nothing to go on with"),
     ] {
         let outcome = bench.call(&[&["reproduce"][..], words].concat());
         assert_eq!(outcome.status, status, "{words:?}: {outcome:?}");

@@ -89,13 +89,17 @@ fn what_has_ended_survives_being_killed() {
         }
         further = &["--out", "out", "--resume"];
     }
-    // A file that was cut off is run again, and so is one that holds another race.
+    // A file that was changed since is named, and stays; without it its race runs again.
     let kept: Vec<String> = races(&out).into_keys().collect();
     let last = kept.last().unwrap();
     std::fs::write(out.join("races").join(last), "{\"lanes\":[").unwrap();
     let rays: Vec<&String> = kept.iter().filter(|name| name.contains("-rays-") && *name != last).collect();
     let [one, other, ..] = rays.as_slice() else { panic!("{kept:?}") };
     std::fs::copy(out.join("races").join(one), out.join("races").join(other)).unwrap();
+    let changed = [last, *other].map(|name| format!("races/{name} (changed since it was written)"));
+    bench.fails(&sweep(further), 1, &[&changed[0], &changed[1]]);
+    assert_eq!(races(&out)[last], b"{\"lanes\":[");
+    [last, *other].iter().for_each(|name| std::fs::remove_file(out.join("races").join(name)).unwrap());
     let outcome = bench.call(&sweep(further));
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
     let found = bench.result("out");
@@ -108,15 +112,19 @@ fn what_has_ended_survives_being_killed() {
     assert_ne!(content(&other), through);
 }
 
-/// Proves that another plan, or nothing, is refused with what differs, that a run which was broken off is not overwritten, and
-/// that it is there to be gone on with after all of this.
+/// Proves that one command serves every time: where there is nothing it begins, what was broken off it goes on with, and what is complete it
+/// leaves as it is and says so; that another plan is refused with what differs, complete or not, that a run which was broken off is not
+/// overwritten, and that it is there to be gone on with after all of this.
 #[test]
 fn only_the_same_run_is_gone_on_with() {
     let bench = Bench::new();
-    bench.fails(&sweep(&["--out", "out", "--resume"]), 1, &["no run to go on with", "out"]);
     bench.fails(&sweep(&["--resume"]), 2, &["--out"]);
-    let mut child =
-        bench.command(&sweep(&["--out", "out"])).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let mut child = bench
+        .command(&sweep(&["--out", "out", "--resume"]))
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
     let out = bench.path("out");
     while races(&out).is_empty() && child.try_wait().unwrap().is_none() {
         sleep(Duration::from_millis(2));
@@ -149,22 +157,33 @@ fn only_the_same_run_is_gone_on_with() {
         &["verb was \"sweep\", is \"tune\""],
     );
     // Another process is at it.
-    let held = File::options().write(true).open(out.join("races/lock")).unwrap();
+    let held = File::options().append(true).open(out.join("tracebench.sha256")).unwrap();
     held.lock().unwrap();
-    bench.fails(&sweep(&["--out", "out", "--resume"]), 1, &["another process measures into out"]);
+    bench.fails(&sweep(&["--out", "out", "--resume"]), 1, &["another process writes into out"]);
     drop(held);
-    // What is left of races without a plan is nobody's.
-    let of_other_plan = races(&out);
+    // What is left of races without a plan, as where a process is killed that takes them away, is of use to nobody.
     std::fs::create_dir_all(bench.path("left/races")).unwrap();
-    for (name, contents) in &of_other_plan {
+    std::fs::copy(out.join("tracebench.sha256"), bench.path("left/tracebench.sha256")).unwrap();
+    for (name, contents) in &races(&out) {
         std::fs::write(bench.path("left/races").join(name), contents).unwrap();
     }
-    bench.fails(&sweep(&["--out", "left", "--resume"]), 1, &["no run to go on with"]);
-    assert_eq!(bench.call(&sweep(&["--out", "left", "--seed", "7"])).status, 0);
+    assert_eq!(bench.call(&sweep(&["--out", "left", "--seed", "7", "--resume"])).status, 0);
+    assert!(!bench.path("left/races").exists());
     assert_eq!(bench.call(&sweep(&["--out", "seventh", "--seed", "7"])).status, 0);
     assert_eq!(content(&bench.result("left")), content(&bench.result("seventh")));
     assert_eq!(bench.call(&sweep(&["--out", "out", "--resume"])).status, 0);
-    bench.fails(&sweep(&["--out", "out", "--resume"]), 1, &["no run to go on with"]);
+    let whole = std::fs::read(out.join("run.json")).unwrap();
+    let again = bench.call(&sweep(&["--out", "out", "--resume"]));
+    assert_eq!(again.status, 0, "{again:?}");
+    assert!(
+        again.stderr.contains("the run in out is complete") && again.stdout.ends_with("out/sweep.md\n"),
+        "{again:?}"
+    );
+    for other in [&["--seed", "7"][..], &["--shard", "1/1"]] {
+        let words = [&["--out", "out", "--resume"], other].concat();
+        bench.fails(&sweep(&words), 2, &["out holds a complete run of another plan", "leave --resume out"]);
+    }
+    assert!(std::fs::read(out.join("run.json")).unwrap() == whole && !out.join("races").exists());
 }
 
 /// Proves that two shards, run in turn and joined, have the keys, answers, counts and bytes of the whole, that no scene is in

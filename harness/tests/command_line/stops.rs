@@ -2,6 +2,7 @@
 #![cfg(unix)]
 
 use std::fs::{File, TryLockError};
+use std::io::{BufRead as _, BufReader};
 use std::os::unix::process::ExitStatusExt as _;
 use std::process::{Child, Stdio};
 use std::thread::sleep;
@@ -36,7 +37,7 @@ fn ended(child: Child) -> (Option<i32>, String) {
 
 /// Whether a process measures into a folder.
 fn is_busy(folder: &Path) -> bool {
-    let file = File::options().write(true).open(folder.join("races/lock"));
+    let file = File::options().append(true).open(folder.join("tracebench.sha256"));
     file.is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
 }
 
@@ -82,10 +83,10 @@ fn a_step_ends_with_its_reproduction() {
     let record = std::fs::read(front.join("run.json")).unwrap();
     let mut list = told(&bench);
     list["steps"][0]["state"] = json!("left_out");
-    std::fs::write(bench.path("all/reproduce.json"), list.to_string()).unwrap();
-    let next = bench.path("all").join(list["steps"][1]["name"].as_str().unwrap()).join("races");
+    write_as_the_program(&bench.path("all"), "reproduce.json", &list.to_string());
+    let next = bench.path("all").join(list["steps"][1]["name"].as_str().unwrap());
     std::fs::create_dir_all(&next).unwrap();
-    let held = File::create(next.join("lock")).unwrap();
+    let held = File::create(next.join("tracebench.sha256")).unwrap();
     held.lock().unwrap();
     let outcome = bench.call(&["reproduce", "--preset", "smoke", "--budget", "3s", "--out", "all", "--resume"]);
     assert_eq!(outcome.status, 0, "{outcome:?}");
@@ -145,5 +146,19 @@ fn what_is_stopped_says_how_to_go_on() {
     let (signal, said) = ended(child);
     assert_eq!(signal, Some(15));
     assert!(said.contains("nothing is kept") && !said.contains("--resume"), "{said}");
+    let waited = "stopped while it waited: another tracebench takes times on this machine";
+    assert!(said.contains(waited), "{said}");
+    assert!(!bench.path("early").exists());
+    // It waits before there is a plan, too: for the probe of an adapter.
+    let mut command = bench.command(&[&["run"], &scene[..], &["early/two", "--tracer", "lbvh-gpu"]].concat());
+    let command = command.env("TRACEBENCH_LOCK", &lock).env_remove("TRACEBENCH_MEANS");
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut said = BufReader::new(child.stderr.take().unwrap()).lines();
+    let first = said.next().unwrap().unwrap();
+    assert!(first.starts_with("waiting: "), "{first}");
+    send("-INT", &child);
+    let rest: Vec<String> = said.map(Result::unwrap).collect();
+    assert!(rest[0].starts_with(waited), "{rest:?}");
+    assert_eq!(child.wait().unwrap().signal(), Some(2));
     assert!(!bench.path("early").exists());
 }

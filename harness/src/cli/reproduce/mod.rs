@@ -4,7 +4,6 @@ mod page;
 mod steps;
 mod turn;
 
-use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -12,9 +11,9 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 
 use super::output::print;
-use super::work::{OutputFolder, refuse_another};
+use super::work::{fresh_folder, refuse_another};
 use super::{CliError, page as html, stop};
-use crate::files;
+use crate::files::{self, OutputFolder};
 use crate::means;
 use crate::plan::RUN_PRESETS;
 use crate::progress::{self, Progress};
@@ -33,7 +32,7 @@ pub(super) struct ReproduceArguments {
     /// Folder for the results, one of its own in it for every step; a new one below tracebench-out/ if not given.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Go on in --out: what had ended there is not measured again. The time that is given counts anew.
+    /// Go on in --out: what had ended there is not measured again. The time that is given counts anew. Where nothing was begun it begins.
     #[arg(long, requires = "out")]
     resume: bool,
 }
@@ -105,24 +104,16 @@ const PAGES_EVERY: Duration = Duration::from_secs(120);
 pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> Result<(), CliError> {
     let begun = Instant::now();
     let whole = arguments.budget == Budget::Whole;
-    let out = match &arguments.out {
-        Some(path) if arguments.resume && !path.join(FILE).is_file() => {
-            return Err(CliError::Other(format!("there is nothing to go on with in {}: no {FILE}", path.display())));
-        }
-        Some(path) if !arguments.resume && path.join(FILE).exists() => {
+    let is_begun = arguments.resume && arguments.out.as_ref().is_some_and(|path| path.join(FILE).is_file());
+    if let Some(path) = arguments.out.as_ref().filter(|_| !is_begun) {
+        if path.join(FILE).exists() {
             return Err(CliError::Other(format!(
                 "{} holds what was measured before: go on with it by --resume, or choose another folder with --out",
                 path.display()
             )));
         }
-        Some(path) => {
-            if !arguments.resume {
-                refuse_another(path, None)?;
-            }
-            OutputFolder::open(path)?
-        }
-        None => OutputFolder::fresh()?,
-    };
+        refuse_another(path, None)?;
+    }
     let ends = match arguments.budget {
         Budget::Within(time) => Some(begun + time - MOST_REPORT.min(time.mul_f64(REPORT_SHARE))),
         Budget::Whole => None,
@@ -130,14 +121,22 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
     let is_over = || ends.is_some_and(|ends| Instant::now() >= ends);
     stop::take_over();
     // Held until all is written.
-    let _own = own(&out.path, progress)?;
-    let earlier = if arguments.resume { Some(read(&out.path)?) } else { None };
-    let preset = preset_of(arguments.preset.as_deref(), earlier.as_ref(), &out.path)?;
+    let folder = match &arguments.out {
+        Some(path) => own(path, progress)?,
+        None => fresh_folder()?,
+    };
+    let out = folder.path();
+    let earlier = if is_begun { Some(read(out)?) } else { None };
+    folder.check_all(|name| [FILE, ANSWER, page::PAGE].contains(&name)).inspect_err(|_| folder.abandon())?;
+    let preset = preset_of(arguments.preset.as_deref(), earlier.as_ref(), out)?;
     let all = with_preset(steps::steps(whole), preset.as_deref());
     let before = earlier.map_or_else(Vec::new, |earlier| earlier.steps);
     // There from the start: what is broken off in the first step can be gone on with.
     let mut found = Reproduction { preset, steps: rest_of(&all, &before) };
-    write(&out.path, &found)?;
+    if found.steps.iter().all(|step| step.state == State::Done) {
+        progress::to_stderr(&format!("the reproduction in {} is complete: nothing is measured", out.display()));
+    }
+    write(&folder, &found)?;
     let mut pages_written: Option<Instant> = None;
     let mut busy = None;
     for (index, step) in all.iter().enumerate() {
@@ -149,31 +148,31 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
         // Whoever ends this process now leaves a step that was begun.
         if state == State::LeftOut {
             found.steps[index].state = State::BrokenOff;
-            write(&out.path, &found)?;
+            write(&folder, &found)?;
         }
-        let turn = Turn { step, folder: out.path.join(&step.name), ends, means: means_of(&out.path), progress };
+        let turn = Turn { step, folder: out.join(&step.name), ends, means: means_of(out), progress };
         let passed = begun.elapsed().as_secs();
         let what = format!("{} of {}, after {passed} s: {}", index + 1, all.len(), step.arguments.join(" "));
         let Some((now, seconds)) = turn.take(&state, &what)? else {
             found.steps[index].state = state;
-            write(&out.path, &found)?;
+            write(&folder, &found)?;
             busy = Some(turn.folder);
             break;
         };
         found.steps[index].state = now;
         found.steps[index].took_s += seconds;
-        write(&out.path, &found)?;
+        write(&folder, &found)?;
         if !is_over() && !stop::asked() && pages_written.is_none_or(|written| written.elapsed() >= PAGES_EVERY) {
-            pages(&found, &out.path, begun.elapsed(), &Progress::new(true))?;
+            pages(&found, &folder, begun.elapsed(), &Progress::new(true))?;
             pages_written = Some(Instant::now());
         }
     }
     let stopped = stop::hand_back();
-    for path in pages(&found, &out.path, begun.elapsed(), progress)? {
+    for path in pages(&found, &folder, begun.elapsed(), progress)? {
         print(&format!("{}\n", path.display()))?;
     }
     if let Some(signal) = stopped {
-        progress::to_stderr(&stop::kept_line(&out.kept(arguments.out.is_some())));
+        progress::to_stderr(&stop::kept_line(&folder, arguments.out.is_some()));
         stop::end(signal);
     }
     match busy {
@@ -185,18 +184,13 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
     }
 }
 
-/// Keeps other reproductions out of a folder; one that is about to end is waited for.
-fn own(out: &Path, progress: &Progress) -> Result<Option<File>, CliError> {
-    // A system that opens no folders, or has no locks, keeps nobody out.
-    let Ok(folder) = File::open(out) else { return Ok(None) };
-    let is_taken = || matches!(folder.try_lock(), Err(TryLockError::WouldBlock));
-    match wait_while(is_taken, out, None, progress) {
-        true => Ok(Some(folder)),
-        false => Err(CliError::Other(format!(
-            "another reproduction measures into {}; wait for it, or choose another folder with --out",
-            out.display()
-        ))),
+/// The folder of all, which keeps other reproductions out; one that is about to end is waited for.
+fn own(out: &Path, progress: &Progress) -> Result<OutputFolder, CliError> {
+    wait_while(|| OutputFolder::is_busy(out), out, None, progress);
+    if let Some(signal) = if stop::asked() { stop::hand_back() } else { None } {
+        stop::end(signal);
     }
+    Ok(OutputFolder::open(out)?)
 }
 
 /// What is missing of the steps, for the page of what is there.
@@ -211,13 +205,18 @@ fn missing(found: &Reproduction) -> Vec<String> {
 }
 
 /// Writes the list of steps, and the one page of what was measured of them, if anything was.
-fn pages(found: &Reproduction, out: &Path, passed: Duration, progress: &Progress) -> Result<Vec<PathBuf>, CliError> {
+fn pages(
+    found: &Reproduction,
+    out: &OutputFolder,
+    passed: Duration,
+    progress: &Progress,
+) -> Result<Vec<PathBuf>, CliError> {
     let mut written = vec![page::write(found, out, passed)?];
-    let folders = found.steps.iter().map(|one| out.join(&one.name));
+    let folders = found.steps.iter().map(|one| out.path().join(&one.name));
     let records: Vec<PathBuf> = folders.filter(|folder| report::read_run(folder).is_ok()).collect();
     if !records.is_empty() {
-        let answer = out.join(ANSWER);
-        html::write(&answer, &records, missing(found), progress)?;
+        let answer = out.path().join(ANSWER);
+        html::write(&answer, (out, ANSWER), &records, missing(found), progress)?;
         written.push(answer);
     }
     Ok(written)
@@ -283,10 +282,9 @@ fn means_of(out: &Path) -> Option<String> {
         .next()
 }
 
-fn write(out: &Path, found: &Reproduction) -> Result<(), CliError> {
-    let path = out.join(FILE);
-    let written = files::json(FILE, found).and_then(|text| files::write(&path, &text));
-    written.map_err(|error| CliError::Other(error.to_string()))
+fn write(out: &OutputFolder, found: &Reproduction) -> Result<(), CliError> {
+    out.write(FILE, &files::json(FILE, found)?)?;
+    Ok(())
 }
 
 fn read(out: &Path) -> Result<Reproduction, CliError> {

@@ -6,19 +6,17 @@ use std::time::Duration;
 
 use super::{Reproduction, State, Taken};
 use crate::cli::CliError;
-use crate::files;
+use crate::files::OutputFolder;
 use crate::report::sheet::Sheet;
 
 /// The page's file.
-const PAGE: &str = "reproduce.md";
+pub(super) const PAGE: &str = "reproduce.md";
 
 /// Writes the page into the folder of all.
-pub(super) fn write(found: &Reproduction, out: &Path, took: Duration) -> Result<PathBuf, CliError> {
-    let path = out.join(PAGE);
-    let pages = |step: &Taken| pages(&out.join(&step.name));
-    let text = text(found, &out.display().to_string(), took, pages);
-    files::write(&path, text.as_bytes()).map_err(|error| CliError::Other(error.to_string()))?;
-    Ok(path)
+pub(super) fn write(found: &Reproduction, out: &OutputFolder, took: Duration) -> Result<PathBuf, CliError> {
+    let pages = |step: &Taken| pages(&out.path().join(&step.name));
+    let text = text(found, &out.path().display().to_string(), took, pages);
+    Ok(out.write(PAGE, text.as_bytes())?)
 }
 
 /// The pages in a step's folder, in the order of their names.

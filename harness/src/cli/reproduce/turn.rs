@@ -10,10 +10,11 @@ use std::time::{Duration, Instant};
 use super::State;
 use super::steps::Step;
 use crate::cli::{CliError, stop};
+use crate::files::OutputFolder;
 use crate::machine;
 use crate::means;
 use crate::measure::Journal;
-use crate::progress::Progress;
+use crate::progress::{self, Progress};
 use crate::report;
 use crate::results::Run;
 
@@ -42,7 +43,7 @@ impl Turn<'_> {
     /// measures it.
     pub fn take(&self, earlier: &State, what: &str) -> Result<Option<(State, f64)>, CliError> {
         let begun = Instant::now();
-        let free = wait_while(|| Journal::is_busy(&self.folder), &self.folder, self.ends, self.progress);
+        let free = wait_while(|| OutputFolder::is_busy(&self.folder), &self.folder, self.ends, self.progress);
         let is_settled = !matches!(earlier, State::Failed(_)) && self.has_ended();
         let state = if is_settled {
             self.progress.say(&format!("{what}: it is there"));
@@ -83,11 +84,15 @@ impl Turn<'_> {
             match child.try_wait().map_err(|error| failed("wait for a step", error))? {
                 Some(status) if status.success() => return Ok(State::Done),
                 // The terminal stops both.
-                Some(_) if stop::asked() => return Ok(State::BrokenOff),
+                Some(_) if stop::asked() => {
+                    tell_wait(&mut errors);
+                    return Ok(State::BrokenOff);
+                }
                 Some(_) => return Ok(State::Failed(last_line(&mut errors))),
                 None if is_over => {
                     // It may have ended just now.
                     let well = end(&mut child).map_err(|error| failed("end a step", error))?;
+                    tell_wait(&mut errors);
                     return Ok(if well { State::Done } else { State::BrokenOff });
                 }
                 None => sleep(PATIENCE),
@@ -114,18 +119,19 @@ fn end(child: &mut Child) -> std::io::Result<bool> {
 /// Waits while something is so, within reason; whether it came to an end.
 pub(super) fn wait_while(busy: impl Fn() -> bool, folder: &Path, ends: Option<Instant>, progress: &Progress) -> bool {
     let begun = Instant::now();
+    let what = format!("another process measures into {}", folder.display());
     let most = begun + MOST_WAIT;
     let ends = ends.map_or(most, |ends| ends.min(most));
     let mut told = None;
     while busy() {
         if Instant::now() >= ends || stop::asked() {
+            stop::waits(stop::asked().then(|| what.clone()));
             return false;
         }
         if told.is_none_or(|told: Instant| told.elapsed() >= Duration::from_secs(10)) {
             told = Some(Instant::now());
             let left = MOST_WAIT.saturating_sub(begun.elapsed()).as_secs();
-            progress
-                .say(&format!("waiting: another process measures into {}, {left} s are left to it", folder.display()));
+            progress.say(&format!("waiting: {what}, {left} s are left to it"));
         }
         sleep(PATIENCE);
     }
@@ -141,9 +147,18 @@ fn is_of(run: &Run, step: &Step) -> bool {
 }
 
 fn last_line(errors: &mut File) -> String {
-    let mut text = Vec::new();
-    let read = errors.seek(SeekFrom::Start(0)).and_then(|_| errors.read_to_end(&mut text));
-    let text = String::from_utf8_lossy(&text);
-    let line = text.lines().rev().find(|line| !line.trim().is_empty()).filter(|_| read.is_ok());
+    let line = lines(errors).into_iter().rfind(|line| !line.trim().is_empty());
     line.map_or_else(|| "it said nothing".to_owned(), |line| line.trim_start_matches("error: ").to_owned())
+}
+
+/// Tells that a step was stopped while it waited, if it was.
+fn tell_wait(errors: &mut File) {
+    lines(errors).iter().filter(|line| line.starts_with(stop::WAITED)).for_each(|line| progress::to_stderr(line));
+}
+
+fn lines(errors: &mut File) -> Vec<String> {
+    let mut text = Vec::new();
+    // What cannot be read tells nothing.
+    let _ = errors.seek(SeekFrom::Start(0)).and_then(|_| errors.read_to_end(&mut text));
+    String::from_utf8_lossy(&text).lines().map(str::to_owned).collect()
 }

@@ -1,15 +1,14 @@
 //! Claims with their verdicts: on an experiment's page, and all of a paper together.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
 
 use super::broken;
 use crate::files;
 use crate::papers::{Claim, JudgedClaim, PAPERS, Paper, SceneValue, Test, Verdict, judge_all};
-use crate::report::ReportError;
 use crate::report::format::significant;
 use crate::report::markdown::inline;
 use crate::report::sheet::Sheet;
+use crate::report::{Contents, ReportError};
 use crate::results::Run;
 
 /// The claims that an experiment measures.
@@ -152,22 +151,13 @@ fn judged(paper: &Paper, runs: &[Run]) -> Result<Vec<JudgedClaim>, ReportError> 
     judge_all(paper, runs).map_err(|error| broken(&error))
 }
 
-/// Writes all claims of a paper together, `claims_PAPER.md` and `claims_PAPER.json`, and gives the paths.
+/// All claims of a paper together, `claims_PAPER.md` and `claims_PAPER.json`.
 ///
 /// # Errors
-/// If the folder or a file cannot be written.
-pub fn write_claims(paper: &Paper, runs: &[Run], directory: &Path) -> Result<Vec<PathBuf>, ReportError> {
-    files::create_directory(directory)?;
+/// If the embedded data is not as it should be.
+pub fn claims_files(paper: &Paper, runs: &[Run]) -> Result<Contents, ReportError> {
     let stem = format!("claims_{}", paper.name);
     let name = format!("{stem}.json");
-    let contents = [
-        (format!("{stem}.md"), claims_text(paper, runs)?.into_bytes()),
-        (name.clone(), json(&name, &judged(paper, runs)?)?),
-    ];
-    let write = |(name, contents): (String, Vec<u8>)| {
-        let path = directory.join(name);
-        files::write(&path, &contents)?;
-        Ok(path)
-    };
-    contents.into_iter().map(write).collect()
+    let page = claims_text(paper, runs)?.into_bytes();
+    Ok(vec![(format!("{stem}.md"), page), (name.clone(), json(&name, &judged(paper, runs)?)?)])
 }

@@ -6,8 +6,7 @@ use tempfile::TempDir;
 use tracebench_api::{ClockKind, Query};
 
 use crate::report::chart::{check_png, check_svg};
-use crate::report::fixture::{self, Quality};
-use crate::report::write_run;
+use crate::report::fixture::{self, Quality, write_run};
 use crate::results::{ChangedRays, CounterRecord, NeedCurve, NeedPoint, NeedRecord, Rule, Run};
 
 /// A tracer from two viewpoints: fewer buckets lose so many of 100,000 rays.

@@ -6,8 +6,8 @@ use tempfile::TempDir;
 use tracebench_api::{ClockKind, Query};
 
 use crate::report::chart::{check_png, check_svg};
-use crate::report::fixture::{self, FrontQuality, Quality};
-use crate::report::{read_run, write_derived, write_run};
+use crate::report::fixture::{self, FrontQuality, Quality, write_derived, write_run};
+use crate::report::read_run;
 use crate::results::{Judgement, Run};
 
 const SETS: [(&str, Query); 2] = [("diffuse", Query::Closest), ("ao", Query::Any)];

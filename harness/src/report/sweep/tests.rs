@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use tempfile::TempDir;
 use tracebench_api::{ClockKind, Query};
 
-use crate::report::fixture::{self, Quality};
+use crate::report::fixture::{self, Quality, write_derived, write_run};
 use crate::report::format::percent_with_interval;
-use crate::report::{read_run, write_derived, write_run};
+use crate::report::read_run;
 use crate::results::{AxisRecord, PointRecord, SweepRecord};
 use crate::results::{Judgement, Run};
 use crate::statistics::wilson;

@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use tempfile::TempDir;
 use tracebench_api::{ClockKind, Query};
 
+use crate::files::OutputFolder;
 use crate::judge::Rule;
 use crate::measure::controls::Control;
-use crate::report::fixture::{self, Quality};
-use crate::report::{read_run, write_derived, write_run};
+use crate::report::fixture::{self, Quality, write_derived, write_run};
+use crate::report::read_run;
 use crate::results::{
     AxisRecord, Judgement, PointRecord, Run, Skipped, SweepRecord, TracerRun, TunedScene, TuningRecord, place_name,
 };
@@ -179,20 +180,21 @@ fn rows(folder: &TempDir) -> Vec<BTreeMap<String, String>> {
 }
 
 /// Proves that a tuning read back is the same and makes the same files, that its JSON has the head of other records at its top,
-/// that a file of another schema is refused, and that charts of an earlier tuning go while others stay.
+/// that a file of another schema is refused, and that charts of an earlier tuning go while others, and the user's, stay.
 #[test]
 fn files_can_be_made_again() {
     let (folder, elsewhere) = (TempDir::new().unwrap(), TempDir::new().unwrap());
-    for name in ["tune_gone.svg", "sweep_stays.svg"] {
-        std::fs::write(folder.path().join(name), "").unwrap();
-    }
+    let earlier = OutputFolder::open(folder.path()).unwrap();
+    earlier.write_all([("tune_gone.svg", &b"old"[..]), ("sweep_stays.svg", b"old")]).unwrap();
+    drop(earlier);
+    std::fs::write(folder.path().join("tune_mine.svg"), "mine").unwrap();
     let paths = write_run(&record(&placed(typical())), folder.path(), fixture::tables).unwrap();
     let names: Vec<_> = paths.iter().map(|path| path.file_name().unwrap().to_str().unwrap()).collect();
     let expected =
         ["run.json", "tune.md", "tune.csv", "tune_room.svg", "tune_room.png", "tune_hall.svg", "tune_hall.png"];
     assert_eq!(names, expected);
     let stands = |name: &str| folder.path().join(name).exists();
-    assert_eq!((stands("tune_gone.svg"), stands("sweep_stays.svg")), (false, true));
+    assert_eq!(["tune_gone.svg", "sweep_stays.svg", "tune_mine.svg"].map(stands), [false, true, true]);
     let again = read_run(folder.path()).unwrap();
     assert_eq!(Tuning::of(&again).unwrap(), placed(typical()));
     for path in write_derived(&again, elsewhere.path(), fixture::tables).unwrap() {

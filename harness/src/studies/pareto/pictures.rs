@@ -1,14 +1,12 @@
 //! Pictures of what points on a front answer. They are traced once more, without times, and painted while their answers are there:
 //! records keep none. The pictures are files beside the record, each named by its hash.
 
-use std::path::Path;
-
 use serde_json::Value;
 use tracebench_api::{Hit, Query};
 
 use super::field::{By, Cost, Field};
 use super::front::Standing;
-use crate::files;
+use crate::files::OutputFolder;
 use crate::hash::sha256_of;
 use crate::judge::Rule;
 use crate::measure::session::{PreparedRays, Session};
@@ -40,7 +38,7 @@ pub(super) fn paint(
     rays: &PreparedRays,
     told: &[Option<Told>],
     (points, names): (&[usize], &[String]),
-    results: &Path,
+    results: &OutputFolder,
 ) -> Result<Value, RunError> {
     let canvas = Canvas { size, pixels: &rays.pixels };
     let keep = |painted: Painted| keep(&painted, results);
@@ -83,11 +81,10 @@ fn answered(hit: &Hit) -> Option<f64> {
 }
 
 /// Writes a picture beside the record, and gives its name.
-fn keep(painted: &Painted, results: &Path) -> Result<String, RunError> {
+fn keep(painted: &Painted, results: &OutputFolder) -> Result<String, RunError> {
     let bytes = painted.png().map_err(|error| RunError::Picture(error.to_string()))?;
     let name = format!("{}.png", &sha256_of(&bytes)[..32]);
-    let folder = results.join(PICTURES_FOLDER);
-    let written = files::create_directory(&folder).and_then(|()| files::write(&folder.join(&name), &bytes));
+    let written = results.write(&format!("{PICTURES_FOLDER}/{name}"), &bytes);
     written.map_err(|error| RunError::Journal(JournalError::from(error)))?;
     Ok(name)
 }

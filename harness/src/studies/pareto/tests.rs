@@ -1,10 +1,12 @@
 //! Fronts over planted points, and a small study that is really measured.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use tracebench_api::{ClockKind, EndPoint, Preset, Query, TracerError};
 
 use super::*;
+use crate::files::OutputFolder;
 use crate::judge::WRONG_RAYS_PER_CAUSE;
 use crate::measure::Journal;
 use crate::plan::{SceneSource, TracerRequest};
@@ -246,6 +248,7 @@ fn chosen_points_are_measured_again() {
     let none = Err(TracerError::Unavailable("none is needed".to_owned()));
     let (cache, quiet) = (Cache::none(), Progress::new(true));
     let folder = tempfile::tempdir().unwrap();
+    let results = Arc::new(OutputFolder::open(folder.path()).unwrap());
     let machine = crate::machine::this_machine(None);
     let extent = Extent { most_points: 3, ..Extent::default() };
     let words = serde_json::json!("the same");
@@ -253,7 +256,7 @@ fn chosen_points_are_measured_again() {
         let context = Context::new(&none, &cache, &quiet, journal);
         Pareto::new(&plan(), &extent).unwrap().execute(false, &context).unwrap()
     };
-    let journal = Journal::begin(folder.path(), &words, &machine, None).unwrap();
+    let journal = Journal::begin(&results, &words, &machine, None).unwrap();
     let run = measured(&journal);
     drop(journal);
     let record = run.pareto.as_ref().unwrap();
@@ -279,7 +282,7 @@ fn chosen_points_are_measured_again() {
     // Two rounds decide nothing.
     let classes = classes(fronts, &fronts.fields[0], By::Rule(crate::results::Rule::Tight), 0.99);
     assert!(classes.iter().flat_map(|class| &class.costs).all(|cost| cost.doubt.is_some()));
-    let journal = Journal::resume(folder.path(), &words, &machine).unwrap();
+    let journal = Journal::resume(&results, &words, &machine).unwrap();
     let again = measured(&journal);
     assert_eq!((&again.runs, &again.races, &again.pareto), (&run.runs, &run.races, &run.pareto));
     let other = crate::plan::Shard { index: 2, count: 2, plan_sha256: String::new() };
