@@ -21,7 +21,7 @@ fn causes(geometry: &Geometry, rays: &[Ray], layers: Layers, names_primitives: b
     let truth = Truth::new(geometry, "causes");
     let rays_of = Arc::new(rays.to_vec());
     let answers = truth.answer(&rays_of, Query::Closest, &Cache::none(), &Progress::new(true)).unwrap();
-    let samplings = [Sampling { projection: Projection::Perspective(viewpoint().frame_view()), layers }];
+    let samplings = [Sampling::new(Projection::Perspective(viewpoint().frame_view()), layers)];
     let judge = Judge {
         truth: &truth,
         eye: DVec3::ZERO,

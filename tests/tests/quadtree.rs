@@ -188,7 +188,7 @@ fn outcome(session: &Session, contender: &Contender, rays: &PreparedRays) -> Out
         rays: &rays_of,
         answers: &answers,
         query: Query::Closest,
-        samplings: &contender.structure().unwrap().samplings(),
+        samplings: &contender.structure().unwrap().samplings(&contender.parameters).unwrap(),
         voxels: None,
         names_primitives: false,
         wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,

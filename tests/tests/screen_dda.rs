@@ -213,7 +213,7 @@ fn primary_agreement(image: [u32; 2]) -> f64 {
     let answers = truth.answer(&rays, Query::Closest, &Cache::none(), &Progress::new(true)).unwrap();
     let scene = Scene::new(geometry, &viewpoint);
     let hits = scene.trace(&rays, Query::Closest, &parameters(&[]));
-    let samplings = scene.structure.samplings();
+    let samplings = scene.structure.samplings(&parameters(&[])).unwrap();
     let judge = Judge {
         truth: &truth,
         eye: viewpoint.eye.as_dvec3(),

@@ -5,6 +5,7 @@
 use glam::DVec3;
 use tracebench_api::{Hit, Layers, LineOfSight, Projected, Projection, Sampling, Status};
 
+use super::march::{Look, Passage, Sure};
 use super::voxels::Voxels;
 use super::{Class, Judge, Rule};
 use crate::results::UNEXPLAINED;
@@ -15,7 +16,7 @@ const VIEW_PIXELS: f64 = 2.0;
 
 /// Pixels of a view by which a rasterizer may move an edge: twice the 1/256 that Vulkan asks for at least, four times
 /// over for the two vertices of an edge.
-const RASTER_SNAP_PIXELS: f64 = 1.0 / 64.0;
+pub(super) const RASTER_SNAP_PIXELS: f64 = 1.0 / 64.0;
 
 /// Relative distance of layers that are told apart, and how many of a pixel are looked through.
 const LAYER_STEP: f64 = 1e-9;
@@ -68,10 +69,53 @@ impl Judge<'_> {
         if let Some(voxels) = voxels {
             return self.cause_by_voxels(voxels, &ray, index, hit, class);
         }
+        let marched = self.samplings.iter().any(|view| view.march.is_some());
         match (class, self.truth_for(index, hit)) {
+            (Class::FalseMiss | Class::Late, Some(truth)) if marched => {
+                self.loss_by_march(&self.passages(index), &ray, truth, hit)
+            }
             (Class::FalseMiss | Class::Late, Some(truth)) => self.cause_of_loss(&ray, truth, hit),
-            _ => self.cause_of_invention(&ray, hit),
+            _ => self.cause_of_invention(index, &ray, hit),
         }
+    }
+
+    /// Why the true hit was not found where it is declared how rays are traced over the images: by the samples that the ray meets, or passes,
+    /// where it looks about there.
+    fn loss_by_march(&self, passages: &[Passage<'_>], ray: &Ray64, truth: TrueHit, hit: &Hit) -> &'static str {
+        let (point, told) = (ray.at(truth.t), hit.is_hit().then(|| f64::from(hit.t)));
+        let Some(passage) = passages.iter().find(|passage| passage.has(truth.t)) else { return OFF_VIEW };
+        let looks = passage.looks_about(truth.t);
+        let meets = |look: &&Look| self.meets(passage, ray, look, truth.t, Sure::Surely).is_some();
+        let met: Vec<&Look> = looks.iter().filter(meets).collect();
+        if !met.is_empty() {
+            let is_there = told.is_some_and(|told| met.iter().any(|look| look.has(told, 0.0)));
+            return if is_there && passage.is_of_points() { BETWEEN_SAMPLES } else { UNEXPLAINED };
+        }
+        if !self.shows(passage.sampling, point) {
+            return if self.leaves_out(passage.sampling, point) { LEFT_OUT } else { HIDDEN_LAYER };
+        }
+        if passage.leaves_out(truth.t) {
+            return NEAR_START;
+        }
+        let near = |told: f64| {
+            within_pixels(passage.sampling, ray.at(told), point) && self.met_at(passage, ray, told).is_some()
+        };
+        let keeps = |look: &Look| self.keeps(passage.sampling, look, point, truth.primitive);
+        if told.is_some_and(near) || !looks.iter().any(keeps) {
+            return BETWEEN_SAMPLES;
+        }
+        match Status::from_code(hit.status) {
+            Some(Status::StepCap) => STEP_CAP,
+            Some(Status::ThicknessRejected) => THICKNESS_REJECTED,
+            _ => SLIPPED_THROUGH,
+        }
+    }
+
+    /// How deep a sample lies that a ray may have met at t, where it looks about there.
+    fn met_at(&self, passage: &Passage<'_>, ray: &Ray64, t: f64) -> Option<f64> {
+        let off = tight_tolerance(t, self.truth.diagonal());
+        let looks = passage.looks_about(t).into_iter().filter(|look| look.has(t, off));
+        looks.into_iter().find_map(|look| self.meets(passage, ray, &look, t, Sure::Perhaps))
     }
 
     /// Why the true hit was not found.
@@ -93,10 +137,6 @@ impl Judge<'_> {
         if capped {
             return STEP_CAP;
         }
-        let within_pixels = |view: &Sampling, from: DVec3, to: DVec3| {
-            let (from, to) = (view.projection.project(from), view.projection.project(to));
-            from.zip(to).is_some_and(|(from, to)| (from.x - to.x).abs().max((from.y - to.y).abs()) <= VIEW_PIXELS)
-        };
         if !showing.iter().any(|view| self.samples(view, point, truth.primitive))
             || hit.is_hit() && showing.iter().any(|view| within_pixels(view, ray.at(f64::from(hit.t)), point))
         {
@@ -119,7 +159,7 @@ impl Judge<'_> {
     }
 
     /// Why something was hit that is not there.
-    fn cause_of_invention(&self, ray: &Ray64, hit: &Hit) -> &'static str {
+    fn cause_of_invention(&self, index: usize, ray: &Ray64, hit: &Hit) -> &'static str {
         if hit.status == Status::Inpainted as u32 {
             return INPAINTED;
         }
@@ -127,6 +167,17 @@ impl Judge<'_> {
         let point = ray.at(t);
         if self.is_near_start(ray, t) {
             return SELF_HIT;
+        }
+        let behind = |stored: f64, depth: f64| match depth > stored + self.footprint(point) {
+            true => ASSUMED_THICKNESS,
+            false => BETWEEN_SAMPLES,
+        };
+        if self.samplings.iter().any(|view| view.march.is_some()) {
+            let met = self.passages(index).into_iter().find_map(|passage| {
+                let depth = passage.view.project(point)?.depth;
+                self.met_at(&passage, ray, t).map(|stored| behind(stored, depth))
+            });
+            return met.unwrap_or(UNEXPLAINED);
         }
         // What is told where a ray enters or leaves a view may lie outside of it by rounding.
         let pixels = VIEW_PIXELS * self.footprint(point) / ray.direction.length();
@@ -137,7 +188,7 @@ impl Judge<'_> {
         let containing = self.samplings.iter().filter_map(|view| Some((view, inside(&view.projection)?)));
         for (view, (point, depth)) in containing.clone() {
             let Some(stored) = self.centre_depth(&view.projection, point) else { continue };
-            return if depth > stored + self.footprint(point) { ASSUMED_THICKNESS } else { BETWEEN_SAMPLES };
+            return behind(stored, depth);
         }
         // Nothing is shown there: a surface that a pixel beside it shows was met at its own depth.
         if containing.into_iter().any(|(view, (point, _))| self.is_shown_beside(view, point)) {
@@ -178,8 +229,8 @@ impl Judge<'_> {
 
     /// Whether a wrong hit counts as one with the surface that the ray starts on.
     pub(super) fn is_near_start(&self, ray: &Ray64, t: f64) -> bool {
-        let starts_on_surface = SELF_HIT_PIXELS * self.footprint(ray.origin);
-        t * ray.direction.length() <= starts_on_surface.max(tight_tolerance(0.0, self.truth.diagonal()))
+        let near = (SELF_HIT_PIXELS * self.footprint(ray.origin)).max(tight_tolerance(0.0, self.truth.diagonal()));
+        t * ray.direction.length() <= near && self.truth.nearest(ray.origin, near).is_some()
     }
 
     /// Whether a view keeps what lies at a point: more layers than lie before it, and nothing leaves it out.
@@ -229,6 +280,14 @@ impl Judge<'_> {
         })
     }
 
+    /// Whether an image keeps, at the pixel of a look, the surface of a point: its triangle, or one as deep within a footprint.
+    fn keeps(&self, view: &Sampling, look: &Look, point: DVec3, primitive: u32) -> bool {
+        let Some(at) = view.projection.project(point) else { return false };
+        let line = view.projection.line_through(look.pixel.x + 0.5, look.pixel.y + 0.5);
+        let reach = self.footprint(point);
+        self.kept(line, view.layers).any(|found| found.primitive == primitive || (found.t - at.depth).abs() <= reach)
+    }
+
     /// The depth at the centre of the pixel that a point falls on; on a border between pixels, to a rasterizer's
     /// precision, of a neighbour if its own centre shows nothing.
     fn centre_depth(&self, projection: &Projection, point: DVec3) -> Option<f64> {
@@ -238,7 +297,7 @@ impl Judge<'_> {
     }
 
     /// The surfaces along a line of sight that are kept; of lines whose lengths are depths.
-    fn kept(&self, line: LineOfSight, layers: Layers) -> impl Iterator<Item = TrueHit> {
+    pub(super) fn kept(&self, line: LineOfSight, layers: Layers) -> impl Iterator<Item = TrueHit> {
         let (separation, back_faces) = match layers {
             Layers::Chosen { separation, back_faces, .. } => (separation, back_faces),
             _ => (0.0, true),
@@ -255,13 +314,19 @@ impl Judge<'_> {
     }
 
     /// The surfaces along a line of sight, the nearest first.
-    fn along(&self, line: LineOfSight) -> impl Iterator<Item = TrueHit> {
+    pub(super) fn along(&self, line: LineOfSight) -> impl Iterator<Item = TrueHit> {
         let LineOfSight { origin, direction, near, far } = line;
         let from = move |t_min: f64| self.truth.closest(&Ray64 { origin, direction, t_min, t_max: far });
         // A surface at depth 0 is passed, too.
         let next = move |found: &TrueHit| from((found.t * (1.0 + LAYER_STEP)).max(found.t.next_up()));
         std::iter::successors(from(near), next).take(MOST_LAYERS)
     }
+}
+
+/// Whether two points count as the same sample of a view.
+fn within_pixels(view: &Sampling, from: DVec3, to: DVec3) -> bool {
+    let (from, to) = (view.projection.project(from), view.projection.project(to));
+    from.zip(to).is_some_and(|(from, to)| (from.x - to.x).abs().max((from.y - to.y).abs()) <= VIEW_PIXELS)
 }
 
 /// The centres of the pixels that a position falls on to a rasterizer's precision, its own first: two or four of them

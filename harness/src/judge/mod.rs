@@ -2,6 +2,7 @@
 
 mod causes;
 mod distances;
+mod march;
 mod scores;
 mod sides;
 mod surfaces;

@@ -322,7 +322,10 @@ impl Session {
     /// [`TracerError::Failed`] before the first build, or what the tracer says.
     pub fn sight(&self, contender: &Contender) -> Result<Sight, TracerError> {
         let structure = contender.structure()?;
-        Ok(Sight { samplings: structure.samplings(), voxels: structure.voxels(&contender.parameters)? })
+        Ok(Sight {
+            samplings: structure.samplings(&contender.parameters)?,
+            voxels: structure.voxels(&contender.parameters)?,
+        })
     }
 
     /// Judges a contender's answers.

@@ -21,7 +21,7 @@ fn view() -> View {
 fn seen(triangles: Vec<[[f32; 3]; 3]>, ray: Ray) -> Case {
     let mut case = Case::new(framed(triangles), vec![ray], Query::Closest);
     assert!(!case.answers[0].is_ambiguous());
-    case.samplings = vec![Sampling { projection: Projection::Perspective(view()), layers: Layers::Nearest }];
+    case.samplings = vec![Sampling::new(Projection::Perspective(view()), Layers::Nearest)];
     case
 }
 

@@ -137,7 +137,7 @@ fn own_texels_and_most_pieces() {
     let mut rays: Vec<Ray> = columns().map(|x| down(x + 0.06, 0.3, 1.0)).collect();
     rays.push(Ray { origin: [rays[count - 1].origin[0], 0.1, 1.0], ..rays[count - 1] });
     let mut case = Case::new(framed(triangles), rays, Query::Closest);
-    let sampling = |texel| Sampling { projection: Projection::Orthographic(image(texel)), layers: Layers::All };
+    let sampling = |texel| Sampling::new(Projection::Orthographic(image(texel)), Layers::All);
     case.samplings = vec![sampling(DVec2::new(0.1, 0.2)), sampling(DVec2::new(0.25, 0.1))];
     let mut hits = case.right();
     hits[0].t = 0.76;

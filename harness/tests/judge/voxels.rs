@@ -29,7 +29,7 @@ fn images() -> Vec<Sampling> {
         far: 4.0,
         size: [64, 64],
     };
-    let sampling = |axis| Sampling { projection: Projection::Orthographic(image(axis)), layers: Layers::All };
+    let sampling = |axis| Sampling::new(Projection::Orthographic(image(axis)), Layers::All);
     (0..3).map(sampling).collect()
 }
 

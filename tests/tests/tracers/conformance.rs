@@ -217,7 +217,11 @@ fn structures_live_side_by_side() {
                     && description.invalidated_by.contains(&tracebench_api::Invalidation::Viewpoint)
             });
             // What looks from an eye depends on it; what looks along an axis, or holds the scene, does not.
-            let looks = second.samplings().iter().any(|each| matches!(each.projection, Projection::Perspective(_)));
+            let looks = second
+                .samplings(&subject.parameters)
+                .unwrap()
+                .iter()
+                .any(|each| matches!(each.projection, Projection::Perspective(_)));
             assert_eq!(looks, depends, "{}", subject.name);
             if !depends {
                 assert_eq!(bytes(&from_second), bytes(&before), "{} on {}", subject.name, scene.name);

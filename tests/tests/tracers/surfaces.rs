@@ -125,10 +125,11 @@ impl Subject {
     /// How far the triangles reach of which a surface is the average: twice the edge of a voxel, of a structure that keeps such.
     fn averages_within(&self, structure: &dyn Structure) -> Option<f64> {
         let has_voxels = self.parameters.iter().any(|(name, _)| name == "levels");
-        let edge = structure.samplings().iter().find_map(|sampling| match sampling.projection {
-            Projection::Orthographic(image) => Some(image.texel.max_element()),
-            Projection::Perspective(_) => None,
-        });
+        let edge =
+            structure.samplings(&self.parameters).unwrap().iter().find_map(|sampling| match sampling.projection {
+                Projection::Orthographic(image) => Some(image.texel.max_element()),
+                Projection::Perspective(_) => None,
+            });
         edge.filter(|_| has_voxels).map(|edge| 2.0 * edge)
     }
 

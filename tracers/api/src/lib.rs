@@ -36,7 +36,10 @@ pub use memory::{Ledger, MemoryEntry, MemoryReport};
 pub use parameters::{Domain, ParameterDescription, ParameterError, ParameterScope, Parameters, Preset, Value};
 pub use rasterizer::Rasterizer;
 pub use ray::{EndPoint, Hit, NO_PRIMITIVE, Query, Ray, Status, Surface, SurfaceStatus};
-pub use sampling::{ImageChoice, Layers, LineOfSight, Orthographic, Projection, Sampling, VoxelGrid};
+pub use sampling::{
+    ImageChoice, ImageMarch, Layers, LineOfSight, MarchSteps, Orthographic, Projection, SampleShape, Sampling,
+    VoxelGrid,
+};
 pub use tracer::{Counter, Description, Invalidation, Residency, Structure, TraceJob, Tracer, Update};
 pub use transfer::{HitBuffer, RayBuffer};
 pub use viewpoint::{Projected, View, Viewpoint};

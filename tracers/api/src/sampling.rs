@@ -2,15 +2,74 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::{Projected, View};
+use crate::{Projected, Ray, View};
 
 /// One image that a structure sees the scene through.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Sampling {
     /// Where its pixels look.
     pub projection: Projection,
     /// What it keeps at a pixel.
     pub layers: Layers,
+    /// How rays are traced over it; none where that is not declared.
+    pub march: Option<ImageMarch>,
+}
+
+/// How a ray is traced over an image: at which pixels it looks, and what it takes the samples there for.
+#[derive(Clone, Copy, Debug)]
+pub struct ImageMarch {
+    /// At which pixels it looks.
+    pub steps: MarchSteps,
+    /// Pixels along the major axis that a ray leaves out which starts in the image.
+    pub start_bias: f64,
+    /// What a sample is taken for.
+    pub samples: SampleShape,
+}
+
+/// At which pixels a ray looks on its way over an image.
+#[derive(Clone, Copy, Debug)]
+pub enum MarchSteps {
+    /// At every one that it crosses.
+    EveryPixel,
+    /// At one every so many pixels along the major axis, each for the way up to the middle between it and the next.
+    Stride(f64),
+    /// At one in each of so many equal steps, fewer where it crosses fewer pixels.
+    Equal {
+        /// How many at most.
+        most: u32,
+        /// Where in its steps a ray looks, a share.
+        looks_at: fn(&Ray) -> f64,
+        /// Whether a look is for the part of the ray within its pixel alone.
+        within_pixel: bool,
+    },
+}
+
+/// What a sample of a surface is taken for.
+#[derive(Clone, Copy, Debug)]
+pub enum SampleShape {
+    /// The depth at the pixel's centre, over the whole pixel.
+    Point {
+        /// How far behind its depth it still counts, or, below 0, how far before it, scene units.
+        thickness: f64,
+        /// The same in widths of a pixel at the ray's depth; added.
+        thickness_in_pixels: f64,
+        /// Whether it reaches to the next surface behind it that faces away, where there is one.
+        to_back_faces: bool,
+    },
+    /// The plane of its triangle, between the depths that the triangle has in the pixel.
+    Plane {
+        /// Whether every pixel has one that the triangle touches.
+        conservative: bool,
+        /// Parts of the pixel, across and down, beyond which the plane does not reach if the triangle touches none of them.
+        outline: [u32; 2],
+    },
+}
+
+impl Sampling {
+    /// An image, without how rays are traced over it.
+    pub fn new(projection: Projection, layers: Layers) -> Self {
+        Self { projection, layers, march: None }
+    }
 }
 
 /// Which of the surfaces along a pixel's line of sight are kept.

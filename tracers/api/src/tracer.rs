@@ -204,9 +204,14 @@ pub trait Structure {
         Ok(Vec::new())
     }
 
-    /// The images that the structure sees the scene through; empty for one that holds the scene itself.
-    fn samplings(&self) -> Vec<Sampling> {
-        Vec::new()
+    /// The images that the structure sees the scene through, and how a trace with these parameters goes over them; empty for one
+    /// that holds the scene itself. Of images that show the same, rays go by the first.
+    ///
+    /// # Errors
+    /// [`TracerError::Parameter`] for other parameters than the tracer's.
+    fn samplings(&self, parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+        let _ = parameters;
+        Ok(Vec::new())
     }
 
     /// The voxels that the structure knows the scene by, and how a trace with these parameters looks into them; none for methods

@@ -303,9 +303,9 @@ impl Structure for DirtStructure {
         Ok(parts)
     }
 
-    fn samplings(&self) -> Vec<Sampling> {
-        let of = |view: &View| Sampling { projection: Projection::Perspective(*view), layers: Layers::All };
-        self.layout.views.iter().map(of).collect()
+    fn samplings(&self, _parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+        let of = |view: &View| Sampling::new(Projection::Perspective(*view), Layers::All);
+        Ok(self.layout.views.iter().map(of).collect())
     }
 
     fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {

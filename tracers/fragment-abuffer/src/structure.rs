@@ -248,10 +248,11 @@ impl Structure for FragmentStructure {
         Ok(uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec())
     }
 
-    fn samplings(&self) -> Vec<Sampling> {
+    fn samplings(&self, parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
         let layers = if self.layout.one_layer { Layers::Nearest } else { Layers::All };
-        let of = |view: &View| Sampling { projection: Projection::Perspective(*view), layers };
-        self.layout.views.iter().map(of).collect()
+        let march = FragmentParameters::try_from(parameters)?.image_march(self.diagonal);
+        let of = |view: &View| Sampling { march, ..Sampling::new(Projection::Perspective(*view), layers) };
+        Ok(self.layout.views.iter().map(of).collect())
     }
 
     fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {

@@ -2,12 +2,15 @@
 
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer};
-use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, TraceJob, TracerError};
+use tracebench_api::{
+    Counter, EndPoint, HitBuffer, ImageMarch, MarchSteps, PhaseClock, Ray, SampleShape, TraceJob, TracerError,
+};
 use tracebench_kit::{Reads, bind_arrays, bind_group, bind_group_at, dispatch_rays, uniform_buffer};
 use tracebench_shaders::fragment_abuffer::Trace;
 
+use crate::clipped::PARTS;
 use crate::counting::Counting;
-use crate::description::{FragmentParameters, Span, Switch, ThicknessUnit};
+use crate::description::{Coverage, FragmentParameters, Fragments, March, Outline, Span, Switch, ThicknessUnit};
 use crate::layout::MOST_VIEWS;
 use crate::structure::FragmentStructure;
 
@@ -55,6 +58,46 @@ pub struct MarchSettings {
     pub padding_b: u32,
     /// Nothing.
     pub padding_c: u32,
+}
+
+/// Where in its steps a ray looks at the image: `jitter_of` of shaders/fragment-abuffer/march.wgsl.
+fn jitter_of(ray: &Ray) -> f64 {
+    let hash = [ray.origin, ray.direction].as_flattened().iter().fold(0_u32, |hash, word| {
+        let state = (hash ^ word.to_bits()).wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        let mixed = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+        (mixed >> 22) ^ mixed
+    });
+    f64::from(hash >> 8) / f64::from(1 << 24)
+}
+
+impl FragmentParameters {
+    /// How rays are traced over the images; none where points stand for what does not cover their pixels' centres.
+    pub(crate) fn image_march(&self, diagonal: f64) -> Option<ImageMarch> {
+        let conservative = self.coverage == Coverage::Conservative;
+        let samples = match self.fragments {
+            Fragments::Points if conservative => return None,
+            Fragments::Points => {
+                let [thickness, thickness_in_pixels] = match self.thickness_in {
+                    ThicknessUnit::Diagonals => [self.thickness * diagonal, 0.0],
+                    ThicknessUnit::Pixels => [0.0, self.thickness],
+                };
+                SampleShape::Point { thickness, thickness_in_pixels, to_back_faces: false }
+            }
+            Fragments::Planes if self.outline == Outline::Filled => {
+                SampleShape::Plane { conservative, outline: [1, 1] }
+            }
+            Fragments::Planes => SampleShape::Plane { conservative, outline: PARTS },
+        };
+        let steps = match self.march {
+            March::Steps => MarchSteps::Equal {
+                most: self.view_steps,
+                looks_at: if self.jitter == Switch::On { jitter_of } else { |_| 0.5 },
+                within_pixel: self.span == Span::Pixel,
+            },
+            March::Pixels | March::HiZ => MarchSteps::EveryPixel,
+        };
+        Some(ImageMarch { steps, start_bias: self.start_bias, samples })
+    }
 }
 
 impl FragmentStructure {

@@ -4,8 +4,9 @@ use std::cell::RefCell;
 use std::sync::Arc;
 
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock,
-    Projection, Sampling, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
+    Counter, EndPoint, Geometry, Gpu, HitBuffer, ImageMarch, Layers, Ledger, MarchSteps, MemoryEntry, MemoryReport,
+    Parameters, PhaseClock, Projection, SampleShape, Sampling, Structure, TraceJob, Tracer, TracerError, Update, View,
+    Viewpoint,
 };
 use tracebench_kit::{
     CellDepths, DepthCopy, DepthPyramid, DrawnBy, EyeDepthTarget, LayerTarget, NO_SURFACE, NearestLayers, NearestOf,
@@ -201,8 +202,12 @@ impl Structure for HeightFieldStructure {
         Ok(parts)
     }
 
-    fn samplings(&self) -> Vec<Sampling> {
-        vec![Sampling { projection: Projection::Perspective(self.view), layers: Layers::Nearest }]
+    fn samplings(&self, parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+        let HeightParameters { start_bias, .. } = HeightParameters::try_from(parameters)?;
+        // All behind a sample is solid.
+        let samples = SampleShape::Point { thickness: f64::INFINITY, thickness_in_pixels: 0.0, to_back_faces: false };
+        let march = Some(ImageMarch { steps: MarchSteps::EveryPixel, start_bias, samples });
+        Ok(vec![Sampling { march, ..Sampling::new(Projection::Perspective(self.view), Layers::Nearest) }])
     }
 
     fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {

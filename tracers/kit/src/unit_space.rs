@@ -80,7 +80,7 @@ impl UnitSpace {
     /// The images along its axes, which keep every layer.
     pub fn samplings(self) -> Vec<Sampling> {
         let image = |axis| Projection::Orthographic(self.image_along(axis));
-        (0..AXES).map(|axis| Sampling { projection: image(axis), layers: Layers::All }).collect()
+        (0..AXES).map(|axis| Sampling::new(image(axis), Layers::All)).collect()
     }
 
     /// Its grid, and how a trace looks into its voxels, which may be not at all.

@@ -113,10 +113,10 @@ impl Structure for QuadtreeStructure {
         self.memory_of_trace(&job)
     }
 
-    fn samplings(&self) -> Vec<Sampling> {
+    fn samplings(&self, _parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
         let layers = Layers::of(self.shape.layers, self.shape.separation, !self.shape.culls);
-        let of = |view: &tracebench_api::View| Sampling { projection: Projection::Perspective(*view), layers };
-        self.shape.views.iter().map(of).collect()
+        let of = |view: &tracebench_api::View| Sampling::new(Projection::Perspective(*view), layers);
+        Ok(self.shape.views.iter().map(of).collect())
     }
 
     fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {

@@ -4,13 +4,14 @@ use std::cell::RefCell;
 use std::sync::Arc;
 
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock,
-    Projection, Sampling, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
+    Counter, EndPoint, Geometry, Gpu, HitBuffer, ImageMarch, Layers, Ledger, MarchSteps, MemoryEntry, MemoryReport,
+    Parameters, PhaseClock, Projection, SampleShape, Sampling, Structure, TraceJob, Tracer, TracerError, Update, View,
+    Viewpoint,
 };
 use tracebench_kit::{PipelinesOnDemand, SeenRaster, SurfaceGeometry};
 use tracebench_shaders::screen_dda::Trace;
 
-use crate::description::NO_REFIT;
+use crate::description::{DdaParameters, NO_REFIT};
 use crate::images::{ImagePipelines, ImageShape, Images};
 
 /// The pipelines.
@@ -136,10 +137,17 @@ impl Structure for ScreenDdaStructure {
         Ok(parts)
     }
 
-    fn samplings(&self) -> Vec<Sampling> {
+    fn samplings(&self, parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+        let DdaParameters { stride, thickness, start_bias, .. } = DdaParameters::try_from(parameters)?;
         let shape = &self.images.shape;
+        let samples = SampleShape::Point {
+            thickness: thickness * self.diagonal,
+            thickness_in_pixels: 0.0,
+            to_back_faces: shape.backs,
+        };
+        let march = Some(ImageMarch { steps: MarchSteps::Stride(f64::from(stride)), start_bias, samples });
         let layers = Layers::of(shape.layers, shape.separation * self.diagonal, true);
-        vec![Sampling { projection: Projection::Perspective(self.view), layers }]
+        Ok(vec![Sampling { march, ..Sampling::new(Projection::Perspective(self.view), layers) }])
     }
 
     fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {

@@ -164,8 +164,8 @@ impl Structure for VoxelStructure {
         Ok(vec![MemoryEntry::whole("search", size_of::<VoxelSearch>() as u64)])
     }
 
-    fn samplings(&self) -> Vec<Sampling> {
-        self.layout.samplings()
+    fn samplings(&self, _parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+        Ok(self.layout.samplings())
     }
 
     fn voxels(&self, parameters: &Parameters) -> Result<Option<VoxelGrid>, TracerError> {

@@ -178,9 +178,9 @@ impl Structure for OctreeStructure {
         Ok(vec![MemoryEntry::whole("search", size_of::<OctreeSearch>() as u64)])
     }
 
-    fn samplings(&self) -> Vec<Sampling> {
+    fn samplings(&self, _parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
         // A voxel is a texel of the images along all three axes.
-        self.layout.space.samplings()
+        Ok(self.layout.space.samplings())
     }
 
     fn voxels(&self, parameters: &Parameters) -> Result<Option<VoxelGrid>, TracerError> {

@@ -220,14 +220,14 @@ impl Structure for PackedStructure {
         Ok(parts)
     }
 
-    fn samplings(&self) -> Vec<Sampling> {
+    fn samplings(&self, _parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
         let views = self.layout.viewpoint.face_views(0.0);
         let of = |view: View| {
             // All that is not in the eye is seen.
             let view = View { near: view.far * NO_NEAR, ..view };
-            Sampling { projection: Projection::Perspective(view), layers: Layers::All }
+            Sampling::new(Projection::Perspective(view), Layers::All)
         };
-        views.map(of).to_vec()
+        Ok(views.map(of).to_vec())
     }
 
     fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
