@@ -1,5 +1,9 @@
 //! `stability`.
 
+use std::fmt::Display;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
 use clap::Args;
 use serde_json::json;
 
@@ -7,16 +11,17 @@ use super::arguments::DeviceArguments;
 use super::output::print;
 use super::work::{Bench, Clock, OutputArguments, described, needs_device};
 use super::{CliError, names, open_device};
+use crate::files;
 use crate::measure::records;
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
 use crate::report;
 use crate::studies::stability;
-use crate::studies::stability::Stability;
+use crate::studies::stability::{ExpectedShares, Stability};
 
 #[derive(Args)]
 pub(super) struct StabilityArguments {
-    /// Tracers: NAME or NAME:PRESET with commas, or all. Expectations are stated for the published preset.
+    /// Tracers: NAME or NAME:PRESET with commas, or all.
     #[arg(long, default_value = "all")]
     tracer: String,
     /// Cases: names from `list cases` with commas, or all.
@@ -26,6 +31,12 @@ pub(super) struct StabilityArguments {
     /// shown then but do not count.
     #[arg(long = "set", value_name = "T.P=V", allow_hyphen_values = true)]
     settings: Vec<String>,
+    /// Measure nothing: put the shares of wrong rays of the records --from into FILE, as what is expected on adapters of their kind.
+    #[arg(long, value_name = "FILE", requires = "from")]
+    expect: Option<PathBuf>,
+    /// A record of stability cases, for --expect. May be repeated; of two that measured the same the later counts.
+    #[arg(long, value_name = "RUN", requires = "expect")]
+    from: Vec<PathBuf>,
     #[command(flatten)]
     device: DeviceArguments,
     #[command(flatten)]
@@ -33,6 +44,9 @@ pub(super) struct StabilityArguments {
 }
 
 pub(super) fn stability(arguments: &StabilityArguments, progress: &Progress) -> Result<(), CliError> {
+    if let Some(path) = &arguments.expect {
+        return expect(path, &arguments.from);
+    }
     // Arguments are checked before any device or file is touched.
     let mut requests = names::tracers(&arguments.tracer, &arguments.settings)?;
     names::tracers_only(&arguments.settings)?;
@@ -49,6 +63,21 @@ pub(super) fn stability(arguments: &StabilityArguments, progress: &Progress) -> 
     let written = bench.out.path().join(report::STABILITY_TABLE);
     print(&format!("{}\n{}\n", report::stability_matrix(&found), written.display()))?;
     outcome(&found)
+}
+
+/// Puts what records measured into a file of expected shares. What stands there of other adapters, tracers and cases stays.
+fn expect(path: &Path, from: &[PathBuf]) -> Result<(), CliError> {
+    let fail = |path: &Path, error: &dyn Display| CliError::Other(format!("{}: {error}", path.display()));
+    let mut shares = match std::fs::read_to_string(path) {
+        Ok(text) => ExpectedShares::parse(&text).map_err(|error| fail(path, &format!("left as it is: {error}")))?,
+        Err(error) if error.kind() == ErrorKind::NotFound => ExpectedShares::default(),
+        Err(error) => return Err(fail(path, &error)),
+    };
+    for record in from {
+        shares.take(&report::read_run(record)?).map_err(|error| fail(record, &error))?;
+    }
+    files::write(path, shares.text().as_bytes()).map_err(|error| fail(path, &error))?;
+    print(&format!("{}\n", path.display()))
 }
 
 /// Whether all came as expected, where that counts.

@@ -1,16 +1,14 @@
 //! The room of `bvh-cpu`: an analytic method in f32 that sees every triangle and no view.
 
+use super::expectation::fails;
 use super::{Expectation, Family, OF_HIERARCHIES, Registration, Rule};
 
-const EDGES: Expectation = Expectation::KnownFailure {
-    rule: Rule::HitMiss,
-    from: 8.0,
-    below: 0.01,
-    least_wrong: 0.03,
-    reason: "the f32 triangle test is not watertight: of rays onto an edge that two triangles share some pass between \
+const EDGES: Expectation = fails(
+    Rule::HitMiss,
+    "the f32 triangle test is not watertight: of rays onto an edge that two triangles share some pass between \
              them",
-    source: "Woop, Benthin and Wald 2013, on why edge tests must be watertight",
-};
+    "Woop, Benthin and Wald 2013, on why edge tests must be watertight",
+);
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: &[("needles", EDGES)],

@@ -2,6 +2,7 @@
 //! every tile.
 
 use super::ablation::{Values, improved, published};
+use super::expectation::{fails, few};
 use super::{Ablation, Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
@@ -53,46 +54,30 @@ const MATTERS: &[Matters] = &[
 ];
 
 /// Some rays stop at a hit that lies behind another one.
-const fn stops_early(most_wrong: f64) -> Expectation {
-    Expectation::Bounded { rule: Rule::Tight, most_wrong, reason: EARLY_STOP }
-}
+const STOPS_EARLY: Expectation = few(Rule::Tight, EARLY_STOP);
 
 const EARLY_STOP: &str = "the search of a tile ends at the first bucket with a hit, though a triangle that reaches into \
                           several buckets may have been hit behind another one that a later bucket holds";
 
 /// Of rays that pass long lists a driver may cut some off.
-const CUT_OFF: Expectation = Expectation::Bounded {
-    rule: Rule::HitMiss,
-    most_wrong: 0.02,
-    reason: "thousands of triangles in every list that a ray passes: Mesa's software driver ends the loops of eight lanes together after \
+const CUT_OFF: Expectation = few(
+    Rule::HitMiss,
+    "thousands of triangles in every list that a ray passes: Mesa's software driver ends the loops of eight lanes together after \
              65,535 rounds in all, and rays that it cuts off are given up with status step_cap",
-};
+);
 
 const EXPECTATIONS: Column = &[
-    ("leaves", stops_early(0.03)),
-    (
-        "voxel-stack",
-        Expectation::KnownFailure {
-            rule: Rule::Tight,
-            from: 4.0,
-            below: 0.005,
-            least_wrong: 0.04,
-            reason: EARLY_STOP,
-            source: "DIRT, section 4.2.1, Algorithm 1, line 18",
-        },
-    ),
-    ("huge-triangle", stops_early(0.02)),
+    ("leaves", STOPS_EARLY),
+    ("voxel-stack", fails(Rule::Tight, EARLY_STOP, "DIRT, section 4.2.1, Algorithm 1, line 18")),
+    ("huge-triangle", STOPS_EARLY),
     (
         "face-cell-borders",
-        Expectation::KnownFailure {
-            rule: Rule::HitMiss,
-            from: 0.0,
-            below: 0.0,
-            least_wrong: 0.02,
-            reason: "a hit counts only where its own tile is the one that is searched: on a border rounding may place it in the \
+        fails(
+            Rule::HitMiss,
+            "a hit counts only where its own tile is the one that is searched: on a border rounding may place it in the \
                      neighbour when either is searched, and it is lost (pin-holes)",
-            source: "DIRT, section 4.2.1, Algorithm 1, line 14",
-        },
+            "DIRT, section 4.2.1, Algorithm 1, line 14",
+        ),
     ),
     // Lists of so many copies are longer than what WebGPU's limits let one binding hold.
     ("coplanar-copies", Expectation::Refusable { from: 256.0, otherwise: &Expectation::Exact }),

@@ -1,33 +1,26 @@
-//! What is expected of a tracer on a case, and whether it came.
+//! What is expected of a tracer on a case.
 
 pub use crate::judge::Rule;
-use crate::results::{ExpectationRecord, Surprise, Wrong};
+use crate::results::{EXACT, ExpectationRecord};
 use tracebench_api::Rasterizer;
 
-/// What is expected of a tracer with its published preset on a case. Shares are of the rays that are no tie.
+/// What is expected of a tracer with one of its presets on a case. Shares are of the rays that are no tie. How many rays are wrong was
+/// measured and is in [`crate::studies::stability::ExpectedShares`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Expectation {
     /// No wrong ray under `tight`, at every strength.
     Exact,
-    /// Few wrong rays at every strength.
+    /// The method can do it, and few rays are wrong.
     Bounded {
         /// The rule by which they are wrong.
         rule: Rule,
-        /// Most of them, share.
-        most_wrong: f64,
-        /// Why so many may be.
+        /// Why so many are.
         reason: &'static str,
     },
-    /// The method cannot do it, and is expected not to.
+    /// The method cannot do it.
     KnownFailure {
         /// The rule by which rays are wrong.
         rule: Rule,
-        /// The value of the knob from which on it fails: more than `below` are wrong.
-        from: f64,
-        /// Most wrong rays at weaker values, share.
-        below: f64,
-        /// Least wrong rays at the hardest value, share.
-        least_wrong: f64,
         /// Why the method fails.
         reason: &'static str,
         /// Which paper says so, with section, or where it follows from.
@@ -43,7 +36,7 @@ pub enum Expectation {
     },
     /// Something else of these, and beside it what the device's rasterizer does, as its probe has found.
     Rasterized {
-        /// Wrong rays by pixels that borders are drawn off, share.
+        /// More or fewer wrong rays by pixels that borders are drawn off, share.
         wrong_by_snapping: f64,
         /// Whether the knob says how far a triangle reaches, in heights of the eye: rasterizers lose such triangles.
         reaches_far: bool,
@@ -57,16 +50,14 @@ pub enum Expectation {
 /// What is expected of one tracer, by case.
 pub type Column = &'static [(&'static str, Expectation)];
 
-/// A failure by a rule from a strength on.
-pub(super) const fn fails(
-    rule: Rule,
-    from: f64,
-    below: f64,
-    least_wrong: f64,
-    reason: &'static str,
-    source: &'static str,
-) -> Expectation {
-    Expectation::KnownFailure { rule, from, below, least_wrong, reason, source }
+/// Few wrong rays by a rule.
+pub(super) const fn few(rule: Rule, reason: &'static str) -> Expectation {
+    Expectation::Bounded { rule, reason }
+}
+
+/// A failure by a rule.
+pub(super) const fn fails(rule: Rule, reason: &'static str, source: &'static str) -> Expectation {
+    Expectation::KnownFailure { rule, reason, source }
 }
 
 /// Of a sampled method on plates that are at last 0.36 of a row high and lie along it.
@@ -93,28 +84,17 @@ impl Expectation {
         }
     }
 
-    /// Whether a device may be too small at one of a knob's values.
-    pub fn may_be_refused(&self, values: &[f64], index: usize) -> bool {
-        self.record(values, None).may_be_refused(values, index)
-    }
-
-    /// What is surprising about the wrong rays at one of a knob's values.
-    pub fn surprise(&self, values: &[f64], index: usize, shares: &Wrong) -> Option<Surprise> {
-        self.record(values, None).surprise(values, index, shares)
-    }
-
-    /// As records have it, on a knob's values, by a device's rasterizer; without one as if that were exact.
+    /// As records have it, on a knob's values, by a device's rasterizer; without one as if that were exact. The expected shares are added.
     pub fn record(&self, values: &[f64], rasterizer: Option<&Rasterizer>) -> ExpectationRecord {
-        let record = |kind: &str, most_wrong, reason: &str| ExpectationRecord {
+        let record = |kind: &str, reason: &str, source: &str| ExpectationRecord {
             kind: kind.to_owned(),
             rule: self.rule(),
-            most_wrong,
-            from: None,
-            least_wrong: None,
+            wrong_shares: Vec::new(),
+            rasterizer_room: 0.0,
             refusable_from: None,
             lost_from: None,
             reason: reason.to_owned(),
-            source: String::new(),
+            source: source.to_owned(),
         };
         match *self {
             Self::Refusable { from, otherwise } => {
@@ -124,20 +104,15 @@ impl Expectation {
                 let exact = otherwise.record(values, rasterizer);
                 let Some(rasterizer) = rasterizer else { return exact };
                 ExpectationRecord {
-                    most_wrong: exact.most_wrong + wrong_by_snapping * rasterizer.snap_pixels,
+                    rasterizer_room: wrong_by_snapping * rasterizer.snap_pixels,
                     lost_from: values.iter().find(|value| reaches_far && **value > rasterizer.reach).copied(),
                     reason: format!("{}; {reason}", exact.reason),
                     ..exact
                 }
             }
-            Self::Exact => record("exact", 0.0, ""),
-            Self::Bounded { most_wrong, reason, .. } => record("bounded", most_wrong, reason),
-            Self::KnownFailure { from, below, least_wrong, reason, source, .. } => ExpectationRecord {
-                from: Some(from),
-                least_wrong: Some(least_wrong),
-                source: source.to_owned(),
-                ..record("known_failure", below, reason)
-            },
+            Self::Exact => record(EXACT, "", ""),
+            Self::Bounded { reason, .. } => record("bounded", reason, ""),
+            Self::KnownFailure { reason, source, .. } => record("known_failure", reason, source),
         }
     }
 }
@@ -145,67 +120,74 @@ impl Expectation {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::results::{Surprise, Wrong};
 
-    /// A known failure is one from its strength on alone: before it its own bound holds, neither twice of it nor less,
-    /// at the hardest strength the stated share at least is wrong, and in between more than the bound.
+    const FEW: Expectation = few(Rule::HitMiss, "edges");
+
+    /// Whether wrong rays of a share surprise at one of the knob's values 1, 10 and 100, and if so by too many.
+    fn fails(
+        of: Expectation,
+        shares: &[Option<f64>],
+        device: Option<&Rasterizer>,
+        index: usize,
+        wrong: f64,
+    ) -> Option<bool> {
+        let values = [1.0, 10.0, 100.0];
+        let record = ExpectationRecord { wrong_shares: shares.to_vec(), ..of.record(&values, device) };
+        let found = record.surprise(&values, index, &Wrong { hit_miss: wrong, tight: 1.0, footprint: 1.0 });
+        found.map(|surprise| matches!(surprise, Surprise::Failure { .. }))
+    }
+
+    /// Every strength has its own share, with room to both sides of a percentage point or a third of it, whichever is more; where no share is
+    /// stated nothing surprises.
     #[test]
-    fn known_failures_begin_where_they_are_said_to() {
-        let known = Expectation::KnownFailure {
-            rule: Rule::HitMiss,
-            from: 3.0,
-            below: 0.02,
-            least_wrong: 0.4,
-            reason: "",
-            source: "",
-        };
-        let surprise = |index: usize, wrong: f64| {
-            let found =
-                known.surprise(&[1.0, 2.0, 3.0, 4.0], index, &Wrong { hit_miss: wrong, tight: 1.0, footprint: 1.0 });
-            found.map(|surprise| matches!(surprise, Surprise::Failure { .. }))
-        };
-        for index in [0, 1] {
-            assert_eq!(
-                [0.0, 0.02, 0.021, 0.04].map(|wrong| surprise(index, wrong)),
-                [None, None, Some(true), Some(true)]
-            );
+    fn shares_have_room_to_both_sides() {
+        for expectation in [FEW, super::fails(Rule::HitMiss, "", "")] {
+            let judge = |index, wrong| fails(expectation, &[Some(0.0), Some(0.3), None], None, index, wrong);
+            assert_eq!([0.0, 0.01, 0.011, 1.0].map(|wrong| judge(0, wrong)), [None, None, Some(true), Some(true)]);
+            let found = [0.0, 0.199, 0.201, 0.399, 0.401].map(|wrong| judge(1, wrong));
+            assert_eq!(found, [Some(false), Some(false), None, None, Some(true)]);
+            assert_eq!([0.0, 1.0].map(|wrong| judge(2, wrong)), [None, None]);
         }
-        assert_eq!([0.0, 0.02, 0.021, 0.9].map(|wrong| surprise(2, wrong)), [Some(false), Some(false), None, None]);
-        assert_eq!([0.1, 0.39, 0.4, 0.9].map(|wrong| surprise(3, wrong)), [Some(false), Some(false), None, None]);
+    }
+
+    /// What is exact has no room at all.
+    #[test]
+    fn exact_has_no_room() {
+        let record = Expectation::Exact.record(&[1.0], None);
+        let wrong = |share| Wrong { hit_miss: 0.0, tight: share, footprint: 0.0 };
+        assert_eq!(record.surprise(&[1.0], 0, &wrong(0.0)), None);
+        assert!(matches!(record.surprise(&[1.0], 0, &wrong(1e-4)), Some(Surprise::Failure { .. })));
     }
 
     /// What may be refused may be so from its strength on alone, and is judged like what it stands for where it answers.
     #[test]
     fn refusals_are_expected_from_their_strength_on() {
-        const EXACT: Expectation = Expectation::Exact;
-        let refusable = Expectation::Refusable { from: 3.0, otherwise: &EXACT };
-        let values = [1.0, 2.0, 3.0, 4.0];
-        assert_eq!([0, 1, 2, 3].map(|index| refusable.may_be_refused(&values, index)), [false, false, true, true]);
-        assert!(!EXACT.may_be_refused(&values, 3));
-        let wrong = |share| Wrong { hit_miss: share, tight: share, footprint: share };
-        assert_eq!(refusable.rule(), EXACT.rule());
-        assert!(refusable.surprise(&values, 3, &wrong(0.0)).is_none());
-        assert!(matches!(refusable.surprise(&values, 3, &wrong(0.1)), Some(Surprise::Failure { .. })));
+        const REFUSABLE: Expectation = Expectation::Refusable { from: 10.0, otherwise: &FEW };
+        let values = [1.0, 10.0, 100.0];
+        let record = REFUSABLE.record(&values, None);
+        assert_eq!([0, 1, 2].map(|index| record.may_be_refused(&values, index)), [false, true, true]);
+        assert!(!FEW.record(&values, None).may_be_refused(&values, 2));
+        assert_eq!(REFUSABLE.rule(), FEW.rule());
+        let shares = [Some(0.0); 3];
+        assert_eq!([0.0, 0.1].map(|wrong| fails(REFUSABLE, &shares, None, 2, wrong)), [None, Some(true)]);
     }
 
-    /// What a rasterizer spoils is expected of it by its probe: more wrong rays by what it snaps, and from the first value beyond its
+    /// What a rasterizer spoils is expected of it by its probe: room for what it snaps, to both sides, and from the first value beyond its
     /// reach on nothing is judged; where nothing was probed it is taken for exact.
     #[test]
     fn rasterizers_are_judged_by_their_probe() {
-        const EXACT: Expectation = Expectation::Bounded { rule: Rule::HitMiss, most_wrong: 0.01, reason: "edges" };
         const HUGE: Expectation =
-            Expectation::Rasterized { wrong_by_snapping: 2.0, reaches_far: true, reason: "lost", otherwise: &EXACT };
-        let values = [1.0, 10.0, 100.0];
+            Expectation::Rasterized { wrong_by_snapping: 2.0, reaches_far: true, reason: "lost", otherwise: &FEW };
         let device =
             |snap_pixels, reach| Rasterizer { snap_pixels, reach, depth_error: 0.0, depth_error_beyond_view: 0.0 };
-        let fails = |device: Option<&Rasterizer>, index, share| {
-            let wrong = Wrong { hit_miss: share, tight: share, footprint: share };
-            HUGE.record(&values, device).surprise(&values, index, &wrong).is_some()
-        };
         let (fine, coarse) = (device(0.0, 100.0), device(0.03, 10.0));
-        assert_eq!([0.01, 0.02].map(|share| fails(None, 2, share)), [false, true]);
-        assert_eq!([0.01, 0.02].map(|share| fails(Some(&fine), 2, share)), [false, true]);
-        assert_eq!([0.06, 0.08].map(|share| fails(Some(&coarse), 1, share)), [false, true]);
-        assert_eq!([0.06, 0.9].map(|share| fails(Some(&coarse), 2, share)), [false, false]);
-        assert!(fails(Some(&fine), 2, 0.9));
+        let judge = |device, index, wrong| fails(HUGE, &[Some(0.09); 3], device, index, wrong);
+        let wrong = [0.0, 0.05, 0.07, 0.11, 0.13, 0.17, 0.19];
+        let (low, high) = (Some(false), Some(true));
+        assert_eq!(wrong.map(|wrong| judge(None, 2, wrong)), [low, low, None, None, high, high, high]);
+        assert_eq!(wrong.map(|wrong| judge(Some(&fine), 2, wrong)), [low, low, None, None, high, high, high]);
+        assert_eq!(wrong.map(|wrong| judge(Some(&coarse), 1, wrong)), [low, None, None, None, None, None, high]);
+        assert_eq!(wrong.map(|wrong| judge(Some(&coarse), 2, wrong)), [None; 7]);
     }
 }

@@ -1,9 +1,10 @@
 //! The room of `lbvh-gpu`, which has the searches of `bvh-gpu` over hierarchies built on the device.
 
 use super::ablation::{improved, published};
-use super::{Ablation, Family, OF_HIERARCHIES, Registration};
+use super::{Ablation, Expectation, Family, Improved, OF_HIERARCHIES, Registration};
 
 pub(crate) const ROOM: Registration = Registration {
+    improved: Some(Improved { otherwise: Some(Expectation::Exact), expectations: &[] }),
     ablation: Some(&ABLATION),
     touches: OF_HIERARCHIES,
     ..Registration::analytic(tracebench_bvh::lbvh_description, Family::Bvh, |gpu| {

@@ -111,7 +111,7 @@ pub struct Registration {
     pub otherwise: Option<Expectation>,
     /// What is expected of its published preset, by stability case.
     pub expectations: Column,
-    /// What is expected of its improved preset, where it has one and something is.
+    /// What is expected of its improved preset, where that is more than of the published one or less.
     pub improved: Option<Improved>,
     /// The switches of its improved form, as a table has them.
     pub ablation: Option<&'static Ablation>,
@@ -172,13 +172,19 @@ impl Registration {
         expected(self.expectations, case).or(self.otherwise)
     }
 
-    /// What is expected of one of its presets on a case.
+    /// What is expected of one of its presets on a case: of an improved one without expectations of its own, the same as of the published one.
     pub fn expected_of(&self, preset: Preset, case: &str) -> Option<Expectation> {
+        match self.improved.filter(|_| preset == Preset::Improved) {
+            None => self.expected_on(case),
+            Some(improved) => expected(improved.expectations, case).or(improved.otherwise),
+        }
+    }
+
+    /// The name under which the expected shares of a preset stand: `NAME`, or `NAME:improved` where that has its own.
+    pub fn column(&self, preset: Preset) -> String {
         match preset {
-            Preset::Published => self.expected_on(case),
-            Preset::Improved => {
-                self.improved.and_then(|improved| expected(improved.expectations, case).or(improved.otherwise))
-            }
+            Preset::Improved if self.improved.is_some() => format!("{}:{}", self.name(), preset.name()),
+            _ => self.name().to_owned(),
         }
     }
 

@@ -1,7 +1,7 @@
 //! The room of `quadtree`: two depth layers of the frame, each pixel a small plane, merged by thresholds in the unit cube.
 
 use super::ablation::{Values, improved, published};
-use super::expectation::{fails, of_huge_triangles, of_plates_along_rows};
+use super::expectation::{fails, few, of_huge_triangles, of_plates_along_rows};
 use super::{Ablation, Column, Expectation, Family, Improved, Registration, Remedy, Rule, Shrink, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
@@ -26,14 +26,9 @@ pub(crate) const ROOM: Registration = Registration {
     })
 };
 
-const fn few(rule: Rule, most_wrong: f64, reason: &'static str) -> Expectation {
-    Expectation::Bounded { rule, most_wrong, reason }
-}
-
 /// Rays through the frame's own pixel centres find the depth that is stored there, as far as thresholds leave it.
 const AT_SAMPLES: Expectation = few(
     Rule::Footprint,
-    0.01,
     "eye rays through pixel centres get the plane that stands for the depth that was sampled there; only where an edge runs through a \
      centre does the rasterizer's rounding decide otherwise",
 );
@@ -58,24 +53,18 @@ const EXPECTATIONS: Column = &[
         "edge-on",
         fails(
             Rule::HitMiss,
-            87.0,
-            0.02,
-            0.6,
             "a surface along the line of sight covers few pixel centres or none, so rays that \
         cross it find nothing",
             SAMPLES_SOURCE,
         ),
     ),
-    ("wires", fails(Rule::HitMiss, 1.0, 0.12, 0.4, BETWEEN, SAMPLES_SOURCE)),
-    ("leaves", fails(Rule::HitMiss, 1.0, 0.12, 0.3, BETWEEN, SAMPLES_SOURCE)),
-    ("close-sheets", fails(Rule::Footprint, 1e-3, 0.05, 0.4, NEAR_START, NEAR_START_SOURCE)),
+    ("wires", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
+    ("leaves", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
+    ("close-sheets", fails(Rule::Footprint, NEAR_START, NEAR_START_SOURCE)),
     (
         "voxel-stack",
         fails(
             Rule::Footprint,
-            2.0,
-            0.2,
-            0.4,
             "of a crowd of small triangles at all angles two layers are stored, and those seen from their edges cover few pixels, all of \
              them near a discontinuity: rays pass between their planes",
             LAYERS_SOURCE,
@@ -87,65 +76,57 @@ const EXPECTATIONS: Column = &[
     ("coplanar-copies", AT_SAMPLES),
     (
         "eye-inside-object",
-        few(Rule::Footprint, 0.02, "of what the eye looks out of both sides are layers; wrong are rays at rims"),
+        few(Rule::Footprint, "of what the eye looks out of both sides are layers; wrong are rays at rims"),
     ),
-    ("eye-on-surface", fails(Rule::Footprint, 1e-4, 0.02, 0.4, BEFORE_NEAR, NEAR_SOURCE)),
+    ("eye-on-surface", fails(Rule::Footprint, BEFORE_NEAR, NEAR_SOURCE)),
     (
         "plane-through-eye",
         fails(
             Rule::Footprint,
-            0.1,
-            0.0,
-            0.6,
             "rays from beside the view, onto a plane that is at last no more than a line in it",
             ASIDE_SOURCE,
         ),
     ),
-    ("eye-at-vertex", fails(Rule::Footprint, 1e-4, 0.05, 0.35, BEFORE_NEAR, NEAR_SOURCE)),
-    ("before-near", fails(Rule::Footprint, 0.75, 0.02, 0.25, BEFORE_NEAR, NEAR_SOURCE)),
+    ("eye-at-vertex", fails(Rule::Footprint, BEFORE_NEAR, NEAR_SOURCE)),
+    ("before-near", fails(Rule::Footprint, BEFORE_NEAR, NEAR_SOURCE)),
     (
         "cube-borders",
         fails(
             Rule::HitMiss,
-            0.1,
-            0.2,
-            0.4,
             "most of the directions between cube faces leave the one view that there is",
             ASIDE_SOURCE,
         ),
     ),
-    ("depth-range", fails(Rule::Footprint, 8.0, 0.01, 0.04, MERGED, MERGED_SOURCE)),
-    ("secondary-depth-ratio", fails(Rule::Footprint, 8.0, 0.04, 0.1, MERGED, MERGED_SOURCE)),
-    ("coarse-frame", fails(Rule::Footprint, 17.0, 0.06, 0.8, BETWEEN, SAMPLES_SOURCE)),
-    ("wide-frame", of_plates_along_rows(&few(Rule::Footprint, 0.09, MERGED))),
+    ("depth-range", fails(Rule::Footprint, MERGED, MERGED_SOURCE)),
+    ("secondary-depth-ratio", fails(Rule::Footprint, MERGED, MERGED_SOURCE)),
+    ("coarse-frame", fails(Rule::Footprint, BETWEEN, SAMPLES_SOURCE)),
+    ("wide-frame", of_plates_along_rows(&few(Rule::Footprint, MERGED))),
     (
         "surface-starts",
         few(
             Rule::HitMiss,
-            0.05,
             "rays begin a pixel away from their start, and small planes follow the surface that they start on",
         ),
     ),
-    ("cell-borders", few(Rule::HitMiss, 0.04, "either pixel at a border shows the wall, but at its rim")),
+    ("cell-borders", few(Rule::HitMiss, "either pixel at a border shows the wall, but at its rim")),
     (
         "face-cell-borders",
-        few(Rule::HitMiss, 0.04, "no borders of its own frame: the wall is seen, its rim by a pixel more or less"),
+        few(Rule::HitMiss, "no borders of its own frame: the wall is seen, its rim by a pixel more or less"),
     ),
     (
         "through-view-centre",
-        few(Rule::HitMiss, 0.08, "planes are met wherever the ray's image is a single pixel, but at rims"),
+        few(Rule::HitMiss, "planes are met wherever the ray's image is a single pixel, but at rims"),
     ),
-    ("flat-tile", few(Rule::Footprint, 0.17, MERGED)),
+    ("flat-tile", few(Rule::Footprint, MERGED)),
     ("equal-triangles", AT_SAMPLES),
-    ("stacked-layers", fails(Rule::Footprint, 4.0, 0.2, 0.35, BEHIND, LAYERS_SOURCE)),
-    ("crowded-pixel", fails(Rule::HitMiss, 8.0, 0.05, 0.15, BETWEEN, SAMPLES_SOURCE)),
-    ("thin-walls", few(Rule::HitMiss, 0.02, "what hides a wall's far side is its near one, which is hit")),
+    ("stacked-layers", fails(Rule::Footprint, BEHIND, LAYERS_SOURCE)),
+    ("crowded-pixel", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
+    ("thin-walls", few(Rule::HitMiss, "what hides a wall's far side is its near one, which is hit")),
     ("long-scene", AT_SAMPLES),
     (
         "behind-foreground",
         few(
             Rule::HitMiss,
-            0.02,
             "a ray that passes behind a plane, however near, lies in its occlusion volume, and the next layer is asked",
         ),
     ),
@@ -153,7 +134,6 @@ const EXPECTATIONS: Column = &[
         "towards-camera",
         few(
             Rule::Footprint,
-            0.02,
             "small planes are met at their own place, also from behind, where a ray comes out of their volume",
         ),
     ),
@@ -161,7 +141,6 @@ const EXPECTATIONS: Column = &[
         "foreground-in-cell",
         few(
             Rule::HitMiss,
-            0.01,
             "a box that holds more than the ray's way is opened, down to the pixels, which hold that alone",
         ),
     ),
@@ -169,7 +148,6 @@ const EXPECTATIONS: Column = &[
         "long-rays",
         few(
             Rule::HitMiss,
-            0.01,
             "what a ray passes over is skipped by nodes as large as 512 pixels: its budget of steps lasts",
         ),
     ),
@@ -185,72 +163,63 @@ const CROWDED: &str = "of a crowd of small triangles at all angles four layers a
 const BEHIND_FOUR: &str = "four layers: what lies behind the fourth surface is not stored";
 const IN_PIXELS_AT_ALL_DEPTHS: &str = "thresholds are in heights of a pixel at every depth: a plane stands for what a ray cannot tell from it, and only \
                                        what ends between pixels' centres is beside it";
-const ALONG_ROWS: Expectation = few(Rule::Footprint, 0.02, IN_PIXELS_AT_ALL_DEPTHS);
+const ALONG_ROWS: Expectation = few(Rule::Footprint, IN_PIXELS_AT_ALL_DEPTHS);
 const AT_RIMS: &str = "planes are met at their own place; wrong are rays at rims, by a pixel more or less";
 
 const IMPROVED_EXPECTATIONS: Column = &[
-    ("edge-on", fails(Rule::HitMiss, 87.0, 0.02, 0.6, EDGE_ON, SAMPLES_SOURCE)),
-    ("wires", fails(Rule::HitMiss, 1.0, 0.12, 0.4, BETWEEN, SAMPLES_SOURCE)),
-    ("leaves", fails(Rule::HitMiss, 1.0, 0.12, 0.3, BETWEEN, SAMPLES_SOURCE)),
-    ("close-sheets", fails(Rule::Footprint, 1e-3, 0.05, 0.4, CLOSE, NEAR_START_SOURCE)),
-    ("voxel-stack", fails(Rule::Footprint, 8.0, 0.23, 0.33, CROWDED, LAYERS_SOURCE)),
+    ("edge-on", fails(Rule::HitMiss, EDGE_ON, SAMPLES_SOURCE)),
+    ("wires", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
+    ("leaves", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
+    ("close-sheets", fails(Rule::Footprint, CLOSE, NEAR_START_SOURCE)),
+    ("voxel-stack", fails(Rule::Footprint, CROWDED, LAYERS_SOURCE)),
     ("open-mesh", AT_SAMPLES),
     ("huge-triangle", of_huge_triangles(&AT_SAMPLES)),
     ("needles", AT_SAMPLES),
     ("coplanar-copies", AT_SAMPLES),
-    ("eye-inside-object", few(Rule::Footprint, 0.02, AT_RIMS)),
-    ("eye-on-surface", fails(Rule::Footprint, 1e-4, 0.02, 0.4, BEFORE_NEAR, NEAR_SOURCE)),
+    ("eye-inside-object", few(Rule::Footprint, AT_RIMS)),
+    ("eye-on-surface", fails(Rule::Footprint, BEFORE_NEAR, NEAR_SOURCE)),
     (
         "plane-through-eye",
         fails(
             Rule::Footprint,
-            0.1,
-            0.0,
-            0.6,
             "rays from beside the view, onto a plane that is at last no more than a line in it",
             ASIDE_SOURCE,
         ),
     ),
-    ("eye-at-vertex", fails(Rule::Footprint, 1e-4, 0.05, 0.35, BEFORE_NEAR, NEAR_SOURCE)),
-    ("before-near", fails(Rule::Footprint, 0.75, 0.02, 0.25, BEFORE_NEAR, NEAR_SOURCE)),
+    ("eye-at-vertex", fails(Rule::Footprint, BEFORE_NEAR, NEAR_SOURCE)),
+    ("before-near", fails(Rule::Footprint, BEFORE_NEAR, NEAR_SOURCE)),
     (
         "cube-borders",
         fails(
             Rule::HitMiss,
-            0.1,
-            0.2,
-            0.4,
             "most of the directions between cube faces leave the one view that there is",
             ASIDE_SOURCE,
         ),
     ),
-    ("depth-range", few(Rule::Footprint, 0.01, IN_PIXELS_AT_ALL_DEPTHS)),
-    ("secondary-depth-ratio", few(Rule::Footprint, 0.05, IN_PIXELS_AT_ALL_DEPTHS)),
-    ("coarse-frame", fails(Rule::Footprint, 17.0, 0.06, 0.8, BETWEEN, SAMPLES_SOURCE)),
+    ("depth-range", few(Rule::Footprint, IN_PIXELS_AT_ALL_DEPTHS)),
+    ("secondary-depth-ratio", few(Rule::Footprint, IN_PIXELS_AT_ALL_DEPTHS)),
+    ("coarse-frame", fails(Rule::Footprint, BETWEEN, SAMPLES_SOURCE)),
     ("wide-frame", of_plates_along_rows(&ALONG_ROWS)),
     (
         "surface-starts",
-        few(Rule::HitMiss, 0.02, "small planes by the triangles' normals lie on the surface that a ray starts on"),
+        few(Rule::HitMiss, "small planes by the triangles' normals lie on the surface that a ray starts on"),
     ),
-    ("cell-borders", few(Rule::HitMiss, 0.04, AT_RIMS)),
-    ("face-cell-borders", few(Rule::HitMiss, 0.04, AT_RIMS)),
-    ("through-view-centre", few(Rule::HitMiss, 0.04, AT_RIMS)),
-    ("flat-tile", few(Rule::Footprint, 0.01, IN_PIXELS_AT_ALL_DEPTHS)),
+    ("cell-borders", few(Rule::HitMiss, AT_RIMS)),
+    ("face-cell-borders", few(Rule::HitMiss, AT_RIMS)),
+    ("through-view-centre", few(Rule::HitMiss, AT_RIMS)),
+    ("flat-tile", few(Rule::Footprint, IN_PIXELS_AT_ALL_DEPTHS)),
     ("equal-triangles", AT_SAMPLES),
-    ("stacked-layers", fails(Rule::Footprint, 32.0, 0.03, 0.35, BEHIND_FOUR, LAYERS_SOURCE)),
-    ("crowded-pixel", fails(Rule::HitMiss, 8.0, 0.05, 0.15, BETWEEN, SAMPLES_SOURCE)),
-    ("thin-walls", few(Rule::HitMiss, 0.02, "what hides a wall's far side is its near one, which is hit")),
+    ("stacked-layers", fails(Rule::Footprint, BEHIND_FOUR, LAYERS_SOURCE)),
+    ("crowded-pixel", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
+    ("thin-walls", few(Rule::HitMiss, "what hides a wall's far side is its near one, which is hit")),
     ("long-scene", AT_SAMPLES),
-    ("behind-foreground", few(Rule::HitMiss, 0.02, "what passes behind a plane asks the next layer")),
-    ("towards-camera", few(Rule::Footprint, 0.02, AT_RIMS)),
+    ("behind-foreground", few(Rule::HitMiss, "what passes behind a plane asks the next layer")),
+    ("towards-camera", few(Rule::Footprint, AT_RIMS)),
     (
         "foreground-in-cell",
-        few(Rule::HitMiss, 0.01, "a box that holds more than the ray's way is opened, down to the pixels"),
+        few(Rule::HitMiss, "a box that holds more than the ray's way is opened, down to the pixels"),
     ),
-    (
-        "long-rays",
-        few(Rule::HitMiss, 0.01, "what a ray passes over is skipped by large nodes: its budget of steps lasts"),
-    ),
+    ("long-rays", few(Rule::HitMiss, "what a ray passes over is skipped by large nodes: its budget of steps lasts")),
 ];
 
 /// From row to row one thing more: normals of triangles, thresholds in pixels, the flag from smaller steps, planes that end at each other.

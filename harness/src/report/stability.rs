@@ -44,8 +44,7 @@ fn reasons(stability: &Stability) -> Vec<String> {
     for CaseMatrix { case, cells } in &stability.cases {
         for cell in cells.iter().filter(|cell| cell.verdict != Verdict::Unavailable) {
             let Some(expectation) = cell.expectation.as_ref().filter(|each| !each.reason.is_empty()) else { continue };
-            let from = expectation.from.map(|from| format!(" from {}", with_unit(from, &case.knob.unit)));
-            let name = format!("{}{}", case.name, from.unwrap_or_default());
+            let name = case.name.clone();
             let mut reason = expectation.reason.clone();
             if !expectation.source.is_empty() {
                 let _ = write!(reason, " ({})", expectation.source);
@@ -57,10 +56,6 @@ fn reasons(stability: &Stability) -> Vec<String> {
         }
     }
     said.into_iter().map(|(tracer, reason, cases)| format!("- {tracer}, {}: {reason}.", cases.join("; "))).collect()
-}
-
-fn with_unit(value: f64, unit: &str) -> String {
-    format!("{} {unit}", knob_value(value)).trim_end().to_owned()
 }
 
 /// A knob's value: plain where that is short.

@@ -95,6 +95,13 @@ pub struct NoAnswer {
     pub unavailable: bool,
 }
 
+/// The kind of an expectation of no wrong ray.
+pub(crate) const EXACT: &str = "exact";
+
+/// Room to both sides of an expected share: so much at least, share of all rays, and such a part of the share.
+const MIN_ROOM: f64 = 0.01;
+const ROOM_SHARE: f64 = 1.0 / 3.0;
+
 /// What is expected of a tracer on a case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ExpectationRecord {
@@ -102,12 +109,13 @@ pub struct ExpectationRecord {
     pub kind: String,
     /// The rule by which rays are wrong.
     pub rule: Rule,
-    /// Most wrong rays, share: at every strength, or below `from`.
-    pub most_wrong: f64,
-    /// The strength from which a known failure fails.
-    pub from: Option<f64>,
-    /// Least wrong rays of a known failure at the hardest strength, share.
-    pub least_wrong: Option<f64>,
+    /// The share of wrong rays at each of the knob's values, as measured before; `None` where there were no answers. Empty of what is exact,
+    /// and in records of before every strength had its share.
+    #[serde(default)]
+    pub wrong_shares: Vec<Option<f64>>,
+    /// What the device's rasterizer adds to the room on both sides of these, share.
+    #[serde(default)]
+    pub rasterizer_room: f64,
     /// The strength from which on a device may be too small.
     pub refusable_from: Option<f64>,
     /// The strength from which on the device's rasterizer loses triangles, by its probe: whatever is wrong there is not the tracer's.
@@ -153,7 +161,7 @@ pub enum Surprise {
         /// Most that were allowed, share.
         allowed: f64,
     },
-    /// Fewer rays are wrong than a known failure must have.
+    /// Fewer rays are wrong than must be: what is stated is out of date.
     Success {
         /// Share of wrong rays.
         wrong: f64,
@@ -177,20 +185,18 @@ impl ExpectationRecord {
         from.is_some_and(|at| index >= at)
     }
 
+    /// The share of wrong rays that is expected at one of a knob's values; `None` if none is stated.
+    pub fn expected_share(&self, index: usize) -> Option<f64> {
+        if self.kind == EXACT { Some(0.0) } else { self.wrong_shares.get(index).copied().flatten() }
+    }
+
     /// What is surprising about the wrong rays at one of a knob's values.
     pub fn surprise(&self, values: &[f64], index: usize, shares: &Wrong) -> Option<Surprise> {
-        if self.may_be_lost(values, index) {
-            return None;
-        }
-        let (rule, most) = (self.rule, self.most_wrong);
-        let wrong = shares.under(rule);
-        let at_most = |allowed: f64| (wrong > allowed).then_some(Surprise::Failure { wrong, rule, allowed });
-        let Some((from, least_wrong)) = self.from.zip(self.least_wrong) else { return at_most(most) };
-        let first = values.iter().position(|value| *value == from).unwrap_or(0);
-        if index < first {
-            return at_most(most);
-        }
-        let expected = if index + 1 == values.len() { least_wrong } else { most };
-        (wrong < expected || wrong <= most).then_some(Surprise::Success { wrong, rule, expected })
+        let expected = self.expected_share(index).filter(|_| !self.may_be_lost(values, index))?;
+        let own_room = if self.kind == EXACT { 0.0 } else { MIN_ROOM.max(expected * ROOM_SHARE) };
+        let (rule, wrong, room) = (self.rule, shares.under(self.rule), own_room + self.rasterizer_room);
+        let (least, allowed) = (expected - room, expected + room);
+        let failure = (wrong > allowed).then_some(Surprise::Failure { wrong, rule, allowed });
+        failure.or((wrong < least).then_some(Surprise::Success { wrong, rule, expected: least }))
     }
 }

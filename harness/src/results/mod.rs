@@ -31,6 +31,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+pub(crate) use cases::EXACT;
 pub use cases::{
     CaseRecord, CaseTracer, CasesRecord, ExpectationRecord, KnobRecord, NoAnswer, Strength, Surprise, Wrong,
 };

@@ -40,9 +40,13 @@ fn a_matrix_and_its_files() {
         (Some("ray-query"), Some(!with_ray_queries))
     );
     let cell = case["tracers"].as_array().unwrap().iter().find(|cell| cell["tracer"]["name"] == "screen-dda").unwrap();
-    for field in ["kind", "rule", "most_wrong", "from", "least_wrong", "reason", "source"] {
+    for field in ["kind", "rule", "wrong_shares", "rasterizer_room", "reason", "source"] {
         assert!(!cell["expectation"][field].is_null(), "{field}: {cell}");
     }
+    assert_eq!(
+        cell["expectation"]["wrong_shares"].as_array().map(Vec::len),
+        case["knob"]["values"].as_array().map(Vec::len)
+    );
     let rows: Vec<&Value> = found["runs"]
         .as_array()
         .unwrap()
@@ -76,7 +80,8 @@ fn a_matrix_and_its_files() {
     assert_eq!(names(&bench.path("tracebench-out")).len(), 1);
 }
 
-/// Proves that verdicts on changed parameters are shown but do not count, and that another preset is unstated.
+/// Proves that verdicts on changed parameters are shown but do not count, and that an improved preset that is the published one is judged as
+/// that is.
 #[test]
 fn changed_parameters_do_not_count() {
     let bench = Bench::new();
@@ -87,7 +92,36 @@ fn changed_parameters_do_not_count() {
     assert!(outcome.stdout.contains("do not count") && outcome.stdout.contains("UNEXPECTED"), "{outcome:?}");
     let improved = bench.call(&[&FEW[..], &["bvh-cpu:improved", "--out", "improved"]].concat());
     assert_eq!(improved.status, 0, "{improved:?}");
-    assert!(improved.stdout.contains("unstated"), "{improved:?}");
+    assert!(
+        improved.stdout.contains("| edge-on | exact |") && improved.stdout.contains("known failure"),
+        "{improved:?}"
+    );
+}
+
+/// Proves that `--expect` makes a file of what records measured, by adapter, which it makes again of the same byte for byte; that it leaves
+/// other lines as they are; and that it refuses what is no such file, what is no record of cases, and half of the arguments.
+#[test]
+fn expected_shares_are_made_of_records() {
+    let bench = Bench::new();
+    let run = bench.call(&[&FEW[..], &["bvh-cpu", "--out", "out"]].concat());
+    assert_eq!(run.status, 0, "{run:?}");
+    let made = bench.call(&["stability", "--expect", "expected.csv", "--from", "out"]);
+    assert_eq!((made.status, made.stdout.as_str()), (0, "expected.csv\n"), "{made:?}");
+    let text = std::fs::read_to_string(bench.path("expected.csv")).unwrap();
+    let stated = include_str!("../../src/studies/stability/expected.csv");
+    let line = stated.lines().find(|line| line.starts_with("bvh-cpu,needles,")).unwrap();
+    assert_eq!(text, format!("tracer,case,software\n{line}\n"));
+    let other = text.replace("bvh-cpu,needles,", "dirt,leaves,");
+    std::fs::write(bench.path("expected.csv"), &other).unwrap();
+    assert_eq!(bench.call(&["stability", "--expect", "expected.csv", "--from", "out/run.json"]).status, 0);
+    let both = std::fs::read_to_string(bench.path("expected.csv")).unwrap();
+    assert_eq!(both.lines().collect::<Vec<_>>(), ["tracer,case,software", line, other.lines().nth(1).unwrap()]);
+    std::fs::write(bench.path("notes.txt"), "mine\n").unwrap();
+    bench.fails(&["stability", "--expect", "notes.txt", "--from", "out"], 1, &["notes.txt", "left as it is"]);
+    assert_eq!(std::fs::read_to_string(bench.path("notes.txt")).unwrap(), "mine\n");
+    bench.fails(&["stability", "--expect", "expected.csv", "--from", "none"], 1, &["none"]);
+    bench.fails(&["stability", "--expect", "expected.csv"], 2, &["--from"]);
+    bench.fails(&["stability", "--from", "out"], 2, &["--expect"]);
 }
 
 /// Proves that unknown names are refused with the nearest, before any file is touched.

@@ -1,11 +1,12 @@
 //! Runs cases: every tracer at every strength, judged against the truth and against what is expected of it.
 
+mod expected;
 mod matrix;
 mod verdict;
 
 use std::sync::Arc;
 
-use tracebench_api::{Geometry, Gpu};
+use tracebench_api::{Geometry, Gpu, Rasterizer};
 
 use crate::cases::{CASES, Case, Probe, Setup};
 use crate::contenders::Expectation;
@@ -16,10 +17,12 @@ use crate::measure::{self, Context, Effort, Place, Placed, Refusal, Request, Run
 use crate::plan::TracerRequest;
 use crate::rays::RaySet;
 use crate::results::{
-    CaseRecord, CaseTracer, CasesRecord, KnobRecord, NoAnswer, Run, SceneRecord, Skipped, Strength, TrueCounts,
+    CaseRecord, CaseTracer, CasesRecord, EXACT, ExpectationRecord, KnobRecord, NoAnswer, Run, SceneRecord, Skipped,
+    Strength, TrueCounts,
 };
 use crate::truth::Truth;
 
+pub use expected::{ExpectedError, ExpectedShares};
 pub use matrix::{CaseMatrix, Cell, Measured, Stability};
 pub use verdict::Verdict;
 pub(crate) use verdict::percent;
@@ -30,14 +33,30 @@ pub struct Candidate {
     pub request: TracerRequest,
     /// What is expected of it, by case.
     pub expected: Vec<(&'static str, Expectation)>,
+    /// Under which name its shares of wrong rays stand.
+    pub column: String,
+    /// Where they stand.
+    pub shares: Arc<ExpectedShares>,
 }
 
 impl Candidate {
     /// A requested tracer. Expectations hold for its preset; parameters that were changed are set against them all the same.
-    pub fn of(request: &TracerRequest) -> Self {
+    pub fn of(request: &TracerRequest, shares: &Arc<ExpectedShares>) -> Self {
         let expected_on = |case: &Case| Some((case.name, request.registration.expected_of(request.preset, case.name)?));
         let expected = CASES.iter().filter_map(expected_on).collect();
-        Self { request: request.clone(), expected }
+        let column = request.registration.column(request.preset);
+        Self { request: request.clone(), expected, column, shares: Arc::clone(shares) }
+    }
+
+    /// What is expected on a case, on an adapter of a kind with such a rasterizer.
+    pub fn record(&self, case: &Case, kind: &str, rasterizer: Option<&Rasterizer>) -> Option<ExpectationRecord> {
+        let (_, expected) = self.expected.iter().find(|(name, _)| *name == case.name)?;
+        let record = expected.record(case.knob.values, rasterizer);
+        if record.kind == EXACT {
+            return Some(record);
+        }
+        let wrong_shares = self.shares.of(&self.column, case.name, kind, case.knob.values);
+        Some(ExpectationRecord { wrong_shares, ..record })
     }
 }
 
@@ -46,7 +65,9 @@ impl Candidate {
 /// # Errors
 /// [`RunError`] if a tracer that was asked for by name cannot run, none can, or the device fails.
 pub fn run(cases: &[&Case], requests: &[TracerRequest], context: &Context<'_>) -> Result<Run, RunError> {
-    let candidates: Vec<Candidate> = requests.iter().map(Candidate::of).collect();
+    let shares = ExpectedShares::stated().map_err(|error| RunError::Nothing(error.to_string()))?;
+    let shares = Arc::new(shares);
+    let candidates: Vec<Candidate> = requests.iter().map(|request| Candidate::of(request, &shares)).collect();
     let run = measure(cases, &candidates, context)?;
     if run.skipped.len() == candidates.len() {
         return Err(measure::nothing(&run));
@@ -96,16 +117,14 @@ fn measure_case(
     run: &mut Run,
     context: &Context<'_>,
 ) -> Result<CaseRecord, RunError> {
-    let expected_on = |candidate: &Candidate| {
-        let found = candidate.expected.iter().find(|(name, _)| *name == case.name);
-        found.map(|(_, expected)| expected.record(case.knob.values, run.provenance.machine.rasterizer.as_ref()))
-    };
+    let machine = &run.provenance.machine;
+    let (kind, rasterizer) = (expected::kind_of(machine), machine.rasterizer.as_ref());
     let mut tracers: Vec<CaseTracer> = candidates
         .iter()
         .zip(absent)
         .map(|(candidate, absent)| CaseTracer {
             tracer: records::request_record(&candidate.request),
-            expectation: expected_on(candidate),
+            expectation: candidate.record(case, kind, rasterizer),
             unavailable: *absent,
             no_answers: Vec::new(),
         })

@@ -1,20 +1,20 @@
 //! From what was measured to a verdict.
 
 use super::{Cell, Measured};
-use crate::results::{CaseRecord, ExpectationRecord, MOST_UNEXPLAINED, Rule, Surprise};
+use crate::results::{CaseRecord, EXACT, ExpectationRecord, MOST_UNEXPLAINED, Rule, Surprise};
 
 /// What came of a tracer on a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Nothing wrong, as expected.
     Exact,
-    /// As little wrong as expected.
+    /// Few are wrong, as many as expected.
     Bounded,
     /// Fails as it is known to.
     KnownFailure,
     /// More is wrong than expected, or there are no answers.
     UnexpectedFailure,
-    /// Less is wrong than a known failure must have: the expectation is out of date.
+    /// Less is wrong than expected: the expectation is out of date.
     UnexpectedSuccess,
     /// Nothing is expected.
     Unstated,
@@ -50,8 +50,10 @@ pub(super) fn cell(
     mut measured: Vec<Measured>,
 ) -> Cell {
     let (verdict, text) = match expected {
-        None => (Verdict::Unstated, unstated(&measured)),
-        Some(expected) => stated(case, expected, &mut measured),
+        Some(expected) if (0..measured.len()).any(|index| expected.expected_share(index).is_some()) => {
+            stated(case, expected, &mut measured)
+        }
+        _ => (Verdict::Unstated, unstated(&measured)),
     };
     let unexplained = measured.iter().map(|each| each.unexplained).fold(0.0, f64::max);
     let text = match unexplained > MOST_UNEXPLAINED {
@@ -101,7 +103,9 @@ fn stated(case: &CaseRecord, expected: &ExpectationRecord, measured: &mut [Measu
             }
             Some(wrong) => expected.surprise(values, index, &wrong).map(|surprise| in_words(surprise, at)),
         };
-        each.as_expected = Some(surprise.is_none());
+        // Answers where none were before are judged by nothing.
+        let judged = each.wrong.is_none() || expected.expected_share(index).is_some();
+        each.as_expected = judged.then_some(surprise.is_none());
         surprises.extend(surprise);
     }
     if let Some(failure) = surprises.iter().find(|(verdict, _)| *verdict == Verdict::UnexpectedFailure) {
@@ -122,6 +126,8 @@ fn stated(case: &CaseRecord, expected: &ExpectationRecord, measured: &mut [Measu
     };
     say(measured.iter().find(|each| each.refused), "refused", "too large for the device");
     say(measured.iter().find(|each| each.unavailable), "unavailable", "the device's limits forbid it");
+    let unstated = measured.iter().find(|each| each.wrong.is_some() && each.as_expected.is_none());
+    say(unstated, "not judged", "no share is stated");
     let beyond = percent(worst(&measured[lost.unwrap_or(measured.len())..], expected.rule));
     say(lost.map(|lost| &measured[lost]), "not judged", &format!("the rasterizer loses triangles, {beyond} wrong"));
     (verdict, text)
@@ -131,11 +137,8 @@ fn stated(case: &CaseRecord, expected: &ExpectationRecord, measured: &mut [Measu
 fn as_expected(expected: &ExpectationRecord, measured: &[Measured]) -> (Verdict, String) {
     let rule = expected.rule;
     match expected.kind.as_str() {
-        "exact" => (Verdict::Exact, "exact".to_owned()),
-        "bounded" => {
-            let (most, worst) = (percent(expected.most_wrong), percent(worst(measured, rule)));
-            (Verdict::Bounded, format!("bounded {worst} ≤ {most} ({})", rule.name()))
-        }
+        EXACT => (Verdict::Exact, EXACT.to_owned()),
+        "bounded" => (Verdict::Bounded, format!("at most {} ({})", percent(worst(measured, rule)), rule.name())),
         _ => {
             let hardest = measured.iter().rev().find_map(|each| each.wrong).map_or(1.0, |wrong| wrong.under(rule));
             (Verdict::KnownFailure, format!("known failure {} ({})", percent(hardest), rule.name()))
