@@ -194,15 +194,20 @@ fn structures_follow(name: &str, time_s: f64) {
 }
 
 /// Proves that a rebuild follows the eye, in another frame size too, and that what does not depend on the viewpoint gives
-/// the same hits when it is reused, while what depends on it gives those of the old view.
+/// the same hits when it is reused, while what depends on it gives those of the old view: others than those of the new one, of every method
+/// that samples.
 #[test]
 fn structures_follow_the_eye() {
     let scene = at("cloth", 0.0);
     let rays = rays(&scene, 6);
-    let mut stale = BTreeSet::new();
+    let (mut stale, mut asked) = (BTreeSet::new(), BTreeSet::new());
     for subject in subjects() {
         let geometry = geometry(&scene, &subject.gpu);
         let [first, second] = views(&scene);
+        // An analytic method that keeps every triangle may answer alike from everywhere; one of samples does not.
+        if !subject.follows_geometry_only && !subject.registration.is_analytic() {
+            asked.insert(subject.name.clone());
+        }
         for other in [second, Viewpoint { frame: [40, 56], ..second }] {
             let expected = subject.hits(&*subject.build(&geometry, &other), &rays);
             let mut structure = subject.build(&geometry, &first);
@@ -217,8 +222,7 @@ fn structures_follow_the_eye() {
             assert_eq!(bytes(&subject.hits(&*structure, &rays)), bytes(&expected), "{}", subject.name);
         }
     }
-    // An analytic method that keeps every triangle may answer alike from everywhere; one of samples does not.
-    assert!(stale.contains("screen-dda:published"), "{stale:?}");
+    assert!(asked.len() > 5 && asked.is_subset(&stale), "{asked:?} of {stale:?}");
 }
 
 /// Proves that a structure cannot be fitted to other triangles, nor a scene moved to another number of vertices, and that
