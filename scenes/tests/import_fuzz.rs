@@ -15,17 +15,17 @@
 mod support;
 
 use std::fs;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use peak_alloc::PeakAlloc;
 use serde_json::Value;
 use support::glb;
 use support::mutate::{Parts, mutate};
 use support::promises::{self, Outcome};
-use support::random::Random;
+use tracebench_tests::fuzz::{self, Execution, Random, Tally, processor_time};
 
 #[global_allocator]
 static ALLOCATOR: PeakAlloc = PeakAlloc;
@@ -39,36 +39,8 @@ const MAX_TIME: Duration = Duration::from_secs(2);
 /// Most memory of an execution in bytes.
 const MAX_BYTES: usize = 1 << 30;
 
-/// What an execution cost and came to.
-struct Execution {
-    outcome: Result<Outcome, String>,
-    time: Duration,
-    bytes: usize,
-}
-
-/// Processor time of this process, where the system tells it: Linux, in the hundredths of a second of proc_pid_stat(5).
-fn processor_time() -> Option<Duration> {
-    let text = fs::read_to_string("/proc/self/stat").ok()?;
-    // The name of the program, which may hold anything, ends with the last bracket; user and system time are fields 14 and 15.
-    let mut fields = text.rsplit(')').next()?.split_whitespace().skip(11);
-    let mut ticks = || fields.next()?.parse::<u64>().ok();
-    Some(Duration::from_millis(10 * (ticks()? + ticks()?)))
-}
-
-fn execute(work: impl FnOnce() -> Result<Outcome, String>) -> Execution {
-    let before = ALLOCATOR.current_usage();
-    ALLOCATOR.reset_peak_usage();
-    let start = processor_time();
-    let outcome = catch_unwind(AssertUnwindSafe(work));
-    let time = processor_time().zip(start).map(|(end, start)| end.saturating_sub(start)).unwrap_or_default();
-    let bytes = ALLOCATOR.peak_usage().saturating_sub(before);
-    let outcome = match outcome {
-        Err(_) => Err("it panicked".to_owned()),
-        Ok(_) if time > MAX_TIME => Err(format!("it took {time:?} of processor time")),
-        Ok(_) if bytes > MAX_BYTES => Err(format!("it took {bytes} bytes")),
-        Ok(outcome) => outcome,
-    };
-    Execution { outcome, time, bytes }
+fn execute(work: impl FnOnce() -> Result<Outcome, String>) -> Execution<Outcome> {
+    fuzz::execute(&ALLOCATOR, MAX_TIME, MAX_BYTES, work)
 }
 
 fn folder(name: &str) -> PathBuf {
@@ -98,73 +70,16 @@ fn seeds() -> Vec<Parts> {
 
 /// The file of execution `number`.
 fn damaged(seeds: &[Parts], number: u64) -> Vec<u8> {
-    let mut random = Random(number.wrapping_mul(0x2545_f491_4f6c_dd1d));
+    let mut random = Random::of_execution(number);
     let (seed, donor) = (random.below(seeds.len()), random.below(seeds.len()));
     mutate(&mut random, &seeds[seed], &seeds[donor])
 }
 
-#[derive(Default)]
-struct Tally {
-    refused: u64,
-    still: u64,
-    moving: u64,
-    slowest: (Duration, u64),
-    largest: (usize, u64),
-    findings: Vec<u64>,
-}
-
-impl Tally {
-    fn add(&mut self, number: u64, execution: Execution) {
-        match execution.outcome {
-            Ok(Outcome::Refused) => self.refused += 1,
-            Ok(Outcome::Still) => self.still += 1,
-            Ok(Outcome::Moving) => self.moving += 1,
-            Err(problem) => {
-                println!("execution {number}: {problem}");
-                self.findings.push(number);
-            }
-        }
-        self.slowest = self.slowest.max((execution.time, number));
-        self.largest = self.largest.max((execution.bytes, number));
-    }
-
-    fn print(&self, next: u64, start: Instant) {
-        println!(
-            "next {next}, {:.0} s: {} refused, {} still, {} moving, {} findings; slowest {:?} ({}), largest {:.1} MiB ({})",
-            start.elapsed().as_secs_f64(),
-            self.refused,
-            self.still,
-            self.moving,
-            self.findings.len(),
-            self.slowest.0,
-            self.slowest.1,
-            self.largest.0 as f64 / f64::from(1 << 20),
-            self.largest.1,
-        );
-    }
-}
-
-/// Runs executions `from..end`.
-fn run(from: u64, end: u64) -> Tally {
+/// Runs executions.
+fn run(numbers: Range<u64>) -> Tally<Outcome> {
     let _alone = ALONE.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
     let seeds = seeds();
-    let (start, mut told) = (Instant::now(), Instant::now());
-    let mut tally = Tally::default();
-    for number in from..end {
-        let file = damaged(&seeds, number);
-        let execution = execute(|| promises::check(&file));
-        if execution.outcome.is_err() {
-            let path = std::env::temp_dir().join(format!("tracebench-finding-{number}.bin"));
-            fs::write(path, &file).unwrap();
-        }
-        tally.add(number, execution);
-        if told.elapsed() > Duration::from_secs(5) {
-            tally.print(number + 1, start);
-            told = Instant::now();
-        }
-    }
-    tally.print(end, start);
-    tally
+    fuzz::run(numbers, |number| damaged(&seeds, number), |file| execute(|| promises::check(file)))
 }
 
 /// Proves that every seed is imported as it is, and that some of them move: damage starts from sound files.
@@ -192,10 +107,10 @@ fn findings_stay_mended() {
 /// is refused, a good part is still imported.
 #[test]
 fn first_executions() {
-    let tally = run(0, 20_000);
+    let tally = run(0..20_000);
     assert_eq!(tally.findings, [] as [u64; 0]);
-    for (what, count) in [("refused", tally.refused), ("still", tally.still), ("moving", tally.moving)] {
-        assert!(count > 1_000, "{what}: {count}");
+    for outcome in [Outcome::Refused, Outcome::Still, Outcome::Moving] {
+        assert!(tally.count(&outcome) > 1_000, "{tally:?}");
     }
 }
 
@@ -227,15 +142,13 @@ fn limits_are_noticed() {
     // Without a clock of the processor no execution takes too long.
     let timed = processor_time().is_some();
     let expected = if timed { (vec![1, 2, 3, 4], 1) } else { (vec![1, 3, 4], 2) };
-    assert_eq!((tally.findings, tally.still), expected);
+    assert_eq!((tally.findings.clone(), tally.count(&Outcome::Still)), expected);
 }
 
 /// As [`first_executions`], for as long as one likes.
 #[test]
 #[ignore = "wider set: a million executions, or as many as FUZZ_EXECUTIONS says"]
 fn many_executions() {
-    let number = |name: &str, default: u64| std::env::var(name).map_or(default, |value| value.parse().unwrap());
-    let from = number("FUZZ_FROM", 0);
-    let tally = run(from, from + number("FUZZ_EXECUTIONS", 1_000_000));
+    let tally = run(fuzz::numbers(1_000_000));
     assert_eq!(tally.findings, [] as [u64; 0]);
 }

@@ -5,8 +5,8 @@ mod support;
 
 use serde_json::{Value, json};
 use support::promises::{self, Outcome};
-use support::random::Random;
 use support::{Doc, SQUARE};
+use tracebench_tests::fuzz::Random;
 
 /// Mostly ordinary numbers, now and then one that is none or at the end of the range.
 fn number(random: &mut Random, wild: bool) -> f32 {

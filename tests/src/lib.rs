@@ -2,6 +2,7 @@
 
 mod asked;
 mod fake;
+pub mod fuzz;
 
 use std::cell::OnceCell;
 use std::collections::BTreeSet;

@@ -178,8 +178,8 @@ fn outcome(session: &Session, contender: &Contender, rays: &PreparedRays) -> Out
             shown.push(index);
         }
     }
-    fn of<T: Copy>(indices: &[usize], all: &[T]) -> Vec<T> {
-        indices.iter().map(|index| all[*index]).collect()
+    fn of<T: Clone>(indices: &[usize], all: &[T]) -> Vec<T> {
+        indices.iter().map(|index| all[*index].clone()).collect()
     }
     let (rays_of, answers, hits) = (of(&shown, &rays.buffer.host), of(&shown, &rays.answers), of(&shown, &hits));
     let judge = Judge {

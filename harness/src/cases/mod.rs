@@ -62,7 +62,7 @@ pub struct Feature {
     pub has: fn(&Probe<'_>, usize) -> bool,
 }
 
-/// Most ties of a case at any strength, share of all rays: else it would measure nothing.
+/// Most ambiguous rays of a case at any strength, share of all rays: else it would measure nothing.
 pub const MOST_TIES: f64 = 0.06;
 
 /// A minimal scene with one difficulty.

@@ -301,18 +301,16 @@ impl Judge<'_> {
 
 /// What the truth says of rays.
 pub fn true_counts(answers: &[Answer]) -> TrueCounts {
-    let mut counts = TrueCounts::default();
-    for answer in answers {
-        let slot = match (answer.is_ambiguous(), answer.hit) {
-            (false, Some(_)) => &mut counts.hits,
-            (false, None) => &mut counts.misses,
-            (true, Some(_)) => &mut counts.ambiguous_hits,
-            (true, None) => &mut counts.ambiguous_misses,
-        };
-        *slot += 1;
-        counts.ambiguous_may_miss += u64::from(answer.is_ambiguous() && answer.all().any(|truth| truth.is_none()));
+    let count = |ambiguous: bool, is: fn(&Answer) -> bool| {
+        answers.iter().filter(|answer| answer.is_ambiguous() == ambiguous && is(answer)).count() as u64
+    };
+    TrueCounts {
+        hits: count(false, |answer| answer.hit.is_some()),
+        misses: count(false, |answer| answer.hit.is_none()),
+        ambiguous_hits: count(true, |answer| answer.hit.is_some()),
+        ambiguous_misses: count(true, |answer| answer.hit.is_none()),
+        ambiguous_may_miss: count(true, |answer| answer.all().any(|truth| truth.is_none())),
     }
-    counts
 }
 
 fn count_causes(wrong: &[WrongAnswer]) -> BTreeMap<String, u64> {

@@ -4,7 +4,6 @@
 pub mod motion;
 pub mod mutate;
 pub mod promises;
-pub mod random;
 
 use serde_json::{Value, json};
 use tracebench_scenes::{Scene, SceneError, import_bytes};

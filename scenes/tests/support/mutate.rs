@@ -1,9 +1,9 @@
 //! Damages glTF files where it hurts: in the JSON's tree, in the numbers of the buffer, and in the container.
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
+use tracebench_tests::fuzz::{Random, Vocabulary};
 
 use super::glb;
-use super::random::Random;
 
 /// A file with one buffer, taken apart.
 #[derive(Clone)]
@@ -138,6 +138,9 @@ const KEYS: &[(&str, &str)] = &[
     ("yfov", "4"),
 ];
 
+const GLTF: Vocabulary =
+    Vocabulary { numbers: NUMBERS, words: WORDS, keys: KEYS, repeats: &[1, 1, 1, 1, 2, 2, 20, 20, 300, 3000] };
+
 /// f32 numbers that are none, or at the end of the range.
 const FLOATS: &[f32] = &[
     f32::NAN,
@@ -165,136 +168,20 @@ pub fn mutate(random: &mut Random, parts: &Parts, donor: &Parts) -> Vec<u8> {
     let rounds = if random.once_in(8) { 3 + random.below(9) } else { 1 + random.below(2) };
     for _ in 0..rounds {
         match random.below(10) {
-            0..=4 => mutate_json(random, &mut parts.json, &donor.json),
+            0..=4 => GLTF.mutate(random, &mut parts.json, &donor.json),
             5..=8 => mutate_bin(random, &mut parts.bin),
             _ => resize_bin(random, &mut parts),
         }
     }
     let mut text = parts.json.to_string().into_bytes();
     if random.once_in(12) {
-        duplicate_key(random, &mut text);
+        GLTF.duplicate_key(random, &mut text);
     }
     let mut bytes = if random.once_in(6) { text } else { glb(&text, &parts.bin) };
     if random.once_in(8) {
         mutate_container(random, &mut bytes);
     }
     bytes
-}
-
-/// Every place in a tree, as JSON pointers.
-fn places(value: &Value, here: &str, out: &mut Vec<String>) {
-    out.push(here.to_owned());
-    match value {
-        Value::Array(items) => {
-            items.iter().enumerate().for_each(|(index, item)| places(item, &format!("{here}/{index}"), out));
-        }
-        Value::Object(object) => {
-            object.iter().for_each(|(key, item)| places(item, &format!("{here}/{key}"), out));
-        }
-        _ => {}
-    }
-}
-
-fn mutate_json(random: &mut Random, json: &mut Value, donor: &Value) {
-    let mut pointers = Vec::new();
-    places(json, "", &mut pointers);
-    let pointer = random.pick(&pointers).clone();
-    if random.once_in(6) {
-        // Something from elsewhere that stands under the same key.
-        let key = pointer.rsplit('/').next().unwrap_or_default();
-        let mut others = Vec::new();
-        let source = if random.once_in(2) { donor } else { &*json };
-        places(source, "", &mut others);
-        others.retain(|other| other.rsplit('/').next() == Some(key));
-        if others.is_empty() {
-            return;
-        }
-        let graft = source.pointer(&others[random.below(others.len())]).cloned().unwrap_or_default();
-        if let Some(value) = json.pointer_mut(&pointer) {
-            *value = graft;
-        }
-        return;
-    }
-    let Some(value) = json.pointer_mut(&pointer) else {
-        return;
-    };
-    if random.once_in(30) {
-        *value = any_value(random);
-        return;
-    }
-    match value {
-        Value::Object(object) => mutate_object(random, object),
-        Value::Array(items) => mutate_array(random, items),
-        Value::String(text) => *text = (*random.pick(WORDS)).to_owned(),
-        Value::Number(number) => {
-            let old = number.as_f64().unwrap_or(0.0);
-            *value = match random.below(4) {
-                0 => any_number(random),
-                1 => whole(old + 1.0),
-                2 => whole(old - 1.0),
-                _ => json!(random.below(12)),
-            };
-        }
-        _ => *value = any_value(random),
-    }
-}
-
-fn mutate_object(random: &mut Random, object: &mut Map<String, Value>) {
-    let keys: Vec<String> = object.keys().cloned().collect();
-    if random.once_in(2) || keys.is_empty() {
-        let (key, value) = *random.pick(KEYS);
-        object.insert(key.to_owned(), serde_json::from_str(value).expect("the list is JSON"));
-    } else {
-        let removed = object.remove(random.pick(&keys)).unwrap_or_default();
-        if random.once_in(3) {
-            object.insert(random.pick(KEYS).0.to_owned(), removed);
-        }
-    }
-}
-
-fn mutate_array(random: &mut Random, items: &mut Vec<Value>) {
-    let at = random.below(items.len());
-    match random.below(6) {
-        0 => items.truncate(at),
-        1 if !items.is_empty() => drop(items.remove(at)),
-        2 if !items.is_empty() => {
-            let times = *random.pick(&[1, 1, 1, 1, 2, 2, 20, 20, 300, 3000]);
-            let item = items[at].clone();
-            items.splice(at..at, std::iter::repeat_n(item, times));
-        }
-        3 if !items.is_empty() => {
-            let other = random.below(items.len());
-            items.swap(at, other);
-        }
-        4 => items.push(any_value(random)),
-        _ => items.reverse(),
-    }
-}
-
-fn any_value(random: &mut Random) -> Value {
-    match random.below(7) {
-        0 => Value::Null,
-        1 => json!(random.once_in(2)),
-        2 => json!(*random.pick(WORDS)),
-        3 => json!([]),
-        4 => json!({}),
-        _ => any_number(random),
-    }
-}
-
-fn any_number(random: &mut Random) -> Value {
-    whole(*random.pick(NUMBERS))
-}
-
-/// A whole number as such: glTF tells 3 from 3.0.
-fn whole(number: f64) -> Value {
-    if number.fract() == 0.0 && (0.0..1.9e19).contains(&number) {
-        json!(number as u64)
-    } else if number.fract() == 0.0 && (-9e18..0.0).contains(&number) {
-        json!(number as i64)
-    } else {
-        json!(number)
-    }
 }
 
 fn mutate_bin(random: &mut Random, bin: &mut [u8]) {
@@ -337,18 +224,6 @@ fn resize_bin(random: &mut Random, parts: &mut Parts) {
     {
         *stated = json!(length);
     }
-}
-
-/// Puts a key into an object that may hold it already, which no tree of values can.
-fn duplicate_key(random: &mut Random, text: &mut Vec<u8>) {
-    let opens: Vec<usize> = (0..text.len()).filter(|&at| text[at] == b'{').collect();
-    if opens.is_empty() {
-        return;
-    }
-    let at = *random.pick(&opens) + 1;
-    let (key, value) = *random.pick(KEYS);
-    let comma = if text.get(at) == Some(&b'}') { "" } else { "," };
-    text.splice(at..at, format!("\"{key}\":{value}{comma}").into_bytes());
 }
 
 /// Damages headers and lengths, cuts off, or flips any byte.

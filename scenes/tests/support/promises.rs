@@ -3,7 +3,7 @@
 use tracebench_scenes::{MAX_COORDINATE, Scene, SceneError, import_bytes};
 
 /// What became of a file that was imported without breaking a promise.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Outcome {
     /// Refused with a message.
     Refused,
