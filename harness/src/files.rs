@@ -52,12 +52,12 @@ pub enum FileError {
         path: PathBuf,
     },
     /// What has the name of a list is none.
-    #[error("{} is no list of files that tracebench wrote: {reason}; move it away, or choose another folder", path.display())]
+    #[error("{} is no list of files that tracebench wrote: {source}; move it away, or choose another folder", path.display())]
     NoList {
         /// The file.
         path: PathBuf,
         /// What is wrong.
-        reason: String,
+        source: io::Error,
     },
     /// A file's contents cannot be made.
     #[error("cannot make {what}: {source}")]
@@ -90,14 +90,15 @@ pub(crate) fn write(path: &Path, contents: &[u8]) -> Result<(), FileError> {
 /// Writes a document of the user's anew, as its author would.
 pub(crate) fn edit(path: &Path, contents: &[u8]) -> Result<(), FileError> {
     let _writing = writing();
-    let fail = |source| FileError::Write { path: path.to_owned(), source };
-    let mut file = temporary(path.parent().unwrap_or(Path::new(""))).map_err(fail)?;
-    file.write_all(contents).map_err(fail)?;
-    match fs::symlink_metadata(path) {
-        Ok(found) if found.is_file() => file.persist(path).map(drop).map_err(|error| fail(error.error)),
-        Ok(_) => Err(fail(io::Error::new(io::ErrorKind::AlreadyExists, "what is there is no regular file"))),
-        Err(error) => Err(fail(error)),
-    }
+    let edit = || {
+        if !fs::symlink_metadata(path)?.is_file() {
+            return Err(io::Error::new(io::ErrorKind::AlreadyExists, "what is there is no regular file"));
+        }
+        let mut file = temporary(path.parent().unwrap_or(Path::new("")))?;
+        file.write_all(contents)?;
+        file.persist(path).map(drop).map_err(|error| error.error)
+    };
+    edit().map_err(|source| FileError::Write { path: path.to_owned(), source })
 }
 
 /// A temporary file in a folder: a rename does not cross file systems.

@@ -34,6 +34,7 @@ pub(super) fn merge_shards(arguments: &MergeArguments) -> Result<(), CliError> {
         return Err(CliError::Other("nothing was measured in any shard".to_owned()));
     }
     let folder = OutputFolder::open(&arguments.out)?;
+    folder.check_all(report::may_be_written)?;
     let is_same = match report::read_run(folder.path()) {
         Ok(run) => run.provenance.shard.is_none() && run.provenance.plan_sha256 == whole.provenance.plan_sha256,
         Err(ReportError::Missing { .. }) => !Journal::is_in(folder.path()),
@@ -43,7 +44,6 @@ pub(super) fn merge_shards(arguments: &MergeArguments) -> Result<(), CliError> {
         let out = arguments.out.display();
         return Err(CliError::Argument(format!("{out} holds another run: choose another folder with --out")));
     }
-    folder.check_all(report::may_be_written)?;
     let written = report::write_run(&whole, &folder, tables::of_run)?;
     report::take_pictures(&whole, &arguments.shards, &folder)?;
     print(&written.iter().map(|path| format!("{}\n", path.display())).collect::<String>())

@@ -217,10 +217,10 @@ impl<'a> Bench<'a> {
             stop::keeps(None);
             return Ok(run);
         }
+        self.out.check_all(report::may_be_written).inspect_err(|_| self.out.abandon())?;
         if !self.arguments.resume {
             refuse_another(self.out.path(), plan["verb"].as_str())?;
         }
-        self.out.check_all(report::may_be_written).inspect_err(|_| self.out.abandon())?;
         let machine = machine::this_machine(self.device.as_deref().ok());
         let words = json!({ "plan": plan, "shard": self.arguments.shard });
         let begun = match is_begun {

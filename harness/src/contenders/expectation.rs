@@ -4,14 +4,8 @@ pub use crate::judge::Rule;
 use crate::results::{EXACT, ExpectationRecord};
 use tracebench_api::Rasterizer;
 
-<<<<<<< ours
-/// What is expected of a tracer with one of its presets on a case. Shares are of the rays that are no tie. How many rays are wrong was
+/// What is expected of a tracer with one of its presets on a case. Shares are of the rays that are judged. How many rays are wrong was
 /// measured and is in [`crate::studies::stability::ExpectedShares`].
-||||||| base
-/// What is expected of a tracer with its published preset on a case. Shares are of the rays that are no tie.
-=======
-/// What is expected of a tracer with its published preset on a case. Shares are of the rays that are judged.
->>>>>>> theirs
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Expectation {
     /// No wrong ray under `tight`, at every strength.

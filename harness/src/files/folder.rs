@@ -2,7 +2,6 @@
 //! removed. Links are never followed.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Component, Path, PathBuf};
@@ -32,15 +31,8 @@ pub struct OutputFolder {
     list: Mutex<List>,
 }
 
-/// What lies under a name.
-#[derive(Debug, PartialEq, Eq)]
-enum Entry {
-    Missing,
-    /// A regular file of this hash.
-    File(String),
-    /// Something that is never replaced or removed, in words.
-    Other(&'static str),
-}
+/// What lies under a name: the hash of a regular file, `None` for nothing, or in words what is never replaced or removed.
+type Entry = Result<Option<String>, String>;
 
 impl OutputFolder {
     /// Opens a folder, and makes it if need be.
@@ -63,39 +55,29 @@ impl OutputFolder {
     }
 
     /// A new folder below `parent`; where its name is taken a number is appended.
-    ///
-    /// # Errors
-    /// As of [`OutputFolder::open`].
     pub(crate) fn fresh(parent: &Path, name: &str) -> Result<Self, FileError> {
-        let missing = if parent.exists() { None } else { Some(parent.to_owned()) };
-        let fail = |path: &Path, source| FileError::Folder { path: path.to_owned(), source };
-        fs::create_dir_all(parent).map_err(|error| fail(parent, error))?;
-        for attempt in 1.. {
-            let path = parent.join(if attempt == 1 { name.to_owned() } else { format!("{name}-{attempt}") });
-            match fs::create_dir(&path) {
-                Ok(()) => {
-                    let mut folder = Self::open(&path)?;
-                    folder.made = std::iter::once(path).chain(missing).collect();
-                    return Ok(folder);
-                }
-                Err(error) if error.kind() == ErrorKind::AlreadyExists && attempt < 1000 => {}
-                Err(error) => return Err(fail(&path, error)),
+        let is_first = !parent.exists();
+        let made = fs::create_dir_all(parent);
+        let is_taken = |error: io::Error| made.is_ok() && error.kind() == ErrorKind::AlreadyExists;
+        let mut path = parent.join(name);
+        for attempt in 2.. {
+            if !fs::create_dir(&path).is_err_and(is_taken) {
+                break;
             }
+            path = parent.join(format!("{name}-{attempt}"));
         }
-        unreachable!("the last attempt returns")
+        let mut folder = Self::open(&path)?;
+        folder.made = std::iter::once(path).chain(is_first.then(|| parent.to_owned())).collect();
+        Ok(folder)
     }
 
     /// The folder of a single file, which must be there, and the file's name.
-    ///
-    /// # Errors
-    /// If there is no such folder, or as of [`OutputFolder::open`].
     pub(crate) fn of_file(path: &Path) -> Result<(Self, String), FileError> {
         let fail = |source| FileError::Write { path: path.to_owned(), source };
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         fs::read_dir(folder).map_err(fail)?;
         let name = path.file_name().and_then(|name| name.to_str()).filter(|name| is_below(name));
-        let name =
-            name.ok_or_else(|| fail(io::Error::new(ErrorKind::InvalidInput, "its name cannot be put on a list")))?;
+        let name = name.ok_or_else(|| fail(invalid("its name cannot be put on a list")))?;
         Ok((Self::open(folder)?, name.to_owned()))
     }
 
@@ -117,37 +99,33 @@ impl OutputFolder {
 
     /// Whether a file is there as it was written.
     pub(crate) fn holds(&self, name: &str) -> bool {
-        matches!(self.entry(name), Ok(Entry::File(sha256)) if self.list().has(name, &sha256))
+        matches!(self.entry(name), Ok(Some(sha256)) if self.list().has(name, &sha256))
     }
 
     /// Refuses a name under which something lies that must not be replaced.
     pub(crate) fn check(&self, name: &str) -> Result<(), FileError> {
-        self.refuse(self.kept(name)?.into_iter().collect())
+        self.refuse(self.kept(name).into_iter().collect())
     }
 
     /// Refuses a folder with files in the way of what may be written, before there is anything to write.
     pub(crate) fn check_all(&self, may_be_written: impl Fn(&str) -> bool) -> Result<(), FileError> {
         let fail = |source| FileError::Folder { path: self.path.clone(), source };
+        let found = |name: &str| self.path.join(name).symlink_metadata().ok();
         let listed = self.listed();
-        // A file of a run that was broken off: changed, it would be found out when all else is measured.
-        let mut in_the_way = Vec::new();
-        for name in listed.iter().filter(|name| name.contains('/')) {
-            in_the_way.extend(self.kept(name)?);
-        }
+        // What was changed further below would be found out when all else is measured.
+        let mut names: Vec<String> = listed.iter().filter(|name| name.contains('/')).cloned().collect();
         for entry in fs::read_dir(&self.path).map_err(fail)? {
-            let Ok(name) = entry.map_err(fail)?.file_name().into_string() else { continue };
+            let name = entry.map_err(fail)?.file_name().to_string_lossy().into_owned();
             // On a disk that ignores case another spelling names the same file.
             let lower = name.to_lowercase();
-            let exists = |name: &str| self.path.join(name).symlink_metadata().is_ok();
-            let may = may_be_written(&name) || may_be_written(&lower) && exists(&lower);
-            let is_dir = self.path.join(&name).symlink_metadata().is_ok_and(|found| found.is_dir());
-            let is_own = is_dir && listed.iter().any(|one| one.starts_with(&format!("{name}/")));
-            if may && !is_own {
-                in_the_way.extend(self.kept(&name)?);
+            let may = may_be_written(&name) || may_be_written(&lower) && found(&lower).is_some();
+            let is_dir = found(&name).is_some_and(|found| found.is_dir());
+            if may && !(is_dir && listed.iter().any(|one| one.starts_with(&format!("{name}/")))) {
+                names.push(name);
             }
         }
-        in_the_way.sort();
-        self.refuse(in_the_way)
+        names.sort();
+        self.refuse(names.iter().filter_map(|name| self.kept(name)).collect())
     }
 
     /// Writes a file, and gives its path: [`OutputFolder::write_all`] of one.
@@ -166,28 +144,25 @@ impl OutputFolder {
         let (mut paths, mut lines, mut open, mut in_the_way) = (Vec::new(), String::new(), Vec::new(), Vec::new());
         for (name, contents) in files {
             let (path, sha256) = (self.path.join(name), sha256_of(contents));
-            let fail = |source| FileError::Write { path: path.clone(), source };
-            let entry = self.entry(name).map_err(fail)?;
-            let is_there = entry == Entry::File(sha256.clone());
-            if let (false, Some(kept)) = (is_there, self.list().why_kept(name, &entry)) {
-                in_the_way.push(kept);
-                continue;
-            }
-            if !self.list().has(name, &sha256) {
-                let _ = writeln!(lines, "{sha256}  {name}");
-                self.list().hashes.entry(name.to_owned()).or_default().push(sha256);
-            }
-            paths.push(path);
-            if !is_there {
-                open.push((name, contents, entry == Entry::Missing));
+            let entry = self.entry(name);
+            let is_there = entry.as_ref().is_ok_and(|there| there.as_ref() == Some(&sha256));
+            let kept = self.list().why_kept(name, &entry);
+            match kept {
+                Some(kept) if !is_there => in_the_way.push(kept),
+                _ => {
+                    lines += &self.list().add(name, &sha256);
+                    open.extend((!is_there).then_some((name, contents, sha256, entry == Ok(None))));
+                    paths.push(path);
+                }
             }
         }
         // Before the files that it names.
         let listed = self.list().file.write_all(lines.as_bytes());
         listed.map_err(|source| FileError::Write { path: self.path.join(LIST), source })?;
-        for (name, contents, is_new) in open {
+        for (name, contents, sha256, is_new) in open {
             let path = self.path.join(name);
             self.put(&path, contents, is_new).map_err(|source| FileError::Write { path, source })?;
+            self.list().hashes.insert(name.to_owned(), vec![sha256]);
         }
         self.refuse(in_the_way)?;
         Ok(paths)
@@ -215,10 +190,10 @@ impl OutputFolder {
         }
         let mut others = Vec::new();
         for entry in fs::read_dir(path).map_err(fail)? {
-            let entry = entry.map_err(fail)?;
-            match entry.file_type().map_err(fail)?.is_dir() && has_list(&entry.path()) {
-                true => Self::remove_all(&entry.path())?,
-                false => others.push(entry.file_name().to_string_lossy().into_owned()),
+            let below = entry.map_err(fail)?.path();
+            match has_list(&below) && !below.is_symlink() {
+                true => Self::remove_all(&below)?,
+                false => others.push(below.file_name().unwrap_or_default().to_string_lossy().into_owned()),
             }
         }
         match others.is_empty() {
@@ -245,30 +220,27 @@ impl OutputFolder {
     }
 
     /// What is in the way under a name, with the reason; `None` if it may be written.
-    fn kept(&self, name: &str) -> Result<Option<String>, FileError> {
-        let entry = self.entry(name).map_err(|source| FileError::Write { path: self.path.join(name), source })?;
-        Ok(self.list().why_kept(name, &entry))
+    fn kept(&self, name: &str) -> Option<String> {
+        let entry = self.entry(name);
+        self.list().why_kept(name, &entry)
     }
 
-    fn entry(&self, name: &str) -> io::Result<Entry> {
+    fn entry(&self, name: &str) -> Entry {
         if !is_below(name) {
-            return Ok(Entry::Other("no name of a file in this folder"));
+            return Err("no name of a file in this folder".to_owned());
         }
         // From the outermost folder to the file.
         let mut steps: Vec<&Path> = Path::new(name).ancestors().filter(|step| !step.as_os_str().is_empty()).collect();
         while let Some(step) = steps.pop() {
-            let found = match self.path.join(step).symlink_metadata() {
-                Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Entry::Missing),
-                found => found?,
-            };
-            if found.is_symlink() {
-                return Ok(Entry::Other("a link"));
-            }
-            if found.is_dir() == steps.is_empty() || !(found.is_dir() || found.is_file()) {
-                return Ok(Entry::Other("no regular file"));
+            match self.path.join(step).symlink_metadata() {
+                Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+                Err(error) => return Err(error.to_string()),
+                Ok(found) if found.is_symlink() => return Err("a link".to_owned()),
+                Ok(found) if steps.is_empty() && found.is_file() || !steps.is_empty() && found.is_dir() => {}
+                Ok(found) => return Err(if found.is_dir() { "a folder" } else { "no regular file" }.to_owned()),
             }
         }
-        Ok(Entry::File(sha256_of(&fs::read(self.path.join(name))?)))
+        fs::read(self.path.join(name)).map(|contents| Some(sha256_of(&contents))).map_err(|error| error.to_string())
     }
 
     /// Writes beside the place and renames, so that readers see the old contents or the new, never a part.
@@ -281,33 +253,22 @@ impl OutputFolder {
         put.map(drop).map_err(|error| error.error)
     }
 
-    /// Drops entries of files that are gone and hashes that were replaced; a list of nothing is removed.
+    /// Writes the list anew without what is gone and without hashes that were replaced; a list of nothing is removed.
     fn tidy(&self) -> io::Result<()> {
         let (mut list, path) = (self.list(), self.path.join(LIST));
         if !is_at(&list.file, &path) {
             return Ok(());
         }
-        let mut left = BTreeMap::new();
-        for (name, hashes) in &list.hashes {
-            match self.entry(name)? {
-                Entry::Missing => {}
-                Entry::File(sha256) if hashes.contains(&sha256) => drop(left.insert(name.clone(), vec![sha256])),
-                _ => drop(left.insert(name.clone(), hashes.clone())),
-            }
-        }
-        if left.is_empty() {
+        list.hashes.retain(|name, _| self.path.join(name).symlink_metadata().is_ok());
+        if list.hashes.is_empty() {
             return fs::remove_file(path);
         }
-        let lines =
-            left.iter().flat_map(|(name, hashes)| hashes.iter().map(move |sha256| format!("{sha256}  {name}\n")));
+        let lines = list.hashes.iter().flat_map(|(name, hashes)| hashes.iter().map(move |sha256| line(sha256, name)));
         let text = HEADER.to_owned() + &lines.collect::<String>();
-        list.hashes = left;
-        if fs::read(&path)? != text.as_bytes() {
-            let mut file = temporary(&self.path)?;
-            file.write_all(text.as_bytes())?;
-            let _ = file.as_file().try_lock();
-            list.file = file.persist(&path)?;
-        }
+        let mut file = temporary(&self.path)?;
+        file.write_all(text.as_bytes())?;
+        let _ = file.as_file().try_lock();
+        list.file = file.persist(&path)?;
         Ok(())
     }
 }
@@ -332,13 +293,16 @@ impl List {
     /// Opens and locks the list of a folder, and begins it if there is none.
     fn open(folder: &Path) -> Result<Self, FileError> {
         let path = folder.join(LIST);
-        let fail = |source| FileError::Write { path: path.clone(), source };
+        let fail = |source| FileError::NoList { path: path.clone(), source };
         let begun = Instant::now();
         loop {
             let opened = match path.symlink_metadata() {
                 Ok(found) if found.is_file() => File::options().read(true).append(true).open(&path),
-                Ok(_) => return Err(FileError::NoList { path, reason: "it is no regular file".to_owned() }),
-                Err(error) if error.kind() == ErrorKind::NotFound => begin(folder, &path),
+                Ok(_) => Err(invalid("it is no regular file")),
+                Err(error) if error.kind() == ErrorKind::NotFound => temporary(folder).and_then(|mut list| {
+                    list.write_all(HEADER.as_bytes())?;
+                    list.persist_noclobber(&path).map_err(|error| error.error)
+                }),
                 Err(error) => Err(error),
             };
             let is_patient = begun.elapsed() < PATIENCE;
@@ -353,61 +317,68 @@ impl List {
                     // Replaced by another process just now.
                     _ if is_patient && !is_at(&file, &path) => {}
                     // A file system without locks keeps nobody out.
-                    _ => return Self::read(file, path),
+                    _ => return Self::read(file).map_err(fail),
                 },
             }
             sleep(BETWEEN_TRIES);
         }
     }
 
-    fn read(mut file: File, path: PathBuf) -> Result<Self, FileError> {
+    fn read(mut file: File) -> io::Result<Self> {
         let mut bytes = Vec::new();
-        let read = file.seek(SeekFrom::Start(0)).and_then(|_| file.read_to_end(&mut bytes));
-        read.map_err(|source| FileError::Write { path: path.clone(), source })?;
-        let none = |reason: String| FileError::NoList { path: path.clone(), reason };
+        file.seek(SeekFrom::Start(0))?;
+        file.read_to_end(&mut bytes)?;
         // A process may have ended within its last line.
         let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
         let text = std::str::from_utf8(&bytes[..whole]).ok().and_then(|text| text.strip_prefix(HEADER));
-        let text = text.ok_or_else(|| none("it does not begin like one".to_owned()))?;
         let mut hashes: BTreeMap<String, Vec<String>> = BTreeMap::new();
-        for line in text.lines() {
-            let parts = line.split_once("  ").filter(|(sha256, _)| {
-                sha256.len() == 64 && sha256.bytes().all(|c| c.is_ascii_digit() || (b'a'..=b'f').contains(&c))
-            });
+        for line in text.ok_or_else(|| invalid("it does not begin like one"))?.lines() {
+            let is_hash = |text: &str| text.len() == 64 && text.bytes().all(|c| c.is_ascii_hexdigit());
+            let parts = line.split_once("  ").filter(|(sha256, name)| is_hash(sha256) && is_below(name));
             let (sha256, name) = parts
-                .filter(|(_, name)| is_below(name))
-                .ok_or_else(|| none(format!("its line '{}' names no file in this folder", line.escape_debug())))?;
+                .ok_or_else(|| invalid(&format!("its line '{}' names no file in this folder", line.escape_debug())))?;
             hashes.entry(name.to_owned()).or_default().push(sha256.to_owned());
         }
         if whole < bytes.len() {
-            let cut = file.set_len(whole as u64).and_then(|()| file.seek(SeekFrom::End(0)));
-            cut.map_err(|source| FileError::Write { path: path.clone(), source })?;
+            file.set_len(whole as u64)?;
+            file.seek(SeekFrom::End(0))?;
         }
         Ok(Self { file, hashes })
     }
 
-    fn has(&self, name: &str, sha256: &String) -> bool {
-        self.hashes.get(name).is_some_and(|hashes| hashes.contains(sha256))
+    fn has(&self, name: &str, sha256: &str) -> bool {
+        self.hashes.get(name).is_some_and(|hashes| hashes.iter().any(|one| one == sha256))
+    }
+
+    /// Adds a hash, and gives the line to be written; an empty text if it is there.
+    fn add(&mut self, name: &str, sha256: &str) -> String {
+        if self.has(name, sha256) {
+            return String::new();
+        }
+        self.hashes.entry(name.to_owned()).or_default().push(sha256.to_owned());
+        line(sha256, name)
     }
 
     /// Why what lies under a name must stay as it is; `None` if it may be replaced.
     fn why_kept(&self, name: &str, entry: &Entry) -> Option<String> {
         let why = match entry {
-            Entry::Missing => return None,
-            Entry::File(sha256) if self.has(name, sha256) => return None,
-            Entry::File(_) if self.hashes.contains_key(name) => "changed since it was written",
-            Entry::File(_) => "not on the list of this folder",
-            Entry::Other(what) => what,
+            Ok(None) => return None,
+            Ok(Some(sha256)) if self.has(name, sha256) => return None,
+            Ok(Some(_)) if self.hashes.contains_key(name) => "changed since it was written",
+            Ok(Some(_)) => "not on the list of this folder",
+            Err(why) => why,
         };
         Some(format!("{name} ({why})"))
     }
 }
 
-/// Makes a list of nothing.
-fn begin(folder: &Path, path: &Path) -> io::Result<File> {
-    let mut file = temporary(folder)?;
-    file.write_all(HEADER.as_bytes())?;
-    file.persist_noclobber(path).map_err(|error| error.error)
+/// A line of a list.
+fn line(sha256: &str, name: &str) -> String {
+    format!("{sha256}  {name}\n")
+}
+
+fn invalid(what: &str) -> io::Error {
+    io::Error::new(ErrorKind::InvalidData, what)
 }
 
 /// Whether a name leads to a file below the folder, whatever lies there.

@@ -77,32 +77,14 @@ pub type Tables = fn(&Run) -> Result<Contents, ReportError>;
 pub type Contents = Vec<(String, Vec<u8>)>;
 
 /// What the names of derived files begin with, up to a dot or an underscore.
-const BEGINNINGS: [&str; 17] = [
-    "agreement_over_tolerance",
-    "break_even",
-    "claims",
-    "error_vs",
-    "explain",
-    "figure",
-    "need",
-    "operating_points",
-    "pareto",
-    "stability",
-    "summary",
-    "sweep",
-    "table",
-    "traces",
-    "tune",
-    "verdicts",
-    "wrong_rays",
-];
-const ENDINGS: [&str; 5] = [".md", ".csv", ".json", ".svg", ".png"];
+const BEGINNINGS: &str = "agreement_over_tolerance break_even claims error_vs explain figure need operating_points pareto stability \
+                          summary sweep table traces tune verdicts wrong_rays";
 
 /// Whether a verb that measures may write a file of this name, or a folder, right into its folder of results.
 pub fn may_be_written(name: &str) -> bool {
-    let begins = |begin: &&str| name.strip_prefix(*begin).is_some_and(|rest| rest.starts_with(['.', '_']));
-    let is_derived = BEGINNINGS.iter().any(begins) && ENDINGS.iter().any(|end| name.ends_with(end));
-    is_derived || [RUN_FILE, PACKED, PICTURES_FOLDER, "races"].contains(&name)
+    let begins = |begin: &str| name.strip_prefix(begin).is_some_and(|rest: &str| rest.starts_with(['.', '_']));
+    let ends = [".md", ".csv", ".json", ".svg", ".png"].iter().any(|end| name.ends_with(end));
+    ends && BEGINNINGS.split_whitespace().any(begins) || [RUN_FILE, PACKED, PICTURES_FOLDER, "races"].contains(&name)
 }
 
 /// Writes `run.json`, then what is derived from it; gives the paths in that order.

@@ -158,7 +158,7 @@ fn outputs_that_cannot_be_written() {
     // Nothing but a regular file is replaced: with enough rights, /dev/null could be.
     std::fs::create_dir(bench.path("folder.png")).unwrap();
     let folder = ["picture", "--scene", "room", "--tracer", "bvh-cpu", "--size", "8x8", "--out", "folder.png"];
-    bench.fails(&folder, 1, &["no regular file"]);
+    bench.fails(&folder, 1, &["folder.png (a folder)"]);
     #[cfg(target_os = "linux")]
     {
         let device = bench.path("device.png");

@@ -144,11 +144,11 @@ fn only_the_same_run_is_gone_on_with() {
         } else {
             begun[field] = value;
         }
-        std::fs::write(&plan, begun.to_string()).unwrap();
+        write_as_the_program(&out, "races/plan.json", &begun.to_string());
         bench.fails(&sweep(&["--out", "out", "--resume"]), 1, &[part]);
         begun = serde_json::from_str(&text).unwrap();
     }
-    std::fs::write(&plan, "xx").unwrap();
+    write_as_the_program(&out, "races/plan.json", "xx");
     bench.fails(&sweep(&["--out", "out", "--resume"]), 1, &["cannot be read", "plan.json", "remove"]);
     std::fs::write(&plan, &text).unwrap();
     bench.fails(

@@ -104,16 +104,6 @@ const PAGES_EVERY: Duration = Duration::from_secs(120);
 pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> Result<(), CliError> {
     let begun = Instant::now();
     let whole = arguments.budget == Budget::Whole;
-    let is_begun = arguments.resume && arguments.out.as_ref().is_some_and(|path| path.join(FILE).is_file());
-    if let Some(path) = arguments.out.as_ref().filter(|_| !is_begun) {
-        if path.join(FILE).exists() {
-            return Err(CliError::Other(format!(
-                "{} holds what was measured before: go on with it by --resume, or choose another folder with --out",
-                path.display()
-            )));
-        }
-        refuse_another(path, None)?;
-    }
     let ends = match arguments.budget {
         Budget::Within(time) => Some(begun + time - MOST_REPORT.min(time.mul_f64(REPORT_SHARE))),
         Budget::Whole => None,
@@ -126,8 +116,18 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, progress: &Progress) -> 
         None => fresh_folder()?,
     };
     let out = folder.path();
+    let is_begun = out.join(FILE).exists();
+    if is_begun && !arguments.resume {
+        return Err(CliError::Other(format!(
+            "{} holds what was measured before: go on with it by --resume, or choose another folder with --out",
+            out.display()
+        )));
+    }
     let earlier = if is_begun { Some(read(out)?) } else { None };
     folder.check_all(|name| [FILE, ANSWER, page::PAGE].contains(&name)).inspect_err(|_| folder.abandon())?;
+    if !is_begun {
+        refuse_another(out, None)?;
+    }
     let preset = preset_of(arguments.preset.as_deref(), earlier.as_ref(), out)?;
     let all = with_preset(steps::steps(whole), preset.as_deref());
     let before = earlier.map_or_else(Vec::new, |earlier| earlier.steps);
