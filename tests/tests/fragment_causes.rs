@@ -1,4 +1,4 @@
-//! Why rays through the fragment A-buffer are wrong, as the judge tells it: layers that are kept, and rays that slip through.
+//! Why rays through the fragment A-buffer are wrong, as the judge finds it: layers that are kept, and what lies between samples.
 
 use std::sync::Arc;
 
@@ -40,8 +40,8 @@ fn causes(geometry: &Geometry, rays: &[Ray], layers: Layers, names_primitives: b
     }
 }
 
-/// A wall behind another one, hit from between: a hidden layer for what keeps one layer; stored, and let through, for what keeps all
-/// and knows surfaces by samples; unexplained for what tests triangles. A thin strip that covers no pixel's centre lies between
+/// A wall behind another one, hit from between: a hidden layer for what keeps one layer; stored for what
+/// keeps all, so that its loss is unexplained: seen head-on, no ray passes between its samples. A thin strip that covers no pixel's centre lies between
 /// samples for all of them.
 #[test]
 fn what_is_kept_was_not_hidden() {
@@ -53,7 +53,7 @@ fn what_is_kept_was_not_hidden() {
         .collect();
     let all = |cause: &str| vec![(cause.to_owned(), 50)];
     assert_eq!(causes(&geometry, &rays, Layers::Nearest, false), all("hidden_layer"));
-    assert_eq!(causes(&geometry, &rays, Layers::All, false), all("slipped_through"));
+    assert_eq!(causes(&geometry, &rays, Layers::All, false), all("unexplained"));
     assert_eq!(causes(&geometry, &rays, Layers::All, true), all("unexplained"));
     // A strip 0.004 wide at depth 6, where a pixel is 0.1 or more wide, beside the pixels' centres.
     let strip = rectangle([-2.0, 0.02, -6.0], [4.0, 0.0, 0.0], [0.0, 0.004, 0.0]);

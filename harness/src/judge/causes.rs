@@ -1,12 +1,12 @@
 //! Why an answer is wrong. The judge finds out by itself: it projects the true and the answered hit into the images that
 //! the tracer samples the scene by, here called views, and asks the f64 truth what these show. Of the tracer it takes only
-//! the status.
+//! what it declares and the status. A cause needs evidence; what has none is unexplained.
 
 use glam::DVec3;
 use tracebench_api::{Hit, Layers, LineOfSight, Projected, Projection, Sampling, Status};
 
-use super::march::{Look, Passage, Sure};
-use super::voxels::Voxels;
+use super::march::{Look, Passage};
+use super::voxels::{Voxels, between};
 use super::{Class, Judge, Rule};
 use crate::results::UNEXPLAINED;
 use crate::truth::{Ray64, TrueHit, tight_tolerance};
@@ -34,24 +34,23 @@ pub const HIDDEN_LAYER: &str = "hidden_layer";
 /// A view would show the true hit, and what it keeps leaves it out: it faces away, or lies close behind what is kept.
 pub const LEFT_OUT: &str = "left_out";
 /// A view shows the true hit, but the centre of its pixel (to a rasterizer's precision) shows something else; or the
-/// answer is off by no more than two pixels of the view; or a surface that the pixel's centre shows was hit beside it.
+/// answer is off by no more than two pixels of the view; or a sample that is kept there was met beside its surface.
 pub const BETWEEN_SAMPLES: &str = "between_samples";
 /// A view shows the true hit within two of its pixels from the ray's start, where sampled methods do not look so as not
 /// to find the surface that the ray starts on; or it lies in what a ray through voxels leaves out of its way.
 pub const NEAR_START: &str = "near_start";
-/// The surface that the ray starts on was hit.
+/// The surface that the ray starts on was hit: one lies there, and the answer as near.
 pub const SELF_HIT: &str = "self_hit";
-/// The answered hit lies behind what the view shows there: a surface was taken to be thick.
+/// The answered hit lies behind a sample, within the thickness that the method declares.
 pub const ASSUMED_THICKNESS: &str = "assumed_thickness";
-/// The true hit's surface is stored at its pixel of a view, and the ray was let through: it passed between that fragment and the
-/// next one, or between the pixels that were looked at. Of methods that know surfaces by samples alone; of those that keep no more
-/// than the nearest, only where the ray is outside of the pixel when it is as deep as the pixel's centre.
+/// The true hit's surface is stored at a pixel that the ray looks at, and the ray passes that sample before or behind by more than its
+/// thickness. Of methods that know surfaces by samples alone.
 pub const SLIPPED_THROUGH: &str = "slipped_through";
 /// The tracer's step limit.
 pub const STEP_CAP: &str = "step_cap";
-/// The tracer passed behind a surface by more than its thickness.
+/// As `SLIPPED_THROUGH`, where the tracer says that it passed behind a surface by more than its thickness.
 pub const THICKNESS_REJECTED: &str = "thickness_rejected";
-/// The tracer passed through space that its last layer hides.
+/// The tracer passed through space that its last layer hides: it says so, and the ray went behind a surface that a view shows.
 pub const OCCLUDED: &str = "occluded";
 /// The tracer made the hit up where its layers hide something.
 pub const INPAINTED: &str = "inpainted";
@@ -69,39 +68,43 @@ impl Judge<'_> {
         if let Some(voxels) = voxels {
             return self.cause_by_voxels(voxels, &ray, index, hit, class);
         }
-        let marched = self.samplings.iter().any(|view| view.march.is_some());
         match (class, self.truth_for(index, hit)) {
-            (Class::FalseMiss | Class::Late, Some(truth)) if marched => {
-                self.loss_by_march(&self.passages(index), &ray, truth, hit)
-            }
+            (Class::FalseMiss | Class::Late, Some(truth)) if self.marches() => self.loss_by_march(index, truth, hit),
             (Class::FalseMiss | Class::Late, Some(truth)) => self.cause_of_loss(&ray, truth, hit),
             _ => self.cause_of_invention(index, &ray, hit),
         }
     }
 
-    /// Why the true hit was not found where it is declared how rays are traced over the images: by the samples that the ray meets, or passes,
-    /// where it looks about there.
-    fn loss_by_march(&self, passages: &[Passage<'_>], ray: &Ray64, truth: TrueHit, hit: &Hit) -> &'static str {
+    /// Whether it is declared how rays are traced over the images.
+    fn marches(&self) -> bool {
+        self.samplings.iter().any(|view| view.march.is_some())
+    }
+
+    /// Why the true hit was not found, by the samples that the ray meets, or passes, where it looks about there.
+    fn loss_by_march(&self, index: usize, truth: TrueHit, hit: &Hit) -> &'static str {
+        let ray = &Ray64::from(&self.rays[index]);
         let (point, told) = (ray.at(truth.t), hit.is_hit().then(|| f64::from(hit.t)));
-        let Some(passage) = passages.iter().find(|passage| passage.has(truth.t)) else { return OFF_VIEW };
-        let looks = passage.looks_about(truth.t);
-        let meets = |look: &&Look| self.meets(passage, ray, look, truth.t, Sure::Surely).is_some();
-        let met: Vec<&Look> = looks.iter().filter(meets).collect();
-        if !met.is_empty() {
-            let is_there = told.is_some_and(|told| met.iter().any(|look| look.has(told, 0.0)));
-            return if is_there && passage.is_of_points() { BETWEEN_SAMPLES } else { UNEXPLAINED };
+        let Some(passage) = self.passage(index, truth.t) else { return OFF_VIEW };
+        let view = passage.sampling;
+        let is_met = |told: f64| self.met_at(&passage, ray, told).is_some();
+        let met = self.met_about(&passage, ray, truth.t, true);
+        // There the march ends at the latest.
+        if let Some(end) = met.into_iter().map(|(_, told)| told[1]).min_by(f64::total_cmp) {
+            let end = end + tight_tolerance(end, self.truth.diagonal());
+            return if told.is_some_and(|told| told <= end && is_met(told)) { BETWEEN_SAMPLES } else { UNEXPLAINED };
         }
-        if !self.shows(passage.sampling, point) {
-            return if self.leaves_out(passage.sampling, point) { LEFT_OUT } else { HIDDEN_LAYER };
+        if !self.shows(view, point) {
+            return if self.leaves_out(view, point) { LEFT_OUT } else { HIDDEN_LAYER };
         }
         if passage.leaves_out(truth.t) {
             return NEAR_START;
         }
-        let near = |told: f64| {
-            within_pixels(passage.sampling, ray.at(told), point) && self.met_at(passage, ray, told).is_some()
+        let keeps = |look: Look| {
+            let line = view.projection.line_through(look.pixel.x + 0.5, look.pixel.y + 0.5);
+            self.kept(line, view.layers).any(|found| found.primitive == truth.primitive)
         };
-        let keeps = |look: &Look| self.keeps(passage.sampling, look, point, truth.primitive);
-        if told.is_some_and(near) || !looks.iter().any(keeps) {
+        let is_near = |told: f64| within_pixels(view, ray.at(told), point) && is_met(told);
+        if told.is_some_and(is_near) || !passage.looks_about(truth.t).into_iter().any(keeps) {
             return BETWEEN_SAMPLES;
         }
         match Status::from_code(hit.status) {
@@ -111,11 +114,11 @@ impl Judge<'_> {
         }
     }
 
-    /// How deep a sample lies that a ray may have met at t, where it looks about there.
+    /// How deep a sample lies that a ray perhaps met at t.
     fn met_at(&self, passage: &Passage<'_>, ray: &Ray64, t: f64) -> Option<f64> {
         let off = tight_tolerance(t, self.truth.diagonal());
-        let looks = passage.looks_about(t).into_iter().filter(|look| look.has(t, off));
-        looks.into_iter().find_map(|look| self.meets(passage, ray, &look, t, Sure::Perhaps))
+        let met = self.met_about(passage, ray, t, false).into_iter();
+        met.into_iter().find(|(_, [begin, end])| (begin - off..=end + off).contains(&t)).map(|(depth, _)| depth)
     }
 
     /// Why the true hit was not found.
@@ -138,24 +141,27 @@ impl Judge<'_> {
             return STEP_CAP;
         }
         if !showing.iter().any(|view| self.samples(view, point, truth.primitive))
-            || hit.is_hit() && showing.iter().any(|view| within_pixels(view, ray.at(f64::from(hit.t)), point))
+            || hit.is_hit()
+                && showing.iter().any(|view| self.is_off_by_pixels(view, ray.at(f64::from(hit.t)), point, truth))
         {
             return BETWEEN_SAMPLES;
         }
         if showing.iter().all(|view| within_pixels(view, ray.origin, point)) {
             return NEAR_START;
         }
-        match Status::from_code(hit.status) {
-            Some(Status::ThicknessRejected) => THICKNESS_REJECTED,
-            Some(Status::Occluded) => OCCLUDED,
-            _ if !self.names_primitives
-                && (showing.iter().any(|view| view.layers != Layers::Nearest)
-                    || showing.iter().all(|view| self.passes_beside(&view.projection, ray, truth.t))) =>
-            {
-                SLIPPED_THROUGH
-            }
-            _ => UNEXPLAINED,
-        }
+        let occluded = hit.status == Status::Occluded as u32;
+        let is_behind = || showing.iter().any(|view| self.goes_behind(view, ray, truth.t));
+        if occluded && is_behind() { OCCLUDED } else { UNEXPLAINED }
+    }
+
+    /// Whether a ray goes behind a surface that a view shows, before t.
+    fn goes_behind(&self, view: &Sampling, ray: &Ray64, t: f64) -> bool {
+        between(ray.t_min, t).map(|t| ray.at(t)).any(|point| {
+            let Some(at) = view.projection.project_inside(point) else { return false };
+            let line = view.projection.line_through(at.x.floor() + 0.5, at.y.floor() + 0.5);
+            let far = at.depth - SELF_HIT_PIXELS * self.footprint(point);
+            self.along(LineOfSight { far, ..line }).next().is_some()
+        })
     }
 
     /// Why something was hit that is not there.
@@ -168,52 +174,28 @@ impl Judge<'_> {
         if self.is_near_start(ray, t) {
             return SELF_HIT;
         }
-        let behind = |stored: f64, depth: f64| match depth > stored + self.footprint(point) {
-            true => ASSUMED_THICKNESS,
-            false => BETWEEN_SAMPLES,
-        };
-        if self.samplings.iter().any(|view| view.march.is_some()) {
-            let met = self.passages(index).into_iter().find_map(|passage| {
-                let depth = passage.view.project(point)?.depth;
-                self.met_at(&passage, ray, t).map(|stored| behind(stored, depth))
-            });
-            return met.unwrap_or(UNEXPLAINED);
+        if self.marches() {
+            // What is told where a ray enters or leaves a view may lie outside of it by rounding.
+            let off = tight_tolerance(t, self.truth.diagonal());
+            let passage = [t, t + off, t - off].into_iter().find_map(|near| self.passage(index, near));
+            let met = passage.and_then(|passage| Some((self.met_at(&passage, ray, t)?, passage.view.project(point)?)));
+            return match met {
+                Some((stored, at)) if at.depth > stored + self.footprint(point) => ASSUMED_THICKNESS,
+                Some(_) => BETWEEN_SAMPLES,
+                None => UNEXPLAINED,
+            };
         }
-        // What is told where a ray enters or leaves a view may lie outside of it by rounding.
-        let pixels = VIEW_PIXELS * self.footprint(point) / ray.direction.length();
-        let inside = |projection: &Projection| {
-            let points = [t, t + pixels, t - pixels].map(|near| ray.at(near));
-            points.into_iter().find_map(|near| projection.project_inside(near).map(|at| (near, at.depth)))
+        // A surface that a pixel shows was met beside it: on its plane, or at the depth that the pixel's centre shows. What is told where
+        // a ray enters or leaves a view may lie outside of it by rounding.
+        let off = SELF_HIT_PIXELS * self.footprint(point) / ray.direction.length();
+        let shows = |view: &Sampling| {
+            let mut points = [t, t + off, t - off].map(|near| ray.at(near)).into_iter();
+            points.find_map(|near| Some((near, view.projection.project_inside(near)?))).is_some_and(|(near, at)| {
+                let edge = view.projection.pixel_at(at.depth).length();
+                self.is_on_plane_within(ray, t, edge, off) || self.is_shown_beside(view, near)
+            })
         };
-        let containing = self.samplings.iter().filter_map(|view| Some((view, inside(&view.projection)?)));
-        for (view, (point, depth)) in containing.clone() {
-            let Some(stored) = self.centre_depth(&view.projection, point) else { continue };
-            return behind(stored, depth);
-        }
-        // Nothing is shown there: a surface that a pixel beside it shows was met at its own depth.
-        if containing.into_iter().any(|(view, (point, _))| self.is_shown_beside(view, point)) {
-            return BETWEEN_SAMPLES;
-        }
-        UNEXPLAINED
-    }
-
-    /// Whether a ray that hits the surface of a pixel at `t` is outside of that pixel where it is as deep as the surface at the
-    /// pixel's centre: one that takes each pixel for a plane at the depth of its centre passes before it or behind.
-    fn passes_beside(&self, projection: &Projection, ray: &Ray64, t: f64) -> bool {
-        let point = ray.at(t);
-        let Some((at, stored)) = projection.project(point).zip(self.centre_depth(projection, point)) else {
-            return false;
-        };
-        // Depth is linear along a ray.
-        let step = self.footprint(point) / ray.direction.length();
-        let Some(ahead) = projection.project(ray.at(t + step)) else { return false };
-        let meets = t + (stored - at.depth) / (ahead.depth - at.depth) * step;
-        let outside =
-            |met: f64, pixel: f64| !(pixel - RASTER_SNAP_PIXELS..=pixel + 1.0 + RASTER_SNAP_PIXELS).contains(&met);
-        !meets.is_finite()
-            || projection
-                .project(ray.at(meets))
-                .is_none_or(|met| outside(met.x, at.x.floor()) || outside(met.y, at.y.floor()))
+        if self.samplings.iter().any(shows) { BETWEEN_SAMPLES } else { UNEXPLAINED }
     }
 
     /// Whether a pixel next to the one that a point falls on shows a surface at the point's depth, to a few footprints.
@@ -231,6 +213,13 @@ impl Judge<'_> {
     pub(super) fn is_near_start(&self, ray: &Ray64, t: f64) -> bool {
         let near = (SELF_HIT_PIXELS * self.footprint(ray.origin)).max(tight_tolerance(0.0, self.truth.diagonal()));
         t * ray.direction.length() <= near && self.truth.nearest(ray.origin, near).is_some()
+    }
+
+    /// Whether an answer is off by pixels of a view alone: it falls on one nearby, and lies as near to the true hit's plane.
+    fn is_off_by_pixels(&self, view: &Sampling, answered: DVec3, point: DVec3, truth: TrueHit) -> bool {
+        let edge = view.projection.project(point).map_or(0.0, |at| view.projection.pixel_at(at.depth).length());
+        let off = self.truth.normal(truth.primitive).dot(answered - point).abs();
+        within_pixels(view, answered, point) && off <= VIEW_PIXELS * edge
     }
 
     /// Whether a view keeps what lies at a point: more layers than lie before it, and nothing leaves it out.
@@ -278,22 +267,6 @@ impl Judge<'_> {
                 self.kept(line, view.layers).any(|found| is_it(&found))
             })
         })
-    }
-
-    /// Whether an image keeps, at the pixel of a look, the surface of a point: its triangle, or one as deep within a footprint.
-    fn keeps(&self, view: &Sampling, look: &Look, point: DVec3, primitive: u32) -> bool {
-        let Some(at) = view.projection.project(point) else { return false };
-        let line = view.projection.line_through(look.pixel.x + 0.5, look.pixel.y + 0.5);
-        let reach = self.footprint(point);
-        self.kept(line, view.layers).any(|found| found.primitive == primitive || (found.t - at.depth).abs() <= reach)
-    }
-
-    /// The depth at the centre of the pixel that a point falls on; on a border between pixels, to a rasterizer's
-    /// precision, of a neighbour if its own centre shows nothing.
-    fn centre_depth(&self, projection: &Projection, point: DVec3) -> Option<f64> {
-        let at = projection.project_inside(point)?;
-        let shown = |(x, y)| self.along(projection.line_through(x, y)).next();
-        centres(&at).into_iter().find_map(shown).map(|found| found.t)
     }
 
     /// The surfaces along a line of sight that are kept; of lines whose lengths are depths.

@@ -136,14 +136,14 @@ impl Judge<'_> {
     /// Why the true hit was passed by a method that knows voxels alone.
     fn loss_by_voxels(&self, grid: &VoxelGrid, ray: &Ray64, truth: TrueHit, told: Option<f64>) -> &'static str {
         let point = ray.at(truth.t);
-        if told.is_some_and(|told| (told - truth.t) * ray.direction.length() <= grid.voxel.length()) {
-            return BETWEEN_SAMPLES;
-        }
         let Some(voxel) = grid.voxel_of(point) else { return UNEXPLAINED };
-        if !self.is_sampled(grid, voxel) {
+        let leaves = span_in(ray, grid.bounds_of(voxel))[1] + BESIDE_TEXELS * grid.voxel.min_element();
+        if !self.is_sampled(grid, voxel) || told.is_some_and(|told| told <= leaves) {
             return BETWEEN_SAMPLES;
         }
+        let is_within = |told: f64| (told - truth.t) * ray.direction.length() <= grid.voxel.length();
         match self.is_full_up_to(grid, ray, truth.t) {
+            true if told.is_some_and(is_within) => BETWEEN_SAMPLES,
             true => NEAR_START,
             false => UNEXPLAINED,
         }
@@ -261,7 +261,7 @@ fn stays_within_texel(sides: &Sides<'_>, ray: &Ray64, [begin, end]: [f64; 2]) ->
 }
 
 /// Points evenly over a stretch, ends left out.
-fn between(begin: f64, end: f64) -> impl Iterator<Item = f64> {
+pub(super) fn between(begin: f64, end: f64) -> impl Iterator<Item = f64> {
     (1..=LOOKED_AT).map(move |point| begin + (end - begin) * f64::from(point) / f64::from(LOOKED_AT + 1))
 }
 

@@ -14,7 +14,8 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 use tracebench_api::{
-    Geometry, Hit, Layers, NO_PRIMITIVE, Projection, Query, Ray, Sampling, Status, View, Viewpoint, VoxelGrid,
+    Geometry, Hit, ImageMarch, Layers, MarchSteps, NO_PRIMITIVE, Projection, Query, Ray, Sampling, Status, View,
+    Viewpoint, VoxelGrid,
 };
 use tracebench_harness::judge::{CURVE_TOLERANCES, Class, Judge, JudgeError, Rule, WRONG_RAYS_PER_CAUSE, true_counts};
 use tracebench_harness::measure::controls::{Control, corrupted};

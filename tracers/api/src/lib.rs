@@ -37,8 +37,7 @@ pub use parameters::{Domain, ParameterDescription, ParameterError, ParameterScop
 pub use rasterizer::Rasterizer;
 pub use ray::{EndPoint, Hit, NO_PRIMITIVE, Query, Ray, Status, Surface, SurfaceStatus};
 pub use sampling::{
-    ImageChoice, ImageMarch, Layers, LineOfSight, MarchSteps, Orthographic, Projection, SampleShape, Sampling,
-    VoxelGrid,
+    ImageChoice, ImageMarch, Layers, LineOfSight, MarchSteps, Orthographic, Projection, Sampling, VoxelGrid,
 };
 pub use tracer::{Counter, Description, Invalidation, Residency, Structure, TraceJob, Tracer, Update};
 pub use transfer::{HitBuffer, RayBuffer};

@@ -15,15 +15,22 @@ pub struct Sampling {
     pub march: Option<ImageMarch>,
 }
 
-/// How a ray is traced over an image: at which pixels it looks, and what it takes the samples there for.
+/// How a ray is traced over an image whose samples are the depths at its pixels' centres: at which pixels it looks, and how thick it
+/// takes samples to be.
 #[derive(Clone, Copy, Debug)]
 pub struct ImageMarch {
     /// At which pixels it looks.
     pub steps: MarchSteps,
     /// Pixels along the major axis that a ray leaves out which starts in the image.
     pub start_bias: f64,
-    /// What a sample is taken for.
-    pub samples: SampleShape,
+    /// How far behind its depth a sample still counts, or, below 0, how far before it, scene units.
+    pub thickness: f64,
+    /// The same in widths of a pixel at the ray's depth; added.
+    pub thickness_in_pixels: f64,
+    /// Whether a sample reaches to the next surface behind it that faces away, where there is one.
+    pub to_back_faces: bool,
+    /// Whether a hit may be told anywhere on the part of the ray that is looked at, not where the ray is as deep as the sample.
+    pub anywhere: bool,
 }
 
 /// At which pixels a ray looks on its way over an image.
@@ -41,27 +48,6 @@ pub enum MarchSteps {
         looks_at: fn(&Ray) -> f64,
         /// Whether a look is for the part of the ray within its pixel alone.
         within_pixel: bool,
-    },
-}
-
-/// What a sample of a surface is taken for.
-#[derive(Clone, Copy, Debug)]
-pub enum SampleShape {
-    /// The depth at the pixel's centre, over the whole pixel.
-    Point {
-        /// How far behind its depth it still counts, or, below 0, how far before it, scene units.
-        thickness: f64,
-        /// The same in widths of a pixel at the ray's depth; added.
-        thickness_in_pixels: f64,
-        /// Whether it reaches to the next surface behind it that faces away, where there is one.
-        to_back_faces: bool,
-    },
-    /// The plane of its triangle, between the depths that the triangle has in the pixel.
-    Plane {
-        /// Whether every pixel has one that the triangle touches.
-        conservative: bool,
-        /// Parts of the pixel, across and down, beyond which the plane does not reach if the triangle touches none of them.
-        outline: [u32; 2],
     },
 }
 
@@ -233,6 +219,17 @@ impl Projection {
                     && (0.0..f64::from(image.size[1])).contains(&at.y)
                     && (0.0..=image.far).contains(&at.depth)
             }),
+        }
+    }
+
+    /// Width and height of a pixel at a depth, scene units.
+    pub fn pixel_at(&self, depth: f64) -> DVec2 {
+        match self {
+            Self::Perspective(view) => {
+                let [width, height] = view.size.map(f64::from);
+                2.0 * depth * DVec2::new(view.tan_half_width / width, view.tan_half_height / height)
+            }
+            Self::Orthographic(image) => image.texel,
         }
     }
 

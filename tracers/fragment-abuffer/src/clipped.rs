@@ -22,7 +22,7 @@ const NORMAL_LOSS: f64 = 2e-6;
 const NO_AREA: f64 = 1e-6;
 
 /// As `OUTLINE_PARTS` in shaders/fragment-abuffer/layout.wgsl, and all of their bits.
-pub(crate) const PARTS: [u32; 2] = [6, 5];
+const PARTS: [u32; 2] = [6, 5];
 const WHOLE: u32 = (1 << (PARTS[0] * PARTS[1])) - 1;
 
 /// Twice `OUTLINE_MARGIN` in shaders/fragment-abuffer/fill.wgsl, pixels.

@@ -2,15 +2,12 @@
 
 use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer};
-use tracebench_api::{
-    Counter, EndPoint, HitBuffer, ImageMarch, MarchSteps, PhaseClock, Ray, SampleShape, TraceJob, TracerError,
-};
+use tracebench_api::{Counter, EndPoint, HitBuffer, ImageMarch, MarchSteps, PhaseClock, Ray, TraceJob, TracerError};
 use tracebench_kit::{Reads, bind_arrays, bind_group, bind_group_at, dispatch_rays, uniform_buffer};
 use tracebench_shaders::fragment_abuffer::Trace;
 
-use crate::clipped::PARTS;
 use crate::counting::Counting;
-use crate::description::{Coverage, FragmentParameters, Fragments, March, Outline, Span, Switch, ThicknessUnit};
+use crate::description::{Coverage, FragmentParameters, Fragments, March, Span, Switch, ThicknessUnit};
 use crate::layout::MOST_VIEWS;
 use crate::structure::FragmentStructure;
 
@@ -71,32 +68,24 @@ fn jitter_of(ray: &Ray) -> f64 {
 }
 
 impl FragmentParameters {
-    /// How rays are traced over the images; none where points stand for what does not cover their pixels' centres.
+    /// How rays are traced over the images; none where samples are no depths at pixels' centres.
     pub(crate) fn image_march(&self, diagonal: f64) -> Option<ImageMarch> {
-        let conservative = self.coverage == Coverage::Conservative;
-        let samples = match self.fragments {
-            Fragments::Points if conservative => return None,
-            Fragments::Points => {
-                let [thickness, thickness_in_pixels] = match self.thickness_in {
-                    ThicknessUnit::Diagonals => [self.thickness * diagonal, 0.0],
-                    ThicknessUnit::Pixels => [0.0, self.thickness],
-                };
-                SampleShape::Point { thickness, thickness_in_pixels, to_back_faces: false }
-            }
-            Fragments::Planes if self.outline == Outline::Filled => {
-                SampleShape::Plane { conservative, outline: [1, 1] }
-            }
-            Fragments::Planes => SampleShape::Plane { conservative, outline: PARTS },
+        let (looks_at, within_pixel): (fn(&Ray) -> f64, _) = match self.jitter {
+            Switch::On => (jitter_of, self.span == Span::Pixel),
+            Switch::Off => (|_| 0.5, self.span == Span::Pixel),
         };
         let steps = match self.march {
-            March::Steps => MarchSteps::Equal {
-                most: self.view_steps,
-                looks_at: if self.jitter == Switch::On { jitter_of } else { |_| 0.5 },
-                within_pixel: self.span == Span::Pixel,
-            },
+            March::Steps => MarchSteps::Equal { most: self.view_steps, looks_at, within_pixel },
             March::Pixels | March::HiZ => MarchSteps::EveryPixel,
         };
-        Some(ImageMarch { steps, start_bias: self.start_bias, samples })
+        let [thickness, thickness_in_pixels] = match self.thickness_in {
+            ThicknessUnit::Diagonals => [self.thickness * diagonal, 0.0],
+            ThicknessUnit::Pixels => [0.0, self.thickness],
+        };
+        let start_bias = self.start_bias;
+        let march =
+            ImageMarch { steps, start_bias, thickness, thickness_in_pixels, to_back_faces: false, anywhere: false };
+        (self.fragments == Fragments::Points && self.coverage == Coverage::Sample).then_some(march)
     }
 }
 

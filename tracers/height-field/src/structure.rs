@@ -5,8 +5,7 @@ use std::sync::Arc;
 
 use tracebench_api::{
     Counter, EndPoint, Geometry, Gpu, HitBuffer, ImageMarch, Layers, Ledger, MarchSteps, MemoryEntry, MemoryReport,
-    Parameters, PhaseClock, Projection, SampleShape, Sampling, Structure, TraceJob, Tracer, TracerError, Update, View,
-    Viewpoint,
+    Parameters, PhaseClock, Projection, Sampling, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_kit::{
     CellDepths, DepthCopy, DepthPyramid, DrawnBy, EyeDepthTarget, LayerTarget, NO_SURFACE, NearestLayers, NearestOf,
@@ -203,10 +202,17 @@ impl Structure for HeightFieldStructure {
     }
 
     fn samplings(&self, parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
-        let HeightParameters { start_bias, .. } = HeightParameters::try_from(parameters)?;
-        // All behind a sample is solid.
-        let samples = SampleShape::Point { thickness: f64::INFINITY, thickness_in_pixels: 0.0, to_back_faces: false };
-        let march = Some(ImageMarch { steps: MarchSteps::EveryPixel, start_bias, samples });
+        let HeightParameters { start_bias, refinement, .. } = HeightParameters::try_from(parameters)?;
+        let march = Some(ImageMarch {
+            steps: MarchSteps::EveryPixel,
+            start_bias,
+            // All behind a sample is solid.
+            thickness: f64::INFINITY,
+            thickness_in_pixels: 0.0,
+            to_back_faces: false,
+            // Few halvings leave it open where in its pixel a hit is.
+            anywhere: refinement < 16,
+        });
         Ok(vec![Sampling { march, ..Sampling::new(Projection::Perspective(self.view), Layers::Nearest) }])
     }
 

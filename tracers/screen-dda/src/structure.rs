@@ -5,13 +5,12 @@ use std::sync::Arc;
 
 use tracebench_api::{
     Counter, EndPoint, Geometry, Gpu, HitBuffer, ImageMarch, Layers, Ledger, MarchSteps, MemoryEntry, MemoryReport,
-    Parameters, PhaseClock, Projection, SampleShape, Sampling, Structure, TraceJob, Tracer, TracerError, Update, View,
-    Viewpoint,
+    Parameters, PhaseClock, Projection, Sampling, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
 use tracebench_kit::{PipelinesOnDemand, SeenRaster, SurfaceGeometry};
 use tracebench_shaders::screen_dda::Trace;
 
-use crate::description::{DdaParameters, NO_REFIT};
+use crate::description::{DdaParameters, HitPoint, NO_REFIT};
 use crate::images::{ImagePipelines, ImageShape, Images};
 
 /// The pipelines.
@@ -138,14 +137,16 @@ impl Structure for ScreenDdaStructure {
     }
 
     fn samplings(&self, parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
-        let DdaParameters { stride, thickness, start_bias, .. } = DdaParameters::try_from(parameters)?;
+        let DdaParameters { stride, thickness, start_bias, hit_point, .. } = DdaParameters::try_from(parameters)?;
         let shape = &self.images.shape;
-        let samples = SampleShape::Point {
+        let march = Some(ImageMarch {
+            steps: MarchSteps::Stride(f64::from(stride)),
+            start_bias,
             thickness: thickness * self.diagonal,
             thickness_in_pixels: 0.0,
             to_back_faces: shape.backs,
-        };
-        let march = Some(ImageMarch { steps: MarchSteps::Stride(f64::from(stride)), start_bias, samples });
+            anywhere: hit_point == HitPoint::Step,
+        });
         let layers = Layers::of(shape.layers, shape.separation * self.diagonal, true);
         Ok(vec![Sampling { march, ..Sampling::new(Projection::Perspective(self.view), layers) }])
     }
