@@ -5,7 +5,7 @@ use crate::results::{EXACT, ExpectationRecord};
 use tracebench_api::Rasterizer;
 
 /// What is expected of a tracer with one of its presets on a case. Shares are of the rays that are judged. How many rays are wrong was
-/// measured and is in [`crate::studies::stability::ExpectedShares`].
+/// measured and is in `studies/stability/expected.csv`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Expectation {
     /// No wrong ray under `tight`, at every strength.

@@ -3,6 +3,7 @@
 
 mod faults;
 mod negative;
+mod verbs;
 
 use std::sync::Arc;
 
