@@ -3,7 +3,7 @@
 //! what it declares and the status. A cause needs evidence; what has none is unexplained.
 
 use glam::DVec3;
-use tracebench_api::{Hit, Layers, LineOfSight, Projected, Projection, Sampling, Status};
+use tracebench_api::{Hit, Layers, LineOfSight, Projected, Sampling, Status};
 
 use super::march::{Look, Passage};
 use super::voxels::{Voxels, between};
@@ -117,7 +117,7 @@ impl Judge<'_> {
     /// How deep a sample lies that a ray perhaps met at t.
     fn met_at(&self, passage: &Passage<'_>, ray: &Ray64, t: f64) -> Option<f64> {
         let off = tight_tolerance(t, self.truth.diagonal());
-        let met = self.met_about(passage, ray, t, false).into_iter();
+        let met = self.met_about(passage, ray, t, false);
         met.into_iter().find(|(_, [begin, end])| (begin - off..=end + off).contains(&t)).map(|(depth, _)| depth)
     }
 
