@@ -1,11 +1,11 @@
 //! Files that quotes look into, as JSON: records as they are, the tables of pages by heading, comma-separated values by row.
 
 use std::collections::BTreeMap;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use flate2::read::MultiGzDecoder;
 use serde_json::{Map, Value, json};
+
+use crate::report::unpacked;
 
 /// What was read, each file once.
 pub(super) struct Sources {
@@ -29,14 +29,9 @@ impl Sources {
 }
 
 fn read(path: &Path) -> Result<Value, String> {
-    let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
+    let bytes = unpacked(path).map_err(|error| error.to_string())?;
     let ends = |ending: &str| path.extension().is_some_and(|found| found == ending);
-    if ends("gz") {
-        let mut plain = Vec::new();
-        MultiGzDecoder::new(&bytes[..]).read_to_end(&mut plain).map_err(|error| error.to_string())?;
-        return serde_json::from_slice(&plain).map_err(|error| error.to_string());
-    }
-    if ends("json") {
+    if ends("gz") || ends("json") {
         return serde_json::from_slice(&bytes).map_err(|error| error.to_string());
     }
     let text = String::from_utf8(bytes).map_err(|error| error.to_string())?;

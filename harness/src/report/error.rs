@@ -35,6 +35,14 @@ pub enum ReportError {
         /// Why.
         source: io::Error,
     },
+    /// A file that is larger than records are, or would be unpacked.
+    #[error("{} holds more than {} MiB of JSON, the most that is read of a record; give what a run was written to", path.display(), most_bytes >> 20)]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// The most.
+        most_bytes: u64,
+    },
     /// What no run can have come to.
     #[error("{} is no record of a run: {reason}; it was changed or made by something else: run again", path.display())]
     Unmeasured {
@@ -74,18 +82,6 @@ pub enum ReportError {
         found: String,
         /// The schema that this program reads.
         wanted: u32,
-    },
-    /// The right schema number over the wrong fields.
-    #[error("{} says that it follows schema {wanted} of {file}, but does not: {source}", path.display())]
-    NotAsSaid {
-        /// The file.
-        path: PathBuf,
-        /// What was looked for.
-        file: &'static str,
-        /// The schema.
-        wanted: u32,
-        /// What is wrong.
-        source: serde_json::Error,
     },
     /// A file's contents cannot be made.
     #[error("cannot make {what}: {reason}")]

@@ -242,6 +242,7 @@ fn control(name: &str, missed: f64, blur: f64, sets: &[(&str, Query)]) -> Tracer
     let mut run = contender(name, quality, sets);
     run.tracer.preset = "control".to_owned();
     run.build.times.samples_ms.clear();
+    run.build.times.phases.clear();
     for trace in &mut run.traces {
         trace.times.samples_ms.clear();
         trace.counters.clear();

@@ -38,11 +38,13 @@ mod verdict;
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::io::{ErrorKind, Read as _};
+use std::io::{BufRead as _, BufReader, ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
 
-use flate2::read::MultiGzDecoder;
+use flate2::bufread::MultiGzDecoder;
+use serde::Deserialize;
 
+pub use chart::without_images;
 pub use compare::comparison_text;
 pub use error::ReportError;
 pub use explain::{EXPLAIN_PAGE, explanation_page};
@@ -142,6 +144,14 @@ pub fn write_derived(run: &Run, folder: &OutputFolder, tables: Tables) -> Result
     Ok(paths)
 }
 
+/// What is derived from a record: names and contents of the files that [`write_derived`] writes.
+///
+/// # Errors
+/// If a chart cannot be drawn.
+pub fn contents(run: &Run, tables: Tables) -> Result<Contents, ReportError> {
+    Ok(derived(&run.aligned(), tables)?.0)
+}
+
 /// Writes files into a folder, and gives their paths.
 pub(crate) fn write_all(contents: &Contents, folder: &OutputFolder) -> Result<Vec<PathBuf>, ReportError> {
     Ok(folder.write_all(contents.iter().map(|(name, contents)| (name.as_str(), contents.as_slice())))?)
@@ -220,45 +230,51 @@ pub fn table_page(name: &str, directory: &Path) -> PathBuf {
     directory.join(format!("{}.md", peers::stem(name)))
 }
 
+/// The most bytes of a record's JSON that are read, packed or not: fifteen times those of the largest record that is known.
+pub const MOST_RECORD_BYTES: u64 = 512 << 20;
+
 /// Reads a record back from its folder or from the file itself, plain or compressed by gzip.
 ///
 /// # Errors
-/// If there is no such file, it is not a whole JSON document, or it follows another schema.
+/// If there is no such file, it is not a whole JSON document, it follows another schema, or it can be of no run.
 pub fn read_run(path: &Path) -> Result<Run, ReportError> {
-    read(path, RUN_FILE, SCHEMA)
+    let (file, path) = (RUN_FILE, record_file(path));
+    let text = unpacked(&path)?;
+    // Before everything else is looked at: a file of another schema lacks fields, and that would be said instead.
+    let head: Result<Head, _> = serde_json::from_slice(&text);
+    match head.map(|head| head.schema) {
+        Ok(Some(schema)) if schema.as_u64() == Some(u64::from(SCHEMA)) => {}
+        Ok(Some(schema)) => return Err(ReportError::Schema { path, found: schema.to_string(), wanted: SCHEMA }),
+        Err(source) if !source.is_data() => return Err(ReportError::NotJson { path, file, source }),
+        _ => return Err(ReportError::NoSchema { path, file }),
+    }
+    Run::read(&text).map_err(|reason| ReportError::Unmeasured { path, reason })
 }
 
-fn read(path: &Path, file: &'static str, wanted: u32) -> Result<Run, ReportError> {
-    let path = record_file(path);
+/// What is read of a record first.
+#[derive(Deserialize)]
+struct Head {
+    schema: Option<serde_json::Value>,
+}
+
+/// The bytes of a file, unpacked where it is compressed, of which there may be no more than [`MOST_RECORD_BYTES`].
+pub(crate) fn unpacked(path: &Path) -> Result<Vec<u8>, ReportError> {
     let fail = |source: std::io::Error| match source.kind() {
-        ErrorKind::NotFound => ReportError::Missing { path: path.clone(), file },
-        _ => ReportError::Read { path: path.clone(), source },
+        ErrorKind::NotFound => ReportError::Missing { path: path.to_owned(), file: RUN_FILE },
+        _ => ReportError::Read { path: path.to_owned(), source },
     };
-    let mut text = fs::read(&path).map_err(fail)?;
-    if text.starts_with(&GZIP) {
-        let mut plain = Vec::new();
-        let unpacked = MultiGzDecoder::new(&text[..]).read_to_end(&mut plain);
-        unpacked.map_err(|source| ReportError::Packed { path: path.clone(), source })?;
-        text = plain;
+    let mut file = BufReader::new(fs::File::open(path).map_err(fail)?);
+    let mut bytes = Vec::new();
+    if file.fill_buf().map_err(fail)?.starts_with(&GZIP) {
+        let unpacked = MultiGzDecoder::new(file).take(MOST_RECORD_BYTES + 1).read_to_end(&mut bytes);
+        unpacked.map_err(|source| ReportError::Packed { path: path.to_owned(), source })?;
+    } else {
+        file.take(MOST_RECORD_BYTES + 1).read_to_end(&mut bytes).map_err(fail)?;
     }
-    let value: serde_json::Value =
-        serde_json::from_slice(&text).map_err(|source| ReportError::NotJson { path: path.clone(), file, source })?;
-    // Before everything else is looked at: a file of another schema lacks fields, and that would be said instead.
-    match value.get("schema") {
-        Some(schema) if schema.as_u64() == Some(u64::from(wanted)) => {}
-        Some(schema) => return Err(ReportError::Schema { path, found: schema.to_string(), wanted }),
-        None => return Err(ReportError::NoSchema { path, file }),
+    if bytes.len() as u64 > MOST_RECORD_BYTES {
+        return Err(ReportError::TooLarge { path: path.to_owned(), most_bytes: MOST_RECORD_BYTES });
     }
-    let run: Run = serde_json::from_value(value).map_err(|source| ReportError::NotAsSaid {
-        path: path.clone(),
-        file,
-        wanted,
-        source,
-    })?;
-    match run.fault() {
-        None => Ok(run),
-        Some(reason) => Err(ReportError::Unmeasured { path, reason }),
-    }
+    Ok(bytes)
 }
 
 /// What a compressed file begins with (RFC 1952).

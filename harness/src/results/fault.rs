@@ -1,67 +1,314 @@
-//! What no measurement can have come to, whoever wrote it into a record.
+//! What no measurement can have come to, whoever wrote it into a record: every rule is a field, whether it holds, and what it must be.
 
-use super::{Judgement, Run, Times, TracerRun};
+use serde::de::DeserializeSeed as _;
+use serde_json::Deserializer;
+use tracebench_api::Query;
 
-impl Run {
-    /// Why the record is none of a run, if it is none: without rows, with a share outside of 0 to 1 or of its interval, or with a time below zero.
-    pub fn fault(&self) -> Option<String> {
-        // Of a shard another one may have all rows; where cases were asked, a tracer may have been there for none.
-        if self.runs.is_empty() && self.provenance.shard.is_none() && self.cases.is_none() {
-            return Some("it has no rows (`runs` is empty)".to_owned());
-        }
-        [&self.runs, &self.controls, &self.anchors].into_iter().flatten().find_map(of_row)
-    }
-}
+use super::values::Checked;
+use super::{Judgement, RaceRecord, Run, Times, TraceRecord, TracerRun};
+use crate::statistics::median;
 
-/// What ends of intervals may be off by.
+/// A field, whether its rule holds, and the rule.
+type Rule = (&'static str, bool, &'static str);
+
+/// What figures may be off by that are made of others, a share.
 const ROUNDING: f64 = 1e-9;
 
-fn of_row(row: &TracerRun) -> Option<String> {
-    let place = format!("{} in {}", row.tracer.name, row.scene.name);
-    if let Some(time) = below_zero(&row.build.times).or(Some(row.build.setup_ms).filter(|time| !is_time(*time))) {
-        return Some(format!("{place}: a build took {time} ms"));
+impl Run {
+    /// Reads a record from a whole JSON document. What can be none of a run is told with the path of its field and what it must be.
+    ///
+    /// # Errors
+    /// Which field that is.
+    pub fn read(json: &[u8]) -> Result<Self, String> {
+        let mut path = String::new();
+        Checked::document(&mut path).deserialize(&mut Deserializer::from_slice(json)).map_err(without_place)?;
+        let run: Self = serde_path_to_error::deserialize(&mut Deserializer::from_slice(json)).map_err(|error| {
+            let path = error.path().to_string();
+            format!("`{path}`: {}", without_place(error.into_inner()))
+        })?;
+        run.check()?;
+        Ok(run)
     }
-    row.traces.iter().find_map(|trace| {
-        let place = format!("{place}, {}", trace.rays);
-        if let Some(time) = below_zero(&trace.times) {
-            return Some(format!("{place}: a trace took {time} ms"));
+
+    /// Whether it can be of a run; else which field is not as it must be.
+    fn check(&self) -> Result<(), String> {
+        // Of a shard another one may have all rows; where cases were asked, a tracer may have been there for none.
+        let may_be_empty = self.provenance.shard.is_some() || self.cases.is_some();
+        all("", [("runs", may_be_empty || !self.runs.is_empty(), "filled: it has no rows")])?;
+        for (list, rows) in [("runs", &self.runs), ("controls", &self.controls), ("anchors", &self.anchors)] {
+            each(list, rows, |at, row| self.row(at, row))?;
         }
-        let shares = shares(&trace.judgement);
-        if let Some((share, _)) = shares.iter().find(|(share, _)| !(0.0..=1.0).contains(share)) {
-            return Some(format!("{place}: {share} is a share of right answers, and no number from 0 to 1"));
+        each("races", &self.races, race_is_sound)?;
+        if let Some(sweep) = &self.sweep {
+            each("sweep.axes", &sweep.axes, |at, axis| {
+                all(at, [("values", axis.values.contains(&axis.own), "a list with `own` in it")])
+            })?;
         }
-        let is_off = |(share, [low, high]): &&(f64, [f64; 2])| !(low - ROUNDING..=high + ROUNDING).contains(share);
-        let (share, [low, high]) = shares.iter().find(is_off)?;
-        Some(format!("{place}: {share} is a share of right answers, and not in its interval from {low} to {high}"))
-    })
+        for case in self.cases.iter().flat_map(|record| &record.cases) {
+            all("cases.cases", [("knob.values", !case.knob.values.is_empty(), "filled")])?;
+        }
+        if let Some(found) = &self.explanation {
+            let steps = found.ladder.len() + 1;
+            each("explanation.scenes", &found.scenes, |at, scene| {
+                each(&format!("{at}.sets"), &scene.sets, |at, set| {
+                    let rule = "a number for the tracer as it was asked for and one for each of `ladder`";
+                    all(at, [("wrong_by_rung", set.wrong_by_rung.len() == steps, rule)])
+                })
+            })?;
+        }
+        if let Some(pareto) = &self.pareto {
+            each("pareto.scenes", &pareto.scenes, |at, scene| {
+                let points = scene.pictures.iter().flat_map(|set| &set.points);
+                let known = points.map(|pictures| pictures.point).all(|point| point < pareto.points.len());
+                all(at, [("pictures", known, "of `points` that there are")])
+            })?;
+        }
+        Ok(())
+    }
+
+    fn row(&self, at: &str, row: &TracerRun) -> Result<(), String> {
+        self.times(&format!("{at}.build"), &row.build.times)?;
+        let bytes: u64 = row.memory.structure.iter().map(|part| part.allocated_bytes).fold(0, u64::saturating_add);
+        all(at, [("memory.structure_bytes", row.memory.structure_bytes == bytes, "the sum of its parts")])?;
+        each(&format!("{at}.traces"), &row.traces, |at, trace| {
+            self.times(at, &trace.times)?;
+            trace_is_sound(at, trace)
+        })
+    }
+
+    fn times(&self, at: &str, times: &Times) -> Result<(), String> {
+        let Times { samples_ms, submit_to_done_samples_ms, interval_ms: [low, high], .. } = times;
+        let samples = samples_ms.len();
+        let of_samples = |found: f64, samples: &[f64]| samples.is_empty() || near(found, median(samples));
+        let submissions = submit_to_done_samples_ms.len();
+        let by_host = times.submit_to_done_median_ms.is_none_or(|found| of_samples(found, submit_to_done_samples_ms));
+        let race = times.race.map(|race| self.races.get(race as usize));
+        // Records of before races were told of have none.
+        let rounds = race.flatten().map_or(0, |race| race.orders.len());
+        let inside = (low - ROUNDING..=high + ROUNDING).contains(&times.median_ms);
+        all(
+            at,
+            [
+                ("median_ms", of_samples(times.median_ms, samples_ms), "the median of `samples_ms`"),
+                ("interval_ms", samples == 0 || inside, "an interval with `median_ms` in it"),
+                ("submit_to_done_median_ms", by_host, "the median of `submit_to_done_samples_ms`"),
+                ("submit_to_done_samples_ms", submissions == 0 || submissions == samples, "as many as `samples_ms`"),
+                ("race", race != Some(None) || self.races.is_empty(), "the place of one of `races`"),
+                ("samples_ms", rounds == 0 || samples <= rounds, "no more than its race has rounds"),
+                ("grown_samples", times.grown_samples <= samples as u64, "no more than `samples_ms`"),
+            ],
+        )?;
+        each(&format!("{at}.phases"), &times.phases, |at, phase| {
+            let few = phase.samples_ms.len() <= samples;
+            let is_median = of_samples(phase.median_ms, &phase.samples_ms);
+            all(at, [("samples_ms", few, "no more than the whole has"), ("median_ms", is_median, "their median")])
+        })
+    }
 }
 
-fn is_time(time: f64) -> bool {
-    time >= 0.0
-}
-
-fn below_zero(times: &Times) -> Option<f64> {
-    let Times { samples_ms, median_ms, submit_to_done_samples_ms, .. } = times;
-    let all = samples_ms.iter().chain([median_ms]).chain(submit_to_done_samples_ms);
-    all.copied().find(|time| !is_time(*time))
-}
-
-/// Shares of right answers with their intervals. An interval that is not there holds every share.
-fn shares(judgement: &Judgement) -> Vec<(f64, [f64; 2])> {
-    let all = match judgement {
-        Judgement::Closest(closest) => {
-            let (share, interval) = (&closest.agreement, &closest.interval);
-            let without = closest.agreement_without_ambiguous.clone().unwrap_or_default();
-            vec![
-                (share.hit_miss, interval.hit_miss),
-                (share.tight, interval.tight),
-                (share.footprint, interval.footprint),
-                (without.hit_miss, None),
-                (without.tight, None),
-                (without.footprint, None),
-            ]
-        }
-        Judgement::Any(any) => vec![(any.occlusion.balanced_accuracy, any.occlusion.balanced_accuracy_interval)],
+fn race_is_sound(at: &str, race: &RaceRecord) -> Result<(), String> {
+    let (rounds, lanes) = (race.orders.len(), race.lanes.len());
+    let is_order = |order: &Vec<u32>| {
+        let mut sorted = order.clone();
+        sorted.sort_unstable();
+        sorted.into_iter().eq(0..lanes as u32)
     };
-    all.into_iter().filter_map(|(share, interval)| Some((share?, interval.unwrap_or([0.0, 1.0])))).collect()
+    let fits = |samples: &[f64]| samples.len() <= rounds;
+    all(
+        at,
+        [
+            ("orders", race.orders.iter().all(is_order), "lists with each of `lanes` once"),
+            ("kernels", race.kernels.iter().all(|kernel| fits(&kernel.samples_ms)), "of no more samples than rounds"),
+            ("twice", race.twice.iter().all(|twice| fits(&twice.samples_ms)), "of no more samples than rounds"),
+        ],
+    )
+}
+
+fn trace_is_sound(at: &str, trace: &TraceRecord) -> Result<(), String> {
+    let TraceRecord { count, times, mrays_per_s, .. } = trace;
+    let speed = *count as f64 / times.median_ms / 1e3;
+    let timed = !times.samples_ms.is_empty() && *mrays_per_s > 0.0;
+    let kept = trace.per_trace.iter().map(|part| part.allocated_bytes).fold(0, u64::saturating_add);
+    let statuses = trace.statuses.values().copied().fold(0, u64::saturating_add);
+    all(
+        at,
+        [
+            ("count", *count > 0, "1 or more"),
+            ("mrays_per_s", !timed || near(*mrays_per_s, speed), "`count` over `median_ms`"),
+            ("per_trace_bytes", trace.per_trace.is_empty() || trace.per_trace_bytes == kept, "the sum of `per_trace`"),
+            ("statuses", trace.statuses.is_empty() || statuses == *count, "of as many rays as `count`"),
+        ],
+    )?;
+    let at = format!("{at}.judgement");
+    let is_any = trace.query == Query::Any;
+    let (ties, wrong_rays) = match &trace.judgement {
+        Judgement::Closest(judged) => {
+            let (share, within) = (&judged.agreement, &judged.interval);
+            let curve = judged.curve.iter().all(|[_, share]| (0.0..=1.0).contains(share));
+            let rules = [
+                ("agreement.hit_miss", holds(within.hit_miss, share.hit_miss), "in its interval"),
+                ("agreement.tight", holds(within.tight, share.tight), "in its interval"),
+                ("agreement.footprint", holds(within.footprint, share.footprint), "in its interval"),
+                ("curve", curve, "pairs of a tolerance and a share"),
+                ("classes", !is_any, "`occlusion`: its rays ask for any hit"),
+            ];
+            all(&at, rules)?;
+            (judged.ties, &judged.wrong_rays)
+        }
+        Judgement::Any(judged) => {
+            let table = &judged.occlusion;
+            let share = holds(table.balanced_accuracy_interval, table.balanced_accuracy);
+            let rules = [
+                ("occlusion.balanced_accuracy", share, "in its interval"),
+                ("occlusion", is_any, "`classes`: its rays ask for the closest hit"),
+            ];
+            all(&at, rules)?;
+            (judged.ties, &judged.wrong_rays)
+        }
+    };
+    let known = wrong_rays.iter().all(|ray| ray.index < *count);
+    all(&at, [("ties", ties <= *count, "no more than `count`"), ("wrong_rays", known, "of an `index` below `count`")])
+}
+
+/// Whether an interval holds a share. One that is not there holds every share.
+fn holds(interval: Option<[f64; 2]>, share: Option<f64>) -> bool {
+    let both = interval.zip(share);
+    both.is_none_or(|([low, high], share)| (low - ROUNDING..=high + ROUNDING).contains(&share))
+}
+
+fn near(found: f64, expected: f64) -> bool {
+    (found - expected).abs() <= ROUNDING * expected.abs()
+}
+
+/// The first rule that does not hold, with the path of its field.
+fn all<const N: usize>(at: &str, rules: [Rule; N]) -> Result<(), String> {
+    let dot = if at.is_empty() { "" } else { "." };
+    let broken = rules.into_iter().find(|(_, holds, _)| !holds);
+    broken.map_or(Ok(()), |(field, _, must)| Err(format!("`{at}{dot}{field}` must be {must}")))
+}
+
+fn each<T>(at: &str, list: &[T], check: impl Fn(&str, &T) -> Result<(), String>) -> Result<(), String> {
+    list.iter().enumerate().try_for_each(|(index, one)| check(&format!("{at}[{index}]"), one))
+}
+
+/// The text without the line and the column, which say nothing of a document on one line.
+fn without_place(error: serde_json::Error) -> String {
+    let text = error.to_string();
+    text.rsplit_once(" at line ").map_or_else(|| text.clone(), |(what, _)| what.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Read as _;
+
+    use serde_json::{Value, json};
+
+    use super::*;
+
+    /// A record of a small run.
+    fn record(packed: &[u8]) -> Value {
+        let mut text = Vec::new();
+        flate2::read::GzDecoder::new(packed).read_to_end(&mut text).unwrap();
+        serde_json::from_slice(&text).unwrap()
+    }
+
+    fn refusal(record: &Value) -> String {
+        Run::read(record.to_string().as_bytes()).map_or_else(|reason| reason, |_| String::new())
+    }
+
+    /// Proves that what no run can have come to is refused with the path of its field and what it must be, each change alone of a record
+    /// that is read as it is.
+    #[test]
+    fn impossible_values_are_refused_by_name() {
+        let plain = record(include_bytes!("../../fuzz/seeds/run.json.gz"));
+        let explained = record(include_bytes!("../../fuzz/seeds/explain.json.gz"));
+        let fronts = record(include_bytes!("../../fuzz/seeds/pareto.json.gz"));
+        let sweep = record(include_bytes!("../../fuzz/seeds/sweep.json.gz"));
+        let tuned = record(include_bytes!("../../fuzz/seeds/tune.json.gz"));
+        let updates = record(include_bytes!("../../fuzz/seeds/updates.json.gz"));
+        let cases = record(include_bytes!("../../fuzz/seeds/stability.json.gz"));
+        for whole in [&plain, &explained, &fronts, &sweep, &tuned, &updates, &cases] {
+            assert_eq!(refusal(whole), "");
+        }
+        let trace = |rest: &str| format!("/runs/0/traces/0{rest}");
+        let changes: [(&Value, &str, Value, &str); 33] = [
+            (&plain, "/runs", json!([]), "`runs` must be filled: it has no rows"),
+            (&plain, "/control_names", json!([]), "`control_names` is empty and must be filled"),
+            (&plain, &trace("/count"), json!(-3), "`runs[0].traces[0].count` is -3 and must be 0 or more"),
+            (&plain, &trace("/count"), json!(0), "`runs[0].traces[0].count` must be 1 or more"),
+            (&plain, &trace("/count"), json!(1_u64 << 60), "a whole number up to 2^53"),
+            (&plain, &trace("/count"), json!("NaN"), "`runs[0].traces[0].count`: invalid type: string"),
+            (
+                &plain,
+                &trace("/median_ms"),
+                json!(1e9),
+                "`runs[0].traces[0].median_ms` must be the median of `samples_ms`",
+            ),
+            (&plain, &trace("/median_ms"), json!(1e300), "`runs[0].traces[0].median_ms` is 1e300 and must be"),
+            (
+                &plain,
+                &trace("/samples_ms/0"),
+                json!(-1),
+                "`runs[0].traces[0].samples_ms[0]` is -1 and must be 0 or more",
+            ),
+            (&plain, &trace("/interval_ms"), json!([0.0, 0.0]), "`runs[0].traces[0].interval_ms` must be an interval"),
+            (&plain, &trace("/interval_coverage"), json!(1.5), "`runs[0].traces[0].interval_coverage` is 1.5"),
+            (
+                &plain,
+                &trace("/mrays_per_s"),
+                json!(561_000),
+                "`runs[0].traces[0].mrays_per_s` must be `count` over `median_ms`",
+            ),
+            (&plain, &trace("/race"), json!(99), "`runs[0].traces[0].race` must be the place of one of `races`"),
+            (&plain, &trace("/grown_samples"), json!(99), "`runs[0].traces[0].grown_samples` must be no more"),
+            (&plain, &trace("/statuses"), json!({ "hit": 1 }), "`runs[0].traces[0].statuses` must be of as many rays"),
+            (&plain, &trace("/per_trace_bytes"), json!(1), "`runs[0].traces[0].per_trace_bytes` must be the sum"),
+            (&plain, &trace("/query"), json!("any"), "`runs[0].traces[0].judgement.classes` must be `occlusion`"),
+            (
+                &plain,
+                &trace("/judgement/agreement/tight"),
+                json!(1.5),
+                "`runs[0].traces[0].judgement.agreement.tight` is 1.5",
+            ),
+            (&plain, &trace("/judgement/agreement/tight"), json!(0.5), "agreement.tight` must be in its interval"),
+            (&plain, &trace("/judgement/ties"), json!(9999), "`runs[0].traces[0].judgement.ties` must be no more"),
+            (&plain, &trace("/judgement/ties"), json!("x"), "`runs[0].traces[0].judgement`: invalid type"),
+            (&plain, "/runs/0/memory/structure_bytes", json!(1), "`runs[0].memory.structure_bytes` must be the sum"),
+            (&plain, "/runs/1/build/submit_to_done_samples_ms", json!([1.0]), "`runs[1].build.submit_to_done_"),
+            (&plain, "/races/1/orders/0", json!([0, 0]), "`races[1].orders` must be lists with each of `lanes` once"),
+            (&explained, "/explanation/scenes/0/sets/0/wrong_by_rung", json!([]), "sets[0].wrong_by_rung` is empty"),
+            (
+                &explained,
+                "/explanation/scenes/0/sets/0/wrong_by_rung",
+                json!([1]),
+                "sets[0].wrong_by_rung` must be a number for",
+            ),
+            (&fronts, "/pareto/rays_per_pixel/0", json!(-4), "`pareto.rays_per_pixel[0]` is -4 and must be 0 or more"),
+            (&fronts, "/pareto/points", json!([]), "`pareto.points` is empty and must be filled"),
+            (&sweep, "/sweep/axes", json!([]), "`sweep.axes` is empty and must be filled"),
+            (&sweep, "/sweep/axes/0/own", json!("7x"), "`sweep.axes[0].values` must be a list with `own` in it"),
+            (
+                &tuned,
+                "/tuning/scenes/0/viewpoints",
+                json!([]),
+                "`tuning.scenes[0].viewpoints` is empty and must be filled",
+            ),
+            (
+                &updates,
+                "/updates/scenes/0/times_s",
+                json!([]),
+                "`updates.scenes[0].times_s` is empty and must be filled",
+            ),
+            (&cases, "/cases/cases/0/knob/values", json!([]), "knob.values` must be filled"),
+        ];
+        for (whole, place, value, said) in changes {
+            let mut changed = whole.clone();
+            *changed.pointer_mut(place).expect(place) = value.clone();
+            let reason = refusal(&changed);
+            assert!(reason.contains(said), "{place} {value}: {reason}");
+        }
+        let twice = plain.to_string().replacen("{\"schema\":", "{\"seed\":1,\"schema\":", 1);
+        let reason = Run::read(twice.as_bytes()).unwrap_err();
+        assert!(reason.contains("`seed` is there twice"), "{reason}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, de};
 
 /// A rule by which t is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,7 +31,7 @@ impl Rule {
 }
 
 /// The verdict on one ray set.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 #[expect(clippy::large_enum_variant, reason = "a few dozen exist at a time")]
 pub enum Judgement {
@@ -39,6 +39,18 @@ pub enum Judgement {
     Closest(ClosestJudgement),
     /// On an any-hit set.
     Any(AnyJudgement),
+}
+
+impl<'de> Deserialize<'de> for Judgement {
+    /// By its table: so that it is said what is wrong in it, and not that it is neither.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = serde_json::Value::deserialize(deserializer)?;
+        let judged = match value.get("occlusion") {
+            Some(_) => AnyJudgement::deserialize(value).map(Self::Any),
+            None => ClosestJudgement::deserialize(value).map(Self::Closest),
+        };
+        judged.map_err(de::Error::custom)
+    }
 }
 
 impl Judgement {

@@ -25,6 +25,7 @@ mod times;
 mod trace;
 mod tuning;
 mod updates;
+mod values;
 mod windows;
 
 use std::collections::BTreeMap;

@@ -5,7 +5,8 @@ use super::*;
 impl Bench {
     /// A run whose times are made even, but for a scatter of 2 %, so that what is planted is all that moves.
     fn even_run(&self, out: &str) -> Value {
-        let mut run = self.run(&["--tracer", "bvh-cpu,bvh-cpu@build=fastest", "--rays", "primary,ao"], out);
+        let mut run =
+            self.run(&["--tracer", "bvh-cpu,bvh-cpu@build=fastest", "--rays", "primary,ao", "--samples", "20"], out);
         for one in run["runs"].as_array_mut().unwrap() {
             set_times(&mut one["build"], 20.0);
             for trace in one["traces"].as_array_mut().unwrap() {
@@ -25,6 +26,10 @@ impl Bench {
 fn set_times(times: &mut Value, median_ms: f64) {
     times["samples_ms"] = (0..20).map(|index| json!(median_ms * (0.98 + 0.002 * f64::from(index)))).collect();
     times["median_ms"] = json!(median_ms * 0.999);
+    times["interval_ms"] = json!([median_ms * 0.99, median_ms * 1.01]);
+    if let Some(count) = times["count"].as_f64() {
+        times["mrays_per_s"] = json!(count / (median_ms * 0.999) / 1e3);
+    }
 }
 
 /// Proves that a run is the same as itself, as text and as JSON, and that this is no regression.
@@ -104,7 +109,11 @@ fn planted_changes_are_found() {
     };
     let outcome = held(&lost, &["--fail-on-regression"]);
     assert!(outcome.status == 1 && outcome.stderr.contains("less accurate by tight"), "{outcome:?}");
-    let bytes = |run: &mut Value| run["runs"][0]["memory"]["structure_bytes"] = json!(12_345_678);
+    let bytes = |run: &mut Value| {
+        let memory = &mut run["runs"][0]["memory"];
+        memory["structure"] = json!([{ "name": "nodes", "allocated_bytes": 12_345_678, "used_bytes": 1 }]);
+        memory["structure_bytes"] = json!(12_345_678);
+    };
     let outcome = held(&bytes, &["--fail-on-regression"]);
     assert!(outcome.status == 0 && outcome.stdout.contains("→ 12,345,678"), "{outcome:?}");
     let machine = |run: &mut Value| run["machine"]["cpu"] = json!("another one");
@@ -140,12 +149,13 @@ fn wrong_comparisons() {
     for (samples, median, part) in [
         (json!([]), 0.0, "no times"),
         (json!([1.0, 0.0]), 0.5, "no times"),
-        (json!([2.0, -1.0]), 0.5, "took -1 ms"),
-        (json!([2.0]), 3.0, "no times"),
+        (json!([2.0, -1.0]), 0.5, "`runs[0].traces[0].samples_ms[1]` is -1.0 and must be 0 or more"),
+        (json!([2.0]), 3.0, "`runs[0].traces[0].median_ms` must be the median of `samples_ms`"),
     ] {
         let mut run = bench.result("good");
-        run["runs"][0]["traces"][0]["samples_ms"] = samples;
-        run["runs"][0]["traces"][0]["median_ms"] = json!(median);
+        let trace = &mut run["runs"][0]["traces"][0];
+        (trace["samples_ms"], trace["phases"], trace["mrays_per_s"]) = (samples, json!([]), json!(0));
+        (trace["median_ms"], trace["interval_ms"]) = (json!(median), json!([0.0, 3.0]));
         std::fs::write(bench.path("timeless.json"), run.to_string()).unwrap();
         bench.fails(&["compare", "good", "timeless.json"], 1, &["timeless.json", part]);
     }

@@ -17,12 +17,14 @@ fn records_that_nothing_measured() {
     let agreement = "/runs/0/traces/0/judgement/agreement/footprint";
     for (path, value, part) in [
         ("/runs", json!([]), "no rows"),
-        (agreement, json!(1.5), "bvh-cpu in room, primary: 1.5 is a share"),
-        (agreement, json!(-0.1), "-0.1 is a share"),
-        (agreement, json!(0.5), "0.5 is a share of right answers, and not in its interval"),
-        ("/runs/0/traces/0/judgement/interval/tight", json!([1.0, 0.0]), "not in its interval"),
-        ("/runs/0/traces/0/median_ms", json!(-3.0), "a trace took -3 ms"),
-        ("/runs/0/build/samples_ms/0", json!(-3.0), "a build took -3 ms"),
+        (agreement, json!(1.5), "`runs[0].traces[0].judgement.agreement.footprint` is 1.5 and must be a share"),
+        (agreement, json!(-0.1), "is -0.1 and must be a share"),
+        (agreement, json!(0.5), "`runs[0].traces[0].judgement.agreement.footprint` must be in its interval"),
+        ("/runs/0/traces/0/judgement/interval/tight", json!([1.0, 0.0]), "must be in its interval"),
+        ("/runs/0/traces/0/median_ms", json!(-3.0), "`runs[0].traces[0].median_ms` is -3.0 and must be 0 or more"),
+        ("/runs/0/build/samples_ms/0", json!(-3.0), "`runs[0].build.samples_ms[0]` is -3.0"),
+        ("/runs/0/traces/0/count", json!(-3), "`runs[0].traces[0].count` is -3"),
+        ("/control_names", json!([]), "`control_names` is empty and must be filled"),
     ] {
         change(path, value);
         for words in [&["report", "changed.json"][..], &["compare", "out", "changed.json"]] {
@@ -35,6 +37,24 @@ fn records_that_nothing_measured() {
     std::fs::create_dir(bench.path("cut")).unwrap();
     std::fs::write(bench.path("cut/run.json.gz"), &packed[..packed.len() / 2]).unwrap();
     bench.fails(&["report", "cut"], 1, &["cannot unpack cut/run.json.gz", "run again"]);
+}
+
+/// Proves that half a MiB which would unpack to more than any record is refused, and how much is read is said.
+#[test]
+fn small_files_that_unpack_to_large_ones() {
+    let bench = Bench::new();
+    let part = vec![b' '; 64 << 20];
+    let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    std::io::Write::write_all(&mut packer, &part).unwrap();
+    // Files that are joined unpack to what they do each, joined.
+    let packed = packer.finish().unwrap().repeat(9);
+    assert!(packed.len() < 4 << 20);
+    std::fs::write(bench.path("bomb.json.gz"), packed).unwrap();
+    bench.fails(
+        &["report", "bomb.json.gz"],
+        1,
+        &["bomb.json.gz holds more than 512 MiB", "give what a run was written to"],
+    );
 }
 
 /// Proves that a folder with another verb's record is refused before anything is measured, and left as it is; the same verb writes over its own.

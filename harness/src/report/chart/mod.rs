@@ -31,6 +31,7 @@ use crate::results::{ParetoRecord, Provenance, Run, TracerRun};
 use crate::studies::pareto::{Amount, By, Class, Cost, Field, contested};
 use crate::studies::stability::Stability;
 use crate::studies::tune::Tuning;
+pub use canvas::without_images;
 use canvas::{DrawError, Figure};
 use front::{FrontFigure, PanelOf};
 pub(super) use front::{FrontLayers, FrontStyles, PointMark};

@@ -58,6 +58,7 @@ pub(in crate::report) fn sweep_run(axes: &[Swept<'_>], sets: &[(&str, Query)], g
         let place = place.and_then(|(name, _, all)| all.iter().position(|value| *value == values[*name]));
         one.viewpoint.face = 64 << place.unwrap_or(0);
         one.memory.structure_bytes = (index as u64 + 1) << 20;
+        one.memory.structure[0].allocated_bytes = one.memory.structure_bytes;
         points.push(PointRecord {
             values,
             parameters: one.tracer.parameters.clone(),
@@ -93,6 +94,7 @@ fn rows_are_those_of_their_points() {
     let mut run = sweep_run(&[BUCKETS, RESOLUTIONS], &SETS, false);
     let mut other = run.runs[0].clone();
     other.memory.structure_bytes = 77;
+    other.memory.structure[0].allocated_bytes = 77;
     other.tracer.parameters.insert("stride".to_owned(), 2.into());
     run.runs.insert(0, other);
     let gone = run.runs.iter().position(|one| one.tracer.parameters["buckets"] == "40").unwrap();
