@@ -1,13 +1,15 @@
 #!/usr/bin/env bash
 # Holds an analytic tracer against the truth in f64 by every ray set from five viewpoints of every scene of the catalogue, and of the
 # files that are given; some 20 million rays in all. A table of what came of every set goes to results/software-exact/exact.csv, or to
-# the file that OUT names. Ends well if no ray is wrong under `tight`, ambiguous ones
-# included; of these `ties` has the number.
+# the file that OUT names, and the records that it is made of to the folder exact-records beside it. Ends well if no ray is wrong under `tight`
+# (ambiguous ones included; `ties` has their number).
 #     tests/exact.sh [scene.glb...]
 #     TRACER=bvh-gpu OUT=mine.csv tests/exact.sh
 . "$(dirname "$0")/study.sh" software-exact/exact.csv
+makes_records
 tracer=${TRACER:-dirt:improved}
 table=$scratch/exact.csv
+number=0
 
 # One scene from one viewpoint: `pixel-random` has two rays a pixel here, so that no set outweighs the others.
 try() {
@@ -22,6 +24,8 @@ try() {
            ([$class | .false_hit, .false_miss, .early, .late, .false_occluded, .false_free | numbers] | if . == [] then error("no classes") else add end), $judged.ties, $commit]
         | @csv' \
         "$folder/run.json" | tr -d '"' >> "$table"
+    number=$((number + 1))
+    keep "$folder" "$(printf '%02d-%s' "$number" "$(basename "$1")${2:+-$2}" | tr -c '[:alnum:].-' _)"
     awk -F, '{ rays += $7; wrong += $8 } END { printf "exact: %d rays, %d wrong\n", rays, wrong }' "$table" >&2
 }
 
@@ -47,6 +51,5 @@ for file in "$@"; do
     done
 done
 
-mkdir -p "$(dirname "$out")"
-mv "$table" "$out"
+finish "$table"
 awk -F, 'NR > 1 { rays += $7; wrong += $8; ties += $9 } END { printf "exact: %d rays, %d wrong, %d ambiguous\n", rays, wrong, ties; exit wrong > 0 }' "$out"

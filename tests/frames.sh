@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # What a frame costs that rebuilds its structure and traces one diffuse ray a pixel at 512x256: the improved form of DIRT, with tiles as they are,
 # with half and with a quarter as many along an edge, beside every hierarchy at its best and at its quickest build. All scenes in one run,
-# times by the host's clock until work is done. A table goes to results/software-frames/frames.csv, or to the file that OUT names.
+# times by the host's clock until work is done. A table goes to results/software-frames/frames.csv, or to the file that OUT names, and the
+# record that it is made of to the folder frames-records beside it.
 #     tests/frames.sh
 . "$(dirname "$0")/study.sh" software-frames/frames.csv
+makes_records
 
 "$program" run --preset quick --scene "${SCENES:-all}" --rays diffuse --size 512x256 --time-limit 2 --out "$scratch/run" \
     --tracer bvh-cpu,bvh-cpu@build=fastest,bvh-gpu,bvh-gpu@build=fastest,lbvh-gpu:improved,dirt:improved,dirt:improved@face_tiles=16,dirt:improved@face_tiles=8 > /dev/null
@@ -20,5 +22,6 @@ jq -r '
     | .[] | [.scene, .tracer, .preset, (if .tracer == "dirt" then .parameters.face_tiles else .parameters.build end), .build, .trace, .build + .trace,
         (.build + .trace) / $fastest, .build / $cpu, .right, $commit]
     | @csv' "$scratch/run/run.json" | tr -d '"' > "$scratch/frames.csv"
-mkdir -p "$(dirname "$out")"
-{ echo 'scene,tracer,preset,point,build_ms,trace_ms,frame_ms,over_fastest,build_over_bvh_cpu,tight_share,commit'; cat "$scratch/frames.csv"; } > "$out"
+keep "$scratch/run" .
+{ echo 'scene,tracer,preset,point,build_ms,trace_ms,frame_ms,over_fastest,build_over_bvh_cpu,tight_share,commit'; cat "$scratch/frames.csv"; } > "$scratch/table.csv"
+finish "$scratch/table.csv"

@@ -13,6 +13,7 @@ mod refusals;
 mod reproductions;
 mod resume;
 mod runs;
+mod scripts;
 mod stability;
 mod stops;
 mod surfaces;
