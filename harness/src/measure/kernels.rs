@@ -1,16 +1,17 @@
 //! The fixed kernels: the same arithmetic in every round, on each clock of a race, by which a change of the machine's speed shows.
 
 use std::hint::black_box;
+use std::time::Instant;
 
 use rayon::prelude::*;
-use tracebench_api::{ClockKind, Gpu, PhaseClock, Timing, TracerError};
+use tracebench_api::{ClockKind, Gpu, PhaseClock, Timing, TracerError, tick_ms};
 use tracebench_kit::{FixedWork, FixedWorkPlan, fixed_task};
 
-use crate::results::KernelRecord;
+use crate::results::{ClockTicks, KernelRecord};
 use crate::statistics::trend;
 
 /// A kernel has so much work that it takes at least this, milliseconds: far more than a clock's resolution, far less than a round.
-const LEAST_MS: f64 = 1.0;
+pub(super) const LEAST_MS: f64 = 1.0;
 /// Work that it begins with, tasks; doubled until it is enough.
 const FEWEST_TASKS: u32 = 1 << 9;
 /// Work that is enough for any device.
@@ -25,6 +26,8 @@ const SURE: f64 = 3.29;
 pub(crate) struct Kernels {
     host_tasks: u32,
     device: Option<(FixedWork, FixedWorkPlan, u32)>,
+    /// The ticks of the clocks that time them.
+    pub ticks: ClockTicks,
 }
 
 /// The work of the host's kernel: all cores, as host tracers take them.
@@ -52,7 +55,8 @@ impl Kernels {
                 Some((work, plan, tasks))
             }
         };
-        Ok(Self { host_tasks, device })
+        let device_ms = gpu.map_or(Ok(None), Gpu::tick_ms)?;
+        Ok(Self { host_tasks, device, ticks: ClockTicks { host_ms: tick_ms(Instant::now), device_ms } })
     }
 
     /// Whether there is one of a clock: none of the device's where nobody can run there.
@@ -130,17 +134,18 @@ fn on_device(gpu: &Gpu, work: &FixedWork, plan: &FixedWorkPlan) -> Result<Timing
 
 fn enough(sample: impl Fn(u32) -> Result<Timing, TracerError>) -> Result<u32, TracerError> {
     let mut tasks = FEWEST_TASKS;
-    while tasks < MOST_TASKS {
+    while tasks <= MOST_TASKS {
         let mut fastest = f64::INFINITY;
         for _ in 0..TRIES {
             fastest = fastest.min(sample(tasks)?.total_ms);
         }
         if fastest >= LEAST_MS {
-            break;
+            return Ok(tasks);
         }
         tasks *= 2;
     }
-    Ok(tasks)
+    let what = "however much work there is, the clock says that it takes less than a millisecond: it does not wait until the work is done";
+    Err(TracerError::Failed(what.to_owned()))
 }
 
 #[cfg(test)]
@@ -161,6 +166,21 @@ mod tests {
         assert!(said(&|round| 1.0 + 0.4 * f64::from(round) / 23.0) && said(&|round| 1.5 - 0.02 * f64::from(round)));
         // Sure or not, too little to matter.
         assert!(!said(&|round| 1.0 + 0.15 * f64::from(round) / 23.0));
+    }
+
+    /// A clock that does not wait is an error, for no work takes long enough by it; one that does finds enough work.
+    #[test]
+    fn a_clock_must_wait() {
+        let takes = |ms: f64| Timing {
+            clock: ClockKind::SubmitToDone,
+            total_ms: ms,
+            phases: Vec::new(),
+            submit_to_done_ms: Some(ms),
+            grown: false,
+        };
+        let error = enough(|tasks| Ok(takes(0.05 + 1e-10 * f64::from(tasks)))).unwrap_err().to_string();
+        assert!(error.contains("does not wait"), "{error}");
+        assert_eq!(enough(|tasks| Ok(takes(f64::from(tasks) / 1e4))).unwrap(), 1 << 14);
     }
 
     /// The kernel of the host takes as long as it should.

@@ -16,7 +16,7 @@ use super::session::{Session, SessionError};
 use super::{Contender, RunError, sound};
 use crate::plan::{Resolution, TracerRequest};
 use crate::progress::Progress;
-use crate::results::{BuildRecord, MemoryRecord, RaceRecord, Sampling};
+use crate::results::{BuildRecord, ClockTicks, MemoryRecord, RaceRecord, Sampling};
 
 /// A validation that takes longer is told of, where bars do not show: it is the only work that grows with what is stored.
 const LONG_VALIDATION: Duration = Duration::from_secs(2);
@@ -208,6 +208,11 @@ impl<'a> Race<'a> {
         Rounds::new(sampling, seed, lanes, &kernels)
     }
 
+    /// The ticks of its clocks; none where nothing is timed.
+    pub(super) fn ticks(&self) -> Option<ClockTicks> {
+        self.setting.kernels.map(|kernels| kernels.ticks)
+    }
+
     /// The record of a race; none where nothing was timed.
     pub(super) fn record(&self, work: &str, seed: u64, rounds: &Rounds<'_>, lanes: Vec<String>) -> Option<RaceRecord> {
         let Setting { scene, viewpoint, window, .. } = self.setting.clone();
@@ -232,6 +237,7 @@ impl<'a> Race<'a> {
             sampled_s: rounds.sampled_s,
             widest_interval: rounds.widest_interval,
             drift: kernels.iter().any(|kernel| kernel.drifts),
+            clock_ticks: self.ticks(),
             kernels,
             twice: Vec::new(),
             repeated_because: None,
@@ -287,6 +293,7 @@ impl<'a> Race<'a> {
             let believed = believed[usize::from(stall.follows.is_some())];
             let mut build = records::build_record(&stall.builds, believed, stall.contender.setup_ms);
             let race = if stall.follows.is_some() { 0 } else { of_updates };
+            build.times.void = self.ticks().and_then(|ticks| ticks.too_coarse(&build.times));
             build.times.race = (!stall.builds.is_empty() && race < races.len()).then_some(race as u32);
             Ok::<Built, TracerError>(Built {
                 memory: records::memory_record(stall.contender.structure()?.memory(), end),

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::time::Instant;
 
 use tracebench_api::{
     EndPoint, Geometry, Gpu, Hit, HitBuffer, MemoryEntry, Parameters, PhaseClock, Query, Ray, RayBuffer, Sampling,
@@ -76,6 +77,8 @@ pub struct Session {
     viewpoint: Viewpoint,
     end: EndPoint,
     wrong_rays_per_cause: usize,
+    /// The host's clock.
+    now: fn() -> Instant,
     /// The ray sets that are not empty.
     pub rays: Vec<PreparedRays>,
     /// The ray sets that are, with the reason.
@@ -158,6 +161,7 @@ impl Session {
             viewpoint,
             end: EndPoint::Hit,
             wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
+            now: Instant::now,
             rays: prepared,
             skipped,
         })
@@ -183,6 +187,7 @@ impl Session {
             viewpoint,
             end: EndPoint::Hit,
             wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
+            now: Instant::now,
             rays,
             skipped: Vec::new(),
         })
@@ -198,6 +203,12 @@ impl Session {
     #[must_use]
     pub fn keeping_wrong_rays(self, wrong_rays_per_cause: usize) -> Self {
         Self { wrong_rays_per_cause, ..self }
+    }
+
+    /// The same session whose traces are timed by another clock of the host.
+    #[cfg(test)]
+    pub(crate) fn read_by(self, now: fn() -> Instant) -> Self {
+        Self { now, ..self }
     }
 
     /// How far traces go.
@@ -270,7 +281,7 @@ impl Session {
         repeats: usize,
     ) -> Result<Timing, TracerError> {
         hits.poison(self.gpu())?;
-        let mut clock = PhaseClock::new(self.gpu());
+        let mut clock = PhaseClock::read_by(self.gpu(), self.now);
         for _ in 0..repeats {
             contender.structure()?.trace(self.job(contender, rays), hits, &mut clock)?;
         }

@@ -1,15 +1,19 @@
 //! The race against contenders that cheat or waver, which the registry has none of.
 
-use tracebench_api::{Description, Geometry, Parameters, Preset, Ray, Tracer};
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
+
+use tracebench_api::{Description, Geometry, Parameters, Preset, Ray, Tracer, tick_ms};
 use tracebench_tests::{Fake, Manner};
 
+use super::kernels::Kernels;
 use super::race::{Built, Outcome, Race, Setting};
 use super::session::{RayRequest, Session};
 use super::*;
 use crate::measure::controls::Control;
 use crate::progress::Progress;
 use crate::rays::{RAY_SETS, default_parameters};
-use crate::results::{RaceRecord, Sampling, TraceRecord};
+use crate::results::{ClockTicks, RaceRecord, Sampling, Times, TraceRecord};
 use crate::truth::{Cache, Truth};
 use crate::viewpoint::Pose;
 
@@ -60,13 +64,21 @@ fn race_of(rounds: u32, tracer: Box<dyn Tracer>) -> Came {
 }
 
 fn raced(rounds: u32, tracer: Box<dyn Tracer>, control: Option<Control>) -> Came {
+    raced_by(session(), None, rounds, tracer, control)
+}
+
+fn raced_by(
+    session: Session,
+    kernels: Option<&Kernels>,
+    rounds: u32,
+    tracer: Box<dyn Tracer>,
+    control: Option<Control>,
+) -> Came {
     let description = Description { name: "fake", ..Control::AlwaysMiss.description() };
     let parameters = Parameters::preset(&[], Preset::Published);
-    let session = session();
     let quiet = Progress::new(true);
     let effort = Effort { sampling: Sampling::rounds(rounds), timed: true, ..Effort::untimed() };
-    let setting =
-        Setting { scene: "fake".to_owned(), viewpoint: "given".to_owned(), window: 0, kernels: None, turn: 0 };
+    let setting = Setting { scene: "fake".to_owned(), viewpoint: "given".to_owned(), window: 0, kernels, turn: 0 };
     let mut race = Race::new(&session, None, effort, &quiet, setting);
     race.enter(Contender::ready(description, parameters, tracer), None, control);
     let built = race.build().unwrap().outcomes.pop().unwrap();
@@ -122,6 +134,51 @@ fn a_clock_that_does_not_see_double_work_is_void() {
         assert!(quick.trace().unwrap().times.void.is_none() && record.repeated_because.is_none());
         assert!(record.twice[0].not_judged.is_some());
     }
+}
+
+/// Reads the system's clock in steps of 10 ms.
+fn coarse() -> Instant {
+    static BEGIN: OnceLock<Instant> = OnceLock::new();
+    let begin = *BEGIN.get_or_init(Instant::now);
+    begin + Duration::from_millis(begin.elapsed().as_millis() as u64 / 10 * 10)
+}
+
+/// Proves that the tick of a clock is found, of one whose ticks are longer than a thousand readings too, and that times below twenty ticks
+/// are void with the reason, in the record of a race whose clock goes in steps of 10 ms: no speed is made of a time of nothing. By the
+/// system's clock the same race has times and speeds (the negative control).
+#[test]
+fn times_below_twenty_ticks_are_void() {
+    let tick = tick_ms(coarse).unwrap();
+    assert!((tick - 10.0).abs() < 1e-9, "{tick}");
+    let mut by_steps = Kernels::new(None).unwrap();
+    let fine = by_steps.ticks.host_ms.unwrap();
+    assert!(fine > 0.0 && fine < 1.0, "{fine}");
+    by_steps.ticks.host_ms = Some(tick);
+    let came = raced_by(session().read_by(coarse), Some(&by_steps), 3, Box::new(Fake(Manner::Honest)), None);
+    let trace = came.trace().unwrap();
+    let why = trace.times.void.as_ref().unwrap();
+    assert!(why.contains("below 20 ticks") && why.contains("10 ms"), "{why}");
+    assert_eq!((trace.mrays_per_s, trace.times.samples_ms.len()), (0.0, 3));
+    assert_eq!(came.race.as_ref().unwrap().clock_ticks, Some(by_steps.ticks));
+    let Outcome::Measured(Built { build, .. }) = &came.built else { panic!("not built") };
+    assert!(build.times.void.is_some(), "builds are too short, too");
+    // Of clocks that do not move nothing is known; of long times all is well.
+    let of = |median_ms: f64, host_ms: Option<f64>| {
+        let times = Times { samples_ms: vec![median_ms; 3], median_ms, ..trace.times.clone() };
+        ClockTicks { host_ms, device_ms: None }.too_coarse(&times)
+    };
+    assert!(of(200.0, Some(10.0)).is_none() && of(199.9, Some(10.0)).is_some() && of(1e9, None).is_some());
+    let sound = raced_by(session(), None, 3, Box::new(Fake(Manner::Honest)), None);
+    assert!(sound.trace().unwrap().times.void.is_none() && sound.trace().unwrap().mrays_per_s > 0.0);
+}
+
+/// Proves that the tick of a device's timestamps is found where it has some, and is shorter than what it times.
+#[test]
+fn ticks_of_a_device_are_probed() {
+    let gpu = tracebench_tests::gpu();
+    let ticks = Kernels::new(Some(&gpu)).unwrap().ticks;
+    assert_eq!(ticks.device_ms.is_some(), gpu.listing.timestamps);
+    assert!(ticks.device_ms.is_none_or(|tick| tick > 0.0 && tick < 1.0), "{ticks:?}");
 }
 
 /// Proves that a control which does not score what it must is noticed: one that always misses in the oracle's place is, in its

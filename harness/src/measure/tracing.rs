@@ -65,7 +65,8 @@ impl Race<'_> {
                 .transpose()?;
             let outcome = match (judged, &self.lanes[lane].out) {
                 (Some((mut record, told, void)), _) => {
-                    record.times.void.clone_from(&failed);
+                    let too_coarse = self.ticks().and_then(|ticks| ticks.too_coarse(&record.times));
+                    record.doubt_times(failed.clone().or(too_coarse));
                     answered.told.push(Some(told));
                     answered.void = answered.void.or(void);
                     answered.outcomes.push(Outcome::Measured(record));

@@ -154,6 +154,7 @@ pub(crate) fn race(work: &str) -> RaceRecord {
         ended_by: EndedBy::Rounds,
         sampled_s: 1.0,
         widest_interval: None,
+        clock_ticks: None,
         kernels: Vec::new(),
         drift: false,
         twice: Vec::new(),

@@ -77,14 +77,19 @@ fn clock(run: &Run) -> String {
         let found: Vec<String> = run.races.iter().filter(|race| wanted(race)).map(name).collect();
         if found.is_empty() { String::new() } else { format!("; {what} in {}: {}", found.len(), counted(&found)) }
     };
+    let times = run.runs.iter().flat_map(|row| row.traces.iter().map(|trace| &trace.times).chain([&row.build.times]));
+    let void: Vec<String> = times.filter_map(|times| times.void.clone()).collect();
+    let void = match void.len() {
+        0 => String::new(),
+        count => format!("; **void times** of {count}: {}", counted(&void)),
+    };
     let (fewest, most) = (fewest.unwrap_or(0), most.unwrap_or(0));
     let few = if fewest < LEAST_ROUNDS as usize { "; fewer than 12 decide nothing" } else { "" };
     format!(
-        "{} races of {fewest} to {most} rounds{few}{}{}{}",
+        "{} races of {fewest} to {most} rounds{few}{}{}{void}",
         run.races.len(),
         those("intervals wider than wanted when the time was up", &|race| race.ended_by == EndedBy::TimeLimit),
         those("**drift**", &|race| race.drift),
-        those("**void times**", &|race| race.twice.iter().any(|twice| !twice.passed)),
     )
 }
 

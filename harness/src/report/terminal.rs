@@ -146,6 +146,7 @@ mod tests {
         let folder = tempfile::TempDir::new().unwrap();
         fixture::write_run(&run, folder.path(), fixture::tables).unwrap();
         let page = std::fs::read_to_string(folder.path().join("summary.md")).unwrap();
+        assert!(page.contains("; **void times** of 1: why"), "{page}");
         assert!(page.contains("**times void**") && !page.contains(&speed), "{page}");
     }
 

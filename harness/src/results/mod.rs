@@ -52,7 +52,9 @@ pub use pareto::{
     CheckedRecord, FrontPoint, FrontScene, PICTURES_FOLDER, ParetoRecord, PointPictures, STILL_REFIT, SetPictures,
 };
 pub use provenance::{ConvertedFrom, Provenance, RULES_VERSION, ShardRecord};
-pub use race::{EndedBy, Further, KernelRecord, LEAST_ROUNDS, RaceRecord, Sampling, TwiceRecord};
+pub use race::{
+    ClockTicks, EndedBy, Further, KernelRecord, LEAST_ROUNDS, MIN_TICKS, RaceRecord, Sampling, TwiceRecord,
+};
 pub use ratio::{Movement, Ratio, common_clock, host_ms, time_ratio};
 pub use row::{MemoryRecord, SceneRecord, TracerRecord, TracerRun, ViewpointRecord};
 pub use sweep::{AxisRecord, PointRecord, SweepRecord};

@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 use tracebench_api::ClockKind;
 
+use super::Times;
+
 /// Rounds below which no verdict rests on times.
 pub const LEAST_ROUNDS: u32 = 12;
 
@@ -37,6 +39,9 @@ pub struct RaceRecord {
     /// The widest interval that any two contenders' ratio has, in shares: its upper end over its lower one, less 1. None where
     /// there were no two, or too few rounds for an interval of [`COVERAGE`](super::COVERAGE).
     pub widest_interval: Option<f64>,
+    /// The ticks of its clocks. None in files of before they were probed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clock_ticks: Option<ClockTicks>,
     /// The fixed kernel of every clock.
     pub kernels: Vec<KernelRecord>,
     /// Whether a kernel drifts: no verdict rests on the race's times.
@@ -46,6 +51,42 @@ pub struct RaceRecord {
     /// Why an earlier try at the race was thrown away.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repeated_because: Option<String>,
+}
+
+/// The ticks of clocks: of each the smallest step other than zero between successive readings in a probe of 1,000; none of a clock that
+/// is not there, or does not move.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ClockTicks {
+    /// Of the host's clock.
+    pub host_ms: Option<f64>,
+    /// Of the device's timestamps.
+    pub device_ms: Option<f64>,
+}
+
+/// Ticks that a time must have at least.
+pub const MIN_TICKS: f64 = 20.0;
+
+impl ClockTicks {
+    fn of(&self, clock: ClockKind) -> Option<f64> {
+        match clock {
+            ClockKind::DeviceTimestamps => self.device_ms,
+            ClockKind::Host | ClockKind::SubmitToDone => self.host_ms,
+        }
+    }
+
+    /// Whether a time by a clock is too short for its ticks.
+    pub fn is_too_coarse(&self, clock: ClockKind, ms: f64) -> bool {
+        self.of(clock).is_none_or(|tick_ms| ms < MIN_TICKS * tick_ms)
+    }
+
+    /// Why times are void that are too short for their clock, if they are.
+    pub fn too_coarse(&self, times: &Times) -> Option<String> {
+        let is = !times.samples_ms.is_empty() && self.is_too_coarse(times.clock, times.median_ms);
+        is.then(|| match self.of(times.clock) {
+            Some(tick_ms) => format!("times below {MIN_TICKS} ticks of their clock, which are {tick_ms} ms each"),
+            None => "their clock does not move".to_owned(),
+        })
+    }
 }
 
 /// How long sampling goes on, in whole rounds.

@@ -23,7 +23,7 @@ pub struct TraceRecord {
     /// Its times.
     #[serde(flatten)]
     pub times: Times,
-    /// Million rays a second at the median.
+    /// Million rays a second at the median; 0 where nothing was timed and where times are void.
     pub mrays_per_s: f64,
     /// Allocated bytes of all parts of `per_trace`.
     pub per_trace_bytes: u64,
@@ -42,6 +42,15 @@ pub struct TraceRecord {
     /// The verdict on its surfaces, where it has any.
     #[serde(default)]
     pub surfaces: Option<SurfaceJudgement>,
+}
+
+impl TraceRecord {
+    /// Says why its times may not be believed, if they may not: no speed is made of them.
+    pub fn doubt_times(&mut self, why: Option<String>) {
+        if why.is_some() {
+            (self.times.void, self.mrays_per_s) = (why, 0.0);
+        }
+    }
 }
 
 /// A count over a ray set.

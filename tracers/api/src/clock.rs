@@ -98,6 +98,7 @@ impl Timing {
 /// [`PhaseClock::device_phase`], never a mixture of the two.
 pub struct PhaseClock<'gpu> {
     gpu: Option<&'gpu Gpu>,
+    now: fn() -> Instant,
     encoder: Option<wgpu::CommandEncoder>,
     device_phases: Vec<String>,
     host_phases: Vec<PhaseSample>,
@@ -107,14 +108,19 @@ pub struct PhaseClock<'gpu> {
 impl<'gpu> PhaseClock<'gpu> {
     /// A fresh clock; `gpu` is needed for device phases.
     pub fn new(gpu: Option<&'gpu Gpu>) -> Self {
-        Self { gpu, encoder: None, device_phases: Vec::new(), host_phases: Vec::new(), host_span: None }
+        Self::read_by(gpu, Instant::now)
+    }
+
+    /// The same by another clock of the host than the system's.
+    pub fn read_by(gpu: Option<&'gpu Gpu>, now: fn() -> Instant) -> Self {
+        Self { gpu, now, encoder: None, device_phases: Vec::new(), host_phases: Vec::new(), host_span: None }
     }
 
     /// Runs and times work on the host.
     pub fn host_phase<R>(&mut self, name: &str, work: impl FnOnce() -> R) -> R {
-        let begin = Instant::now();
+        let begin = (self.now)();
         let result = work();
-        let end = Instant::now();
+        let end = (self.now)();
         self.host_phases.push(PhaseSample { name: name.to_owned(), duration_ms: (end - begin).as_secs_f64() * 1e3 });
         self.host_span = Some((self.host_span.map_or(begin, |(first, _)| first), end));
         result
@@ -162,22 +168,27 @@ impl<'gpu> PhaseClock<'gpu> {
             }),
             (Some(encoder), None) => {
                 let gpu = self.gpu.ok_or_else(|| TracerError::Failed("a device phase without a device".to_owned()))?;
-                finish_on_device(gpu, encoder, &self.device_phases)
+                finish_on_device(gpu, encoder, &self.device_phases, self.now)
             }
         }
     }
 }
 
-fn finish_on_device(gpu: &Gpu, mut encoder: wgpu::CommandEncoder, phases: &[String]) -> Result<Timing, TracerError> {
+fn finish_on_device(
+    gpu: &Gpu,
+    mut encoder: wgpu::CommandEncoder,
+    phases: &[String],
+    now: fn() -> Instant,
+) -> Result<Timing, TracerError> {
     let bytes = Stamps::bytes(phases.len());
     if let Some(stamps) = &gpu.stamps {
         stamps.resolve(&mut encoder, bytes);
     }
     let commands = encoder.finish();
-    let begin = Instant::now();
+    let begin = now();
     gpu.queue.submit([commands]);
     gpu.wait()?;
-    let submit_to_done_ms = begin.elapsed().as_secs_f64() * 1e3;
+    let submit_to_done_ms = (now() - begin).as_secs_f64() * 1e3;
     let by_host = Timing {
         clock: ClockKind::SubmitToDone,
         total_ms: submit_to_done_ms,
@@ -198,6 +209,51 @@ fn finish_on_device(gpu: &Gpu, mut encoder: wgpu::CommandEncoder, phases: &[Stri
             .collect(),
         ..by_host
     })
+}
+
+/// Readings of a probe of a clock's tick.
+const PROBED: usize = 1000;
+
+/// The tick of the host's clock: the smallest step other than zero between successive readings, milliseconds. A thousand are read, and
+/// more until one differs from the last; `None` of a clock that stands still.
+pub fn tick_ms(now: fn() -> Instant) -> Option<f64> {
+    const MOST: usize = 100_000_000;
+    let (mut last, mut least) = (now(), None::<f64>);
+    for reading in 0..MOST {
+        if reading >= PROBED && least.is_some() {
+            break;
+        }
+        let next = now();
+        if next > last {
+            let step = (next - last).as_secs_f64() * 1e3;
+            least = Some(least.map_or(step, |least| least.min(step)));
+        }
+        last = next;
+    }
+    least
+}
+
+impl Gpu {
+    /// The tick of the device's timestamps: the smallest step other than zero between a thousand successive ones, milliseconds; `None`
+    /// without timestamps, or where none differs from the last.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if the device fails.
+    pub fn tick_ms(&self) -> Result<Option<f64>, TracerError> {
+        let Some(stamps) = &self.stamps else { return Ok(None) };
+        let bytes = Stamps::bytes(Stamps::MOST_PHASES);
+        let mut ticks: Vec<u64> = Vec::new();
+        while ticks.len() < PROBED {
+            let mut encoder = self.device.create_command_encoder(&Default::default());
+            (0..=Stamps::MOST_PHASES as u32).for_each(|phases| stamps.write(&mut encoder, phases));
+            stamps.resolve(&mut encoder, bytes);
+            self.queue.submit([encoder.finish()]);
+            self.wait()?;
+            ticks.extend(bytemuck::pod_collect_to_vec::<u8, u64>(&self.read_mapped(&stamps.readback, bytes)?));
+        }
+        let steps = ticks.windows(2).filter_map(|pair| pair[1].checked_sub(pair[0]));
+        Ok(steps.filter(|step| *step > 0).min().map(|step| step as f64 * stamps.period_ns * 1e-6))
+    }
 }
 
 /// A query set for the phases of one sample, kept with the device. Every stamp is written twice and the first is read:

@@ -26,7 +26,7 @@ mod viewpoint;
 
 pub use adapter::{AdapterChoice, AdapterListing, DeviceLimits, list_adapters};
 pub use allocations::Allocations;
-pub use clock::{ClockKind, PhaseClock, PhaseSample, Timing};
+pub use clock::{ClockKind, PhaseClock, PhaseSample, Timing, tick_ms};
 pub use declared::{Choice, Parameter, ParameterType};
 pub use error::TracerError;
 pub use geometry::{DeviceGeometry, Geometry};
