@@ -140,6 +140,7 @@ pub fn procedural(name: &str, scale: f64) -> Result<Scene, SceneError> {
             }
             Ok(build(scale, time_s).mesh.positions)
         }),
+        left_out: None,
     });
     Ok(scene)
 }

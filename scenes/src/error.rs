@@ -33,7 +33,7 @@ pub enum SceneError {
     },
     /// A buffer file that the scene's file names cannot be read.
     #[error(
-        "{scene}: buffer {buffer} is in file '{}', which cannot be read: {source}; put it there, or export as .glb, which holds everything",
+        "{scene}: buffers[{buffer}] is in file '{}', which cannot be read: {source}; put it there, or export as .glb, which holds everything",
         path.display()
     )]
     ReadBuffer {

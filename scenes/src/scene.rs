@@ -1,5 +1,6 @@
 //! What a scene is made of.
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -8,6 +9,7 @@ use serde::Serialize;
 
 use crate::error::SceneError;
 use crate::hash::content_sha256;
+use crate::import::{MIN_DIAGONAL, has_zero_area};
 use crate::watertight;
 
 /// The factors of a surface that a renderer of pictures and a maker of secondary rays look at.
@@ -113,8 +115,20 @@ impl CameraPath {
 pub struct Animation {
     /// Length in seconds, greater than zero; later times stand still at its end.
     pub duration_s: f64,
-    /// The positions at a time within the duration: as many as the mesh has.
+    /// The positions at a time within the duration: as many as the mesh has with nothing left out.
     pub(crate) positions_at: Arc<PositionsAt>,
+    /// What is left out of the mesh, if anything is.
+    pub(crate) left_out: Option<Arc<LeftOut>>,
+}
+
+/// How a mesh is without the triangles that are left out of it.
+pub(crate) struct LeftOut {
+    /// The vertices that are kept, in rising order.
+    vertices: Vec<u32>,
+    /// All triangles with their materials and objects.
+    triangles: Vec<([u32; 3], u32, u32)>,
+    /// What is said about those that are left out.
+    warning: String,
 }
 
 /// Computes the positions of all vertices at a time in seconds.
@@ -127,7 +141,11 @@ impl Animation {
     ///
     /// [`SceneError::Invalid`] if a time is not a number, or if the animation of a file leads out of the numbers.
     pub fn positions_at(&self, time_s: f64) -> Result<Vec<[f32; 3]>, SceneError> {
-        (self.positions_at)(time_s.clamp(0.0, self.duration_s))
+        let all = (self.positions_at)(time_s.clamp(0.0, self.duration_s))?;
+        Ok(match &self.left_out {
+            Some(left_out) => left_out.vertices.iter().map(|&vertex| all[vertex as usize]).collect(),
+            None => all,
+        })
     }
 }
 
@@ -140,7 +158,7 @@ impl fmt::Debug for Animation {
 /// What an import dropped, kept in spite of doubt, or passed over.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ImportNotes {
-    /// Triangles of exactly zero area: no ray can hit them, so they are dropped.
+    /// Triangles of exactly zero area: no ray can hit them, so they are dropped. Of a scene that moves see [`Scene::drop_zero_area`].
     pub zero_area_triangles_dropped: u64,
     /// Triangles with the same three positions, in any order, as an earlier one: they are kept.
     pub duplicate_triangles_kept: u64,
@@ -216,15 +234,88 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// As [`Animation::positions_at`].
+    /// As [`Animation::positions_at`]; [`SceneError::Invalid`] if the scene is too small at that time.
     pub fn set_time(&mut self, time_s: f64) -> Result<(), SceneError> {
         if let Some(animation) = &self.animation {
             self.mesh.positions = animation.positions_at(time_s)?;
             self.time_s = time_s.clamp(0.0, animation.duration_s);
             (self.bounds_min, self.bounds_max) = bounds(&self.mesh.positions);
             self.sha256 = content_sha256(&self.mesh);
+            self.check_size().map_err(|problem| self.invalid(format!("at {} s {problem}", self.time_s)))?;
         }
         Ok(())
+    }
+
+    /// Leaves out of a scene that moves the triangles that have exactly zero area at every one of some times in seconds,
+    /// brings others back, and moves it to the first of these times. What is left out is counted and told of in the notes.
+    /// A scene without an animation stays as it is.
+    ///
+    /// # Errors
+    ///
+    /// As [`Scene::set_time`]; [`SceneError::Invalid`] if no triangle has an area at any of the times.
+    pub fn drop_zero_area(&mut self, times_s: &[f64]) -> Result<(), SceneError> {
+        let (Some(animation), Some(first)) = (&mut self.animation, times_s.first()) else { return Ok(()) };
+        let mesh = &mut self.mesh;
+        let all: Vec<([u32; 3], u32, u32)> = match &animation.left_out {
+            Some(left_out) => left_out.triangles.clone(),
+            None => {
+                let each = mesh.triangles.iter().zip(&mesh.triangle_materials).zip(&mesh.triangle_objects);
+                each.map(|((triangle, material), object)| (*triangle, *material, *object)).collect()
+            }
+        };
+        let mut has_area = vec![false; all.len()];
+        for time_s in times_s {
+            let positions = (animation.positions_at)(time_s.clamp(0.0, animation.duration_s))?;
+            for (has_area, (triangle, ..)) in has_area.iter_mut().zip(&all) {
+                *has_area |= !has_zero_area(&triangle.map(|corner| positions[corner as usize]));
+            }
+        }
+        let when = match times_s {
+            [time_s] => format!("at {} s", time_s.clamp(0.0, animation.duration_s)),
+            _ => format!("at each of {} times", times_s.len()),
+        };
+        let kept = || all.iter().zip(&has_area).filter(|(_, has_area)| **has_area).map(|(triangle, _)| *triangle);
+        let dropped = all.len() - kept().count();
+        if dropped == all.len() {
+            return Err(self.invalid(format!("{when} all {dropped} triangles have zero area: give another time")));
+        }
+        let mut vertices: Vec<u32> = kept().flat_map(|(triangle, ..)| triangle).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let mut place_of = vec![0; vertices.last().map_or(0, |last| *last as usize + 1)];
+        vertices.iter().zip(0..).for_each(|(&vertex, place)| place_of[vertex as usize] = place);
+        mesh.triangles = kept().map(|(triangle, ..)| triangle.map(|corner| place_of[corner as usize])).collect();
+        mesh.triangle_materials = kept().map(|(_, material, _)| material).collect();
+        mesh.triangle_objects = kept().map(|(.., object)| object).collect();
+        let before = animation.left_out.take();
+        self.notes.warnings.retain(|warning| before.as_ref().is_none_or(|before| *warning != before.warning));
+        self.notes.zero_area_triangles_dropped = dropped as u64;
+        if dropped > 0 {
+            let gone: BTreeSet<u32> = all.iter().map(|(.., object)| *object).collect();
+            let gone = gone.difference(&mesh.triangle_objects.iter().copied().collect()).count();
+            let objects = if gone > 0 { format!(", {gone} objects whole") } else { String::new() };
+            let warning =
+                format!("{when} {dropped} of {} triangles have zero area and are left out{objects}", all.len());
+            self.notes.warnings.push(warning.clone());
+            animation.left_out = Some(Arc::new(LeftOut { vertices, triangles: all, warning }));
+        }
+        self.set_time(*first)
+    }
+
+    /// Whether tracers can compute with lengths of the scene in f32.
+    pub(crate) fn check_size(&self) -> Result<(), String> {
+        let diagonal = self.diagonal();
+        if diagonal >= MIN_DIAGONAL {
+            return Ok(());
+        }
+        Err(format!(
+            "the scene's diagonal is {diagonal:e}, and below {MIN_DIAGONAL:e} the areas of its triangles vanish in f32: \
+             scale the scene up"
+        ))
+    }
+
+    fn invalid(&self, problem: String) -> SceneError {
+        SceneError::Invalid { scene: self.name.clone(), problem }
     }
 
     /// A scene from its parts, with hash and bounds computed, without path and animation.

@@ -25,7 +25,12 @@ fn not_gltf() {
     refused(b"[1, 2, 3]", "no asset.version");
     refused(b"3", "no asset.version");
     refused(br#"{"asset": {"version": "1.0"}}"#, "glTF version 1.0");
-    refused(br#"{"asset": {"version": 2}}"#, "no asset.version");
+    refused(br#"{"asset": {"version": 2}}"#, "asset.version is 2, ");
+    refused(br#"{"asset": {"version": 2.0}}"#, "asset.version is 2.0, ");
+    refused(br#"{"asset": {"version": "two"}}"#, "asset.version is \"two\", ");
+    refused(br#"{"asset": {"version": "2.0", "minVersion": "2.1"}}"#, "asset.minVersion is \"2.1\"");
+    refused(br#"{"asset": {"version": "2.0", "minVersion": 2.0}}"#, "asset.minVersion is 2.0, ");
+    refused(br#"{"asset": {"version": "2.1", "minVersion": "2.0"}}"#, "no triangles");
     refused(br#"{"asset": {"version": "2.0"}}"#, "no triangles");
     refused(br#"{"asset": {"version": "2.0"}, "nodes": {"a": 1}}"#, "schema");
     refused(b"glTF", "12-byte header");
@@ -79,7 +84,7 @@ fn index_out_of_range() {
         let list = doc.indices(&[0, 1, 2, 0, 2, 4], component);
         doc.mesh(json!([{"attributes": {"POSITION": positions}, "indices": list}]));
         let error = doc.error();
-        for part in ["mesh 0 ('thing') primitive 0", "index 5 is 4", "4 vertices"] {
+        for part in ["meshes[0].primitives[0] ('thing')", "index 5 is 4", "4 vertices"] {
             assert!(error.contains(part), "{error}");
         }
     }
@@ -96,7 +101,7 @@ fn positions_out_of_range() {
         let list = doc.indices(&[0, 1, 2], 5123);
         doc.mesh(json!([{"attributes": {"POSITION": positions}, "indices": list}]));
         let error = doc.error();
-        assert!(error.contains("mesh 0 ('thing') primitive 0 vertex 2") && error.contains(part), "{error}");
+        assert!(error.contains("meshes[0].primitives[0] ('thing') vertex 2") && error.contains(part), "{error}");
     }
     let mut doc = Doc::square();
     doc.json["nodes"][0]["translation"] = json!([0.0, 1e39, 0.0]);
@@ -182,17 +187,17 @@ fn references_out_of_range() {
 fn data_out_of_range() {
     let huge = u64::MAX;
     for (pointer, value, part) in [
-        ("/accessors/0/count", json!(5), "buffer view 0 has 48 bytes"),
-        ("/accessors/0/count", json!(huge), "buffer view 0 has 48 bytes"),
-        ("/accessors/0/count", json!(huge / 12 + 2), "buffer view 0 has 48 bytes"),
-        ("/accessors/1/count", json!(huge), "buffer view 1 has 12 bytes"),
-        ("/accessors/0/byteOffset", json!(1), "buffer view 0 has 48 bytes"),
-        ("/accessors/0/byteOffset", json!(huge), "buffer view 0 has 48 bytes"),
-        ("/bufferViews/0/byteLength", json!(61), "buffer 0 has 60"),
-        ("/bufferViews/0/byteLength", json!(huge), "buffer 0 has 60"),
-        ("/bufferViews/0/byteOffset", json!(huge), "buffer 0 has 60"),
+        ("/accessors/0/count", json!(5), "bufferViews[0] has 48 bytes"),
+        ("/accessors/0/count", json!(huge), "bufferViews[0] has 48 bytes"),
+        ("/accessors/0/count", json!(huge / 12 + 2), "bufferViews[0] has 48 bytes"),
+        ("/accessors/1/count", json!(huge), "bufferViews[1] has 12 bytes"),
+        ("/accessors/0/byteOffset", json!(1), "bufferViews[0] has 48 bytes"),
+        ("/accessors/0/byteOffset", json!(huge), "bufferViews[0] has 48 bytes"),
+        ("/bufferViews/0/byteLength", json!(61), "buffers[0] has 60"),
+        ("/bufferViews/0/byteLength", json!(huge), "buffers[0] has 60"),
+        ("/bufferViews/0/byteOffset", json!(huge), "buffers[0] has 60"),
         ("/bufferViews/0/byteStride", json!(8), "stride of 8"),
-        ("/bufferViews/0/byteStride", json!(252), "buffer view 0 has 48 bytes"),
+        ("/bufferViews/0/byteStride", json!(252), "bufferViews[0] has 48 bytes"),
         ("/buffers/0/byteLength", json!(huge), "too short"),
         ("/buffers/0/byteLength", json!(64), "too short"),
         ("/accessors/0/componentType", json!(5125), "not positions"),

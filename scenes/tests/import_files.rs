@@ -37,7 +37,7 @@ fn data_uri() {
     assert_eq!(scene.sha256, expected);
     doc.json["buffers"][0]["uri"] = json!("data:;base64,@@@");
     let error = import_bytes(doc.json.to_string().as_bytes(), None, "text").unwrap_err();
-    assert!(error.to_string().contains("data uri of buffer 0"), "{error}");
+    assert!(error.to_string().contains("data uri of buffers[0]"), "{error}");
 }
 
 /// Proves that a file beside the scene is found under its percent-decoded name, and that images are never looked for.

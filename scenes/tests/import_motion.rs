@@ -5,7 +5,7 @@ mod support;
 
 use serde_json::json;
 use support::motion::{at, far, same};
-use support::{Doc, SQUARE};
+use support::{Doc, SQUARE, promises};
 
 /// The square under a map of its corners.
 fn square(map: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<[f64; 3]> {
@@ -151,20 +151,62 @@ fn properties_and_parents_combine() {
     assert_eq!(scene.animation.unwrap().duration_s, 2.0);
 }
 
-/// Proves that triangles are fixed: one that has no area at time 0 is dropped and does not come back, one that loses its
-/// area later stays.
+/// Proves that triangles are left out by the times that are asked for: of two squares, one that grows from nothing and one that
+/// shrinks to nothing, each is there when it has an area, both are where several times are asked for, and what is left out is told.
 #[test]
-fn triangles_are_those_of_time_zero() {
+fn triangles_are_those_of_the_times_asked_for() {
     let mut doc = Doc::square();
     doc.json["nodes"] = json!([{"mesh": 0}, {"mesh": 0}]);
     doc.json["scenes"][0]["nodes"] = json!([0, 1]);
     doc.channel(0, "scale", "LINEAR", &[0.0, 1.0], &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
     doc.channel(1, "scale", "LINEAR", &[0.0, 1.0], &[1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
-    let scene = doc.import().unwrap();
-    assert_eq!(scene.notes.zero_area_triangles_dropped, 2);
-    assert_eq!(scene.mesh.triangles.len(), 2);
+    let mut scene = doc.import().unwrap();
+    for (times, left, warning) in [
+        (&[0.0][..], 2, "at 0 s 2 of 4 triangles have zero area and are left out, 1 objects whole"),
+        (&[7.0], 2, "at 1 s 2 of 4"),
+        (&[0.5], 4, ""),
+        (&[1.0, 0.0], 4, ""),
+        (&[1.0, 1.0], 2, "at each of 2 times 2 of 4"),
+    ] {
+        scene.drop_zero_area(times).unwrap();
+        assert_eq!(scene.mesh.triangles.len(), left, "{times:?}");
+        assert_eq!(scene.notes.zero_area_triangles_dropped as usize, 4 - left);
+        let warnings = &scene.notes.warnings;
+        assert!(warnings.len() == usize::from(left < 4) && warnings.concat().starts_with(warning), "{warnings:?}");
+        promises::check_mesh(&scene).unwrap();
+        // Those that are there keep their object, and stand where the first time puts them.
+        let object = u32::from(times[0] == 0.0);
+        let whole = |index: &usize| scene.mesh.triangle_objects[*index] == object;
+        let corners = (0..left).filter(whole).flat_map(|index| scene.mesh.triangles[index]);
+        let greatest = corners.map(|corner| scene.mesh.positions[corner as usize][0]).fold(0.0, f32::max);
+        assert_eq!(greatest, if times[0] == 0.5 { 0.5 } else { 1.0 }, "{times:?}");
+    }
+    // What is left out at one time alone moves on as what is there.
+    scene.drop_zero_area(&[0.0]).unwrap();
     same(&at(&scene, 0.5), &square(|p| p.map(|x| 0.5 * x)));
     same(&at(&scene, 1.0), &square(|_| [0.0; 3]));
+    assert!(scene.set_time(1.0).unwrap_err().to_string().contains("at 1 s the scene's diagonal is 0"));
+    // Where nothing has an area at the time, that is said; the file is none the worse for it.
+    doc.json["scenes"][0]["nodes"] = json!([0]);
+    let mut scene = doc.import().unwrap();
+    let error = scene.drop_zero_area(&[0.0]).unwrap_err().to_string();
+    assert!(error.contains("at 0 s all 2 triangles have zero area"), "{error}");
+    scene.drop_zero_area(&[1.0]).unwrap();
+    assert_eq!((scene.mesh.triangles.len(), scene.notes.warnings.len()), (2, 0));
+}
+
+/// Proves that of the scenes of the catalogue that move nothing is left out: their records stay what they are.
+#[test]
+fn the_catalogue_has_an_area_at_all_times() {
+    for entry in tracebench_scenes::catalogue() {
+        let mut scene = tracebench_scenes::procedural(entry.name, 0.05).unwrap();
+        for time in [0.0, 0.37, 100.0] {
+            let mut moved = scene.clone();
+            moved.set_time(time).unwrap();
+            scene.drop_zero_area(&[time]).unwrap();
+            assert_eq!((&scene.sha256, scene.notes.warnings.len()), (&moved.sha256, 0), "{}", entry.name);
+        }
+    }
 }
 
 /// Proves what is said about what does not play, and that a camera stands where time 0 puts it.
@@ -223,7 +265,7 @@ fn too_far_at_a_later_time() {
     assert!(scene.set_time(0.01).is_ok());
     let error = scene.set_time(1.0).unwrap_err();
     assert!(!error.is_argument());
-    for part in ["test: at 1 s: mesh 0 ('thing') primitive 0 vertex", "scale the scene down"] {
+    for part in ["test: at 1 s: meshes[0].primitives[0] ('thing') vertex", "scale the scene down"] {
         assert!(error.to_string().contains(part), "{error}");
     }
     assert_eq!(scene.time_s, 0.01, "a failed move leaves the scene as it was");

@@ -143,13 +143,13 @@ impl<'a> Accessors<'a> {
 
     /// Checks accessor `index` against its views and buffers.
     pub(super) fn open(&self, index: usize, kind: Kind) -> Result<Accessor, String> {
-        let accessor = self.root.accessors.get(index).ok_or_else(|| format!("there is no accessor {index}"))?;
+        let accessor = self.root.accessors.get(index).ok_or_else(|| format!("there is no accessors[{index}]"))?;
         let (Checked::Valid(component), Checked::Valid(shape)) = (accessor.component_type, accessor.type_) else {
-            return Err(format!("accessor {index} has an unknown type"));
+            return Err(format!("accessors[{index}] has an unknown type"));
         };
         let component = component.0;
         if !kind.fits(shape, component) {
-            return Err(format!("accessor {index} holds {component:?} {shape:?}, not {}", kind.plural()));
+            return Err(format!("accessors[{index}] holds {component:?} {shape:?}, not {}", kind.plural()));
         }
         let width = shape.multiplicity();
         let element_size = component.size() * width;
@@ -158,11 +158,11 @@ impl<'a> Accessors<'a> {
             Some(view) => {
                 let offset = accessor.byte_offset.unwrap_or_default().0;
                 let span = self.span(view, offset, claimed, element_size);
-                Some(span.map_err(|problem| format!("accessor {index} {problem}"))?)
+                Some(span.map_err(|problem| format!("accessors[{index}] {problem}"))?)
             }
             None if claimed > MAX_ELEMENTS_WITHOUT_DATA => {
                 return Err(format!(
-                    "accessor {index} claims {claimed} elements without data, more than {MAX_ELEMENTS_WITHOUT_DATA}"
+                    "accessors[{index}] claims {claimed} elements without data, more than {MAX_ELEMENTS_WITHOUT_DATA}"
                 ));
             }
             None => None,
@@ -170,28 +170,28 @@ impl<'a> Accessors<'a> {
         let sparse = match &accessor.sparse {
             Some(sparse) => Some(
                 self.open_sparse(sparse, claimed, element_size)
-                    .map_err(|problem| format!("the sparse part of accessor {index} {problem}"))?,
+                    .map_err(|problem| format!("the sparse part of accessors[{index}] {problem}"))?,
             ),
             None => None,
         };
-        let count = usize::try_from(claimed).map_err(|_| format!("accessor {index} claims {claimed} elements"))?;
+        let count = usize::try_from(claimed).map_err(|_| format!("accessors[{index}] claims {claimed} elements"))?;
         Ok(Accessor { data, component, normalized: accessor.normalized, count, width, sparse })
     }
 
     /// Where `count` elements lie, all of them within their buffer.
     fn span(&self, view: Index<buffer::View>, offset: u64, count: u64, element_size: usize) -> Result<Span, String> {
         let number = view.value();
-        let view = self.root.get(view).ok_or_else(|| format!("names buffer view {number}, which does not exist"))?;
+        let view = self.root.get(view).ok_or_else(|| format!("names bufferViews[{number}], which does not exist"))?;
         let stride = view.byte_stride.map_or(element_size, |stride| stride.0);
         if stride < element_size {
-            return Err(format!("has elements of {element_size} bytes and buffer view {number} a stride of {stride}"));
+            return Err(format!("has elements of {element_size} bytes and bufferViews[{number}] a stride of {stride}"));
         }
         let buffer = self.bytes.of(view.buffer.value());
         let view_start = view.byte_offset.unwrap_or_default().0;
         let view_end = view_start.checked_add(view.byte_length.0);
         if view_end.is_none_or(|end| end > buffer.len() as u64) {
             return Err(format!(
-                "reads buffer view {number}, which needs {} bytes from byte {view_start} on, and buffer {} has {}",
+                "reads bufferViews[{number}], which needs {} bytes from byte {view_start} on, and buffers[{}] has {}",
                 view.byte_length.0,
                 view.buffer,
                 buffer.len()
@@ -207,7 +207,7 @@ impl<'a> Accessors<'a> {
         };
         if needed.is_none_or(|needed| needed > view.byte_length.0) {
             return Err(format!(
-                "has {count} elements of {element_size} bytes at offset {offset} with stride {stride}, and buffer view {number} has {} bytes",
+                "has {count} elements of {element_size} bytes at offset {offset} with stride {stride}, and bufferViews[{number}] has {} bytes",
                 view.byte_length.0
             ));
         }

@@ -53,7 +53,7 @@ impl<'a> Buffers<'a> {
     /// Loads buffer `index` of `root`, exactly as many bytes as the document says.
     pub(super) fn load(&mut self, root: &Root, index: usize) -> Result<(), SceneError> {
         let Some(buffer) = root.buffers.get(index) else {
-            return Err(self.invalid(format!("there is no buffer {index}; export the file again")));
+            return Err(self.invalid(format!("there is no buffers[{index}]; export the file again")));
         };
         if self.loaded.get(index).is_none_or(Option::is_some) {
             return Ok(());
@@ -63,7 +63,7 @@ impl<'a> Buffers<'a> {
             None if index == 0 && self.blob.is_some() => Cow::Borrowed(self.blob.unwrap_or_default()),
             None => {
                 return Err(self.invalid(format!(
-                    "buffer {index} has no uri and the file holds no binary chunk for it; export the file again"
+                    "buffers[{index}] has no uri and the file holds no binary chunk for it; export the file again"
                 )));
             }
             Some(uri) => Cow::Owned(self.read_uri(index, uri, wanted)?),
@@ -71,7 +71,7 @@ impl<'a> Buffers<'a> {
         let length = usize::try_from(wanted).unwrap_or(usize::MAX);
         if bytes.len() < length {
             return Err(self.invalid(format!(
-                "buffer {index} is too short: the document says {wanted} bytes and there are {}; export or download the file again",
+                "buffers[{index}] is too short: the document says {wanted} bytes and there are {}; export or download the file again",
                 bytes.len()
             )));
         }
@@ -92,13 +92,13 @@ impl<'a> Buffers<'a> {
             path.strip_prefix("//").unwrap_or(path)
         } else if let Some((scheme, _)) = uri.split_once("://") {
             return Err(self.invalid(format!(
-                "buffer {index} is at a {scheme} address, and nothing is downloaded; save it beside the scene, or export as .glb"
+                "buffers[{index}] is at a {scheme} address, and nothing is downloaded; save it beside the scene, or export as .glb"
             )));
         } else {
             uri
         };
         let decoded = percent_decode_str(relative).decode_utf8().map_err(|_| {
-            self.invalid(format!("the uri of buffer {index} is not UTF-8 after percent-decoding; rename the file"))
+            self.invalid(format!("the uri of buffers[{index}] is not UTF-8 after percent-decoding; rename the file"))
         })?;
         let mut path = self.locate(index, Path::new(decoded.as_ref()))?;
         if decoded != relative && !path.exists() {
@@ -119,7 +119,7 @@ impl<'a> Buffers<'a> {
 
     fn decode_data(&self, index: usize, uri: &str) -> Result<Vec<u8>, SceneError> {
         let broken = |problem: String| {
-            self.invalid(format!("the data uri of buffer {index} is broken ({problem}); export the file again"))
+            self.invalid(format!("the data uri of buffers[{index}] is broken ({problem}); export the file again"))
         };
         let data = data_url::DataUrl::process(uri).map_err(|error| broken(error.to_string()))?;
         let (bytes, _) = data.decode_to_vec().map_err(|error| broken(error.to_string()))?;
@@ -133,7 +133,7 @@ impl<'a> Buffers<'a> {
         match self.base_dir {
             Some(base) => Ok(base.join(path)),
             None => Err(self.invalid(format!(
-                "buffer {index} is in file '{}', and a scene given as bytes has no folder to look in; give the folder, or export as .glb",
+                "buffers[{index}] is in file '{}', and a scene given as bytes has no folder to look in; give the folder, or export as .glb",
                 path.display()
             ))),
         }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 /// Whether the cross product of two edges, in f64 from f32 positions, is exactly zero: two corners coincide, or all
 /// three lie on one line. Differences and products of f32 of like magnitude are exact in f64, so nothing thin is lost.
-pub(super) fn has_zero_area(points: &[[f32; 3]; 3]) -> bool {
+pub(crate) fn has_zero_area(points: &[[f32; 3]; 3]) -> bool {
     let [a, b, c] = points.map(|point| DVec3::from_array(point.map(f64::from)));
     (b - a).cross(c - a) == DVec3::ZERO
 }

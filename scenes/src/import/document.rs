@@ -3,11 +3,10 @@
 //! The JSON is stripped before it is typed: textures, images, animations after the first, extensions and attributes
 //! that move no vertex are never read here, so nothing that is missing or wrong in them can fail an import.
 
-use std::borrow::Cow;
-
 use gltf::json::validation::{Error as Violation, Validate};
 use gltf::json::{Root, Value};
 
+use super::rules::shown;
 use super::strip::{Facts, strip};
 
 /// A document all of whose indices are in range, and what is needed beside it.
@@ -15,7 +14,7 @@ pub(super) struct Document<'a> {
     /// The typed JSON.
     pub(super) root: Root,
     /// The binary chunk of a `.glb`.
-    pub(super) blob: Option<Cow<'a, [u8]>>,
+    pub(super) blob: Option<&'a [u8]>,
     /// What was stripped and is worth a word to the user.
     pub(super) facts: Facts,
 }
@@ -23,26 +22,28 @@ pub(super) struct Document<'a> {
 /// Parses `.gltf` or `.glb` bytes; the error says what is wrong and what to do.
 pub(super) fn parse(bytes: &[u8]) -> Result<Document<'_>, String> {
     let (json, blob) = split(bytes)?;
-    let mut value: Value = gltf::json::deserialize::from_slice(&json).map_err(|error| {
+    let mut value: Value = gltf::json::deserialize::from_slice(json).map_err(|error| {
         format!("not a glTF file: its JSON cannot be parsed ({error}); export or download it again")
     })?;
     check_version(&value)?;
     let facts = strip(&mut value)?;
-    let root: Root = gltf::json::deserialize::from_value(value)
-        .map_err(|error| format!("the JSON breaks the glTF 2.0 schema ({error}); export the file again"))?;
-    validate(&root)?;
+    let root: Root = serde_path_to_error::deserialize(&value).map_err(|error| {
+        let path = error.path().to_string();
+        let found = value_at(&value, &path);
+        format!("{path} is {found}, which breaks the glTF 2.0 schema ({}); export the file again", error.inner())
+    })?;
+    validate(&root, &value)?;
     Ok(Document { root, blob, facts })
 }
 
 /// JSON and binary chunk.
-#[allow(clippy::type_complexity)]
-fn split(bytes: &[u8]) -> Result<(Cow<'_, [u8]>, Option<Cow<'_, [u8]>>), String> {
+fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     if bytes.is_empty() {
         return Err("the file is empty; export or download it again".to_owned());
     }
     if !bytes.starts_with(b"glTF") {
         let json = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-        return Ok((Cow::Borrowed(json), None));
+        return Ok((json, None));
     }
     let field = |at: usize| -> Option<u32> {
         let word = bytes.get(at..at + 4)?;
@@ -59,7 +60,6 @@ fn split(bytes: &[u8]) -> Result<(Cow<'_, [u8]>, Option<Cow<'_, [u8]>>), String>
             "this is binary glTF version {version}; only version 2 is supported, so export it as glTF 2.0"
         ));
     }
-    // The crate's splitter subtracts the header from this length unchecked.
     let whole = usize::try_from(length).unwrap_or(usize::MAX);
     let Some(contents) = bytes.get(..whole).filter(|contents| contents.len() >= 12) else {
         return Err(format!(
@@ -67,38 +67,69 @@ fn split(bytes: &[u8]) -> Result<(Cow<'_, [u8]>, Option<Cow<'_, [u8]>>), String>
             bytes.len()
         ));
     };
-    let glb = gltf::Glb::from_slice(contents)
-        .map_err(|error| format!("the .glb file is damaged ({error}); download or export it again"))?;
-    Ok((glb.json, glb.bin))
+    let mut rest = &contents[12..];
+    let json = chunk(&mut rest)?.filter(|(kind, _)| *kind == b"JSON");
+    let (_, json) = json.ok_or("the .glb file is damaged: its first chunk is no JSON; download or export it again")?;
+    // Chunks of other types may follow and are ignored (glTF 2.0, section 4.4.3.1).
+    let mut blob = None;
+    while blob.is_none()
+        && let Some((kind, bytes)) = chunk(&mut rest)?
+    {
+        blob = (kind == b"BIN\0").then_some(bytes);
+    }
+    Ok((json, blob))
+}
+
+/// Type and bytes of the chunk that `rest` begins with, which is taken off; none at the end.
+#[allow(clippy::type_complexity)]
+fn chunk<'a>(rest: &mut &'a [u8]) -> Result<Option<(&'a [u8; 4], &'a [u8])>, String> {
+    if rest.is_empty() {
+        return Ok(None);
+    }
+    let parts = rest.split_first_chunk::<4>().and_then(|(length, tail)| {
+        let (kind, tail) = tail.split_first_chunk::<4>()?;
+        let (bytes, tail) = tail.split_at_checked(usize::try_from(u32::from_le_bytes(*length)).ok()?)?;
+        Some((kind, bytes, tail))
+    });
+    let (kind, bytes, tail) =
+        parts.ok_or("the .glb file is damaged: a chunk reaches beyond its end; download or export it again")?;
+    *rest = tail;
+    Ok(Some((kind, bytes)))
 }
 
 fn check_version(value: &Value) -> Result<(), String> {
-    let version = value.get("asset").and_then(|asset| asset.get("version")).and_then(Value::as_str);
-    match version {
-        Some(version) if version == "2" || version.starts_with("2.") => Ok(()),
-        Some(version) => {
-            Err(format!("this is glTF version {version}; only 2.x is supported, so export it as glTF 2.0"))
+    let asset = value.get("asset");
+    let Some(version) = asset.and_then(|asset| asset.get("version")) else {
+        return Err("this is JSON but not glTF: there is no asset.version; give a .gltf or .glb file".to_owned());
+    };
+    let least = asset.and_then(|asset| asset.get("minVersion"));
+    for (path, found) in
+        std::iter::once(("asset.version", version)).chain(least.map(|least| ("asset.minVersion", least)))
+    {
+        let words =
+            || format!("{path} is {}, and must be text like \"2.0\"; export the file as glTF 2.0", shown(found));
+        let (major, minor) =
+            found.as_str().ok_or_else(words)?.split_once('.').unwrap_or((found.as_str().unwrap_or_default(), "0"));
+        let number = |part: &str| part.split('.').next().and_then(|part| part.parse::<u32>().ok()).ok_or_else(words);
+        let (major, minor) = (number(major)?, number(minor)?);
+        if major != 2 && path == "asset.version" {
+            return Err(format!(
+                "this is glTF version {major}.{minor} (asset.version is {}); only 2.x is supported, so export it as glTF 2.0",
+                shown(found)
+            ));
         }
-        None => Err("this is JSON but not glTF: there is no asset.version; give a .gltf or .glb file".to_owned()),
+        if (major, minor) > (2, 0) && path == "asset.minVersion" {
+            return Err(format!(
+                "{path} is {}, so readers of 2.0 must refuse the file; export it as glTF 2.0",
+                shown(found)
+            ));
+        }
     }
+    Ok(())
 }
 
-/// Checks every index and enumeration; what glTF wants and rays do not is let pass.
-fn validate(root: &Root) -> Result<(), String> {
-    // The crate's own check of a primitive indexes the accessors with POSITION before it looks whether that is in
-    // range, so this comes first.
-    for (mesh_index, mesh) in root.meshes.iter().enumerate() {
-        for (primitive_index, primitive) in mesh.primitives.iter().enumerate() {
-            for accessor in primitive.attributes.values() {
-                if accessor.value() >= root.accessors.len() {
-                    return Err(format!(
-                        "meshes[{mesh_index}].primitives[{primitive_index}] names accessor {accessor}, and there are {}; export the file again",
-                        root.accessors.len()
-                    ));
-                }
-            }
-        }
-    }
+/// Checks what [`super::rules`] leave, above all what must not be missing; what glTF wants and rays do not is let pass.
+fn validate(root: &Root, value: &Value) -> Result<(), String> {
     let mut count = 0usize;
     let mut shown = Vec::new();
     root.validate(root, gltf::json::Path::new, &mut |path, violation| {
@@ -108,7 +139,8 @@ fn validate(root: &Root) -> Result<(), String> {
         }
         count += 1;
         if shown.len() < 3 {
-            shown.push(format!("{path}: {}", violation.to_string().to_lowercase()));
+            let found = value_at(value, path.as_str());
+            shown.push(format!("{path}, which is {found} ({})", violation.to_string().to_lowercase()));
         }
     });
     if count == 0 {
@@ -118,12 +150,27 @@ fn validate(root: &Root) -> Result<(), String> {
     Err(format!("the file breaks the rules of glTF 2.0 at {}{more}; export it again", shown.join(", ")))
 }
 
-/// Bounds of positions are not read, extensions have rules of their own, and an accessor without data is all zeros.
+/// The value at a JSON path, as text.
+fn value_at(value: &Value, path: &str) -> String {
+    let keys = path.split(['.', '[']).map(|key| key.trim_matches([']', '"'])).filter(|key| !key.is_empty());
+    let found = keys.clone().try_fold(value, |value, key| match value {
+        Value::Array(values) => values.get(key.parse::<usize>().ok()?),
+        other => other.get(key),
+    });
+    found.map_or_else(|| "missing".to_owned(), shown)
+}
+
+/// Bounds of positions are not read, extensions have rules of their own, an accessor without data is all zeros, a primitive without
+/// positions is left out, and indices were checked where anything depends on them.
 fn tolerated(path: &str, violation: Violation) -> bool {
     match violation {
         Violation::Unsupported => true,
+        Violation::IndexOutOfBounds => path.starts_with("bufferViews["),
         Violation::Missing | Violation::Invalid if path.ends_with(".min") || path.ends_with(".max") => true,
-        Violation::Missing => path.starts_with("accessors[") && path.ends_with("].bufferView"),
+        Violation::Missing => {
+            path.ends_with("attributes[\"POSITION\"]")
+                || (path.starts_with("accessors[") && path.ends_with("].bufferView"))
+        }
         _ => false,
     }
 }

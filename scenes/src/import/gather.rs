@@ -66,7 +66,8 @@ impl Gathered {
                     None => form.point(corner)?,
                 };
             }
-            if has_zero_area(&points) {
+            // What moves may have an area at another time.
+            if self.sources.is_none() && has_zero_area(&points) {
                 self.zero_area += 1;
                 continue;
             }

@@ -155,7 +155,10 @@ impl Geometry {
             return Err(no_triangles(root, &self.rig.placed, notes));
         }
         let Gathered { positions, triangles, triangle_materials, triangle_objects, sources, .. } = gathered;
-        notes.duplicate_triangles_kept = degenerate::count_duplicates(&positions, &triangles);
+        let points = |triangle: &[u32; 3]| triangle.map(|corner| positions[corner as usize]);
+        let solid: Vec<[u32; 3]> =
+            triangles.iter().copied().filter(|triangle| !degenerate::has_zero_area(&points(triangle))).collect();
+        notes.duplicate_triangles_kept = degenerate::count_duplicates(&positions, &solid);
         let mesh = Mesh { positions, triangles, triangle_materials, materials, triangle_objects, objects };
         Ok((mesh, instances, sources.unwrap_or_default()))
     }
@@ -190,7 +193,7 @@ fn no_triangles(root: &Root, placed: &[Placed], notes: &ImportNotes) -> String {
     } else if !placed.iter().any(|place| mesh_of(root, place).is_some()) {
         "no node of its scene holds a mesh".to_owned()
     } else {
-        "its meshes are empty".to_owned()
+        "its meshes are empty, or have no POSITION".to_owned()
     };
     format!("there are no triangles: {why}; give a file with surfaces in it")
 }

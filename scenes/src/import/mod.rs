@@ -19,6 +19,7 @@ mod motion;
 mod nodes;
 mod parts;
 mod rig;
+mod rules;
 mod sampler;
 mod strip;
 
@@ -33,6 +34,7 @@ use self::strip::Facts;
 use crate::error::SceneError;
 use crate::scene::{ImportNotes, Origin, Scene};
 
+pub(crate) use self::degenerate::has_zero_area;
 pub use self::far::is_far;
 
 /// Most triangles of an imported scene, each mesh counted once for every node that holds it.
@@ -72,7 +74,7 @@ pub fn import(path: &Path) -> Result<Scene, SceneError> {
 }
 
 /// What the scene of a file is called.
-fn name_of(path: &Path) -> String {
+pub fn name_of(path: &Path) -> String {
     let Some(stem) = path.file_stem() else { return path.to_string_lossy().into_owned() };
     let says_nothing = SAY_NOTHING.iter().any(|name| stem.eq_ignore_ascii_case(name));
     let folder = path.parent().and_then(Path::file_name).filter(|_| says_nothing);
@@ -89,10 +91,11 @@ fn name_of(path: &Path) -> String {
 /// - Transforms are accumulated and applied in f64, and positions rounded to f32 once. A transform that mirrors
 ///   reverses the winding, so that the outside stays outside.
 /// - Triangles of exactly zero area are dropped and counted, duplicates are kept and counted. Only vertices of kept
-///   triangles are kept and looked at.
+///   triangles are kept and looked at. Of a scene that moves all are kept until the times are known at which it is traced:
+///   [`Scene::drop_zero_area`].
 /// - A scene so far from the origin that f32 has few places for its vertices is told of by a warning.
 /// - Skins and morph targets move vertices, and the first animation plays: [`Scene::animation`]. The mesh is the state
-///   at time 0, and the triangles that are dropped are those that have zero area then.
+///   at time 0.
 /// - Of materials only base colour, metallic and roughness factors are kept. Images are never read.
 /// - Perspective cameras are kept in the order of the nodes.
 ///
@@ -114,7 +117,7 @@ fn import_labelled(bytes: &[u8], base_dir: Option<&Path>, name: &str, label: &st
     extensions::warn_used(&root.extensions_used, &mut notes.warnings);
     let placed = nodes::place(&root, &mut notes.warnings).map_err(invalid)?;
     let used = geometry::used_meshes(&root, &placed);
-    let mut buffers = Buffers::new(label, base_dir, blob.as_deref(), root.buffers.len());
+    let mut buffers = Buffers::new(label, base_dir, blob, root.buffers.len());
     for accessor in geometry::used_accessors(&root, &placed, &used) {
         for buffer in buffers_of(&root, accessor) {
             buffers.load(&root, buffer)?;
@@ -130,15 +133,13 @@ fn import_labelled(bytes: &[u8], base_dir: Option<&Path>, name: &str, label: &st
     let origin = Origin::File { path: name.into() };
     let Geometry { rig, parts } = geometry;
     let mut scene = Scene::assemble(name.to_owned(), origin, mesh, cameras, notes);
-    let diagonal = scene.diagonal();
-    if diagonal < MIN_DIAGONAL {
-        return Err(invalid(format!(
-            "the scene's diagonal is {diagonal:e}, and below {MIN_DIAGONAL:e} the areas of its triangles vanish in f32: \
-             scale the scene up"
-        )));
+    // One that moves is looked at where it is asked for.
+    let size = scene.check_size();
+    if duration_s.is_none() {
+        size.clone().map_err(invalid)?;
     }
     let greatest = scene.bounds_min.iter().chain(&scene.bounds_max).fold(0.0, |most: f32, at| most.max(at.abs()));
-    scene.notes.warnings.extend(far::warning(diagonal, f64::from(greatest)));
+    scene.notes.warnings.extend(far::warning(scene.diagonal(), f64::from(greatest)).filter(|_| size.is_ok()));
     scene.animation = duration_s.map(|duration_s| {
         Motion { label: label.to_owned(), bytes: bytes.into_owned(), rig, parts, instances, sources }
             .animation(duration_s)
@@ -147,6 +148,12 @@ fn import_labelled(bytes: &[u8], base_dir: Option<&Path>, name: &str, label: &st
 }
 
 fn warn_facts(facts: &Facts, warnings: &mut Vec<String>) {
+    if facts.zero_strides > 0 {
+        warnings.push(format!(
+            "buffer views with a byteStride of 0 are read as if it were not given ({})",
+            facts.zero_strides
+        ));
+    }
     if !facts.other_animations.is_empty() {
         let shown: Vec<String> = facts.other_animations.iter().take(5).map(|name| format!("'{name}'")).collect();
         let more = if facts.other_animations.len() > shown.len() { " and others" } else { "" };

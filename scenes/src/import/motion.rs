@@ -53,7 +53,7 @@ impl Motion {
             }
             self.positions(time_s).map_err(|problem| self.invalid(format!("at {time_s} s: {problem}")))
         };
-        Animation { duration_s, positions_at: Arc::new(positions_at) }
+        Animation { duration_s, positions_at: Arc::new(positions_at), left_out: None }
     }
 
     fn positions(&self, time_s: f64) -> Result<Vec<[f32; 3]>, String> {

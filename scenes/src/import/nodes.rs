@@ -60,11 +60,11 @@ pub(super) fn place(root: &Root, warnings: &mut Vec<String>) -> Result<Vec<Place
     let mut placed = Vec::new();
     while let Some((index, parent)) = stack.pop() {
         let (Some(node), Some(seen)) = (root.nodes.get(index), seen.get_mut(index)) else {
-            return Err(format!("there is no node {index}; export the file again"));
+            return Err(format!("there is no nodes[{index}]; export the file again"));
         };
         if std::mem::replace(seen, true) {
             return Err(format!(
-                "node {index} is reached twice: nodes must form a tree, without cycles and with one parent each; export the file again"
+                "nodes[{index}] is reached twice: nodes must form a tree, without cycles and with one parent each; export the file again"
             ));
         }
         for child in node.children.iter().flatten().rev() {
@@ -94,7 +94,7 @@ fn local(index: usize, node: &Node, warnings: &mut Vec<String>) -> Local {
     if let Some(matrix) = node.matrix {
         let (matrix, given) = affine(matrix.map(f64::from));
         if !given {
-            warnings.push(format!("node {index} has a matrix that is not affine: its last row is taken as 0 0 0 1"));
+            warnings.push(format!("nodes[{index}] has a matrix that is not affine: its last row is taken as 0 0 0 1"));
         }
         return Local::Matrix(matrix);
     }
@@ -103,7 +103,7 @@ fn local(index: usize, node: &Node, warnings: &mut Vec<String>) -> Local {
     let rotation = match node.rotation {
         None => DQuat::IDENTITY,
         Some(rotation) => unit(DQuat::from_array(rotation.0.map(f64::from))).unwrap_or_else(|| {
-            warnings.push(format!("node {index} has a rotation without direction: it is taken as none"));
+            warnings.push(format!("nodes[{index}] has a rotation without direction: it is taken as none"));
             DQuat::IDENTITY
         }),
     };

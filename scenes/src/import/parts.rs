@@ -74,12 +74,13 @@ pub(super) fn open(
     notes: &mut ImportNotes,
 ) -> Result<Vec<Part>, String> {
     let mut parts = Vec::new();
+    let mut without_positions = 0;
     let Some(mesh) = accessors.root().meshes.get(mesh_index) else {
         return Ok(parts);
     };
     for (primitive_index, primitive) in mesh.primitives.iter().enumerate() {
         let name = mesh.name.as_deref().unwrap_or("unnamed");
-        let label = format!("mesh {mesh_index} ('{name}') primitive {primitive_index}");
+        let label = format!("meshes[{mesh_index}].primitives[{primitive_index}] ('{name}')");
         let mode = match primitive.mode {
             Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => mode,
             _ => {
@@ -87,8 +88,17 @@ pub(super) fn open(
                 continue;
             }
         };
+        if !primitive.attributes.contains_key(&Checked::Valid(Semantic::Positions)) {
+            without_positions += 1;
+            continue;
+        }
         let part = open_part(accessors, primitive, mode, label, skinned, total, &mut notes.warnings)?;
         parts.extend(part);
+    }
+    if without_positions > 0 {
+        notes
+            .warnings
+            .push(format!("primitives of meshes[{mesh_index}] without POSITION are left out ({without_positions})"));
     }
     Ok(parts)
 }

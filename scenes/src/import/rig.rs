@@ -79,16 +79,18 @@ impl Rig {
             let given = node.weights.as_ref().or_else(|| mesh.and_then(|mesh| mesh.weights.as_ref()));
             if let Some(given) = given {
                 if given.iter().any(|weight| !weight.is_finite()) {
-                    return Err(format!("node {} has morph weights that are not finite", own.node));
+                    return Err(format!("nodes[{}] has morph weights that are not finite", own.node));
                 }
                 weights.insert(place, given.iter().copied().map(f64::from).collect());
             }
         }
         let mut rig = Self { placed, skins, weights, channels: Vec::new() };
         if let Some(animation) = root.animations.first() {
-            for (index, channel) in animation.channels.iter().enumerate() {
-                rig.add_channel(accessors, animation, channel, &place_of, notes)
-                    .map_err(|problem| format!("channel {index} of animation 0: {problem}; export the file again"))?;
+            for channel in &animation.channels {
+                let sampler = channel.sampler;
+                rig.add_channel(accessors, animation, channel, &place_of, notes).map_err(|problem| {
+                    format!("animations[0].samplers[{sampler}]: {problem}; export the file again")
+                })?;
             }
         }
         Ok(rig)
@@ -103,7 +105,7 @@ impl Rig {
         notes: &mut ImportNotes,
     ) -> Result<(), String> {
         let node = channel.target.node.value();
-        let Some(place) = *place_of.get(node).ok_or_else(|| format!("there is no node {node}"))? else {
+        let Some(place) = *place_of.get(node).ok_or_else(|| format!("there is no nodes[{node}]"))? else {
             // The node belongs to another scene.
             return Ok(());
         };
@@ -121,12 +123,14 @@ impl Rig {
             Property::MorphTargetWeights => (Kind::MorphWeight, target_count(accessors.root(), node)?),
         };
         if width == 0 {
-            notes.warnings.push(format!("node {node} has animated weights and no morph targets: they are ignored"));
+            notes.warnings.push(format!("nodes[{node}] has animated weights and no morph targets: they are ignored"));
             return Ok(());
         }
         let has_matrix = matches!(self.placed[place].local, Local::Matrix(_));
         if has_matrix && property != Property::MorphTargetWeights {
-            return Err(format!("node {node} has a matrix, and only translation, rotation and scale can be animated"));
+            return Err(format!(
+                "nodes[{node}] has a matrix, and only translation, rotation and scale can be animated"
+            ));
         }
         let (times, values) = (sampler.input.value(), sampler.output.value());
         let sampler = Sampler::open(accessors, times, values, interpolation, kind, width)?;
@@ -211,14 +215,14 @@ fn open_skins(
     let mut joints = 0usize;
     for index in used_skins(root, placed) {
         let (Some(json), Some(skin)) = (root.skins.get(index), skins.get_mut(index)) else {
-            return Err(format!("there is no skin {index}; export the file again"));
+            return Err(format!("there is no skins[{index}]; export the file again"));
         };
         joints = joints.saturating_add(json.joints.len());
         if joints > MAX_JOINTS {
             return Err(format!("its skins have more than {MAX_JOINTS} joints, which is too much: reduce them"));
         }
-        let opened = open_skin(accessors, json, place_of, &format!("skin {index}"), notes);
-        *skin = Some(opened.map_err(|problem| format!("skin {index}: {problem}; export the file again"))?);
+        let opened = open_skin(accessors, json, place_of, &format!("skins[{index}]"), notes);
+        *skin = Some(opened.map_err(|problem| format!("skins[{index}]: {problem}; export the file again"))?);
     }
     Ok(skins)
 }
@@ -247,7 +251,7 @@ fn open_skin(
     for (slot, node) in json.joints.iter().enumerate() {
         let node = node.value();
         let place = place_of.get(node).copied().flatten();
-        let place = place.ok_or_else(|| format!("joint {slot} is node {node}, which is not part of the scene"))?;
+        let place = place.ok_or_else(|| format!("joints[{slot}] is {node}, a node which is not part of the scene"))?;
         // Without matrices each joint is bound where it has its origin.
         let matrix = match &matrices {
             None => DMat4::IDENTITY,
@@ -258,7 +262,7 @@ fn open_skin(
             }
         };
         if !matrix.is_finite() {
-            return Err(format!("the inverse bind matrix of joint {slot} is not finite"));
+            return Err(format!("the inverse bind matrix of joints[{slot}] is not finite"));
         }
         joints.push((place, matrix));
     }
@@ -286,7 +290,7 @@ fn target_count(root: &Root, node: usize) -> Result<usize, String> {
         mesh.iter().flat_map(|mesh| &mesh.primitives).map(|primitive| primitive.targets.as_ref().map_or(0, Vec::len));
     let first = counts.next().unwrap_or(0);
     if counts.any(|count| count != first) {
-        return Err(format!("the primitives of node {node}'s mesh have different numbers of morph targets"));
+        return Err(format!("the primitives of nodes[{node}]'s mesh have different numbers of morph targets"));
     }
     Ok(first)
 }

@@ -1,6 +1,10 @@
 //! Takes out of the JSON what rays do not need, before it is typed.
 
+use std::collections::HashSet;
+
 use gltf::json::Value;
+
+use super::rules::{self, Rule};
 
 /// What was stripped and may change what the user sees.
 #[derive(Debug, Default)]
@@ -9,30 +13,25 @@ pub(super) struct Facts {
     pub(super) other_animations: Vec<String>,
     /// Channels of the first animation that move no property of a node.
     pub(super) foreign_channels: usize,
+    /// Buffer views with a stride of zero, which old exporters write where they mean none.
+    pub(super) zero_strides: usize,
 }
 
-/// Keys whose numbers are indices or enumerations of 32 bits. The typed form would cut off higher bits in silence.
-const NARROW: &[&str] = &[
-    "POSITION",
-    "buffer",
-    "bufferView",
-    "camera",
-    "children",
-    "componentType",
-    "indices",
-    "input",
-    "inverseBindMatrices",
-    "joints",
-    "material",
-    "mesh",
-    "mode",
-    "node",
-    "nodes",
-    "output",
-    "sampler",
-    "scene",
-    "skin",
+/// Lists of the document whose elements name each other, each with what stands for an element that nothing names: it is in nobody's way.
+const LISTS: &[(&str, &str)] = &[
+    ("accessors", r#"{"componentType": 5126, "count": 1, "type": "SCALAR"}"#),
+    ("bufferViews", r#"{"buffer": 0, "byteLength": 1}"#),
+    ("buffers", r#"{"byteLength": 1}"#),
+    ("cameras", ORTHOGRAPHIC),
+    ("materials", "{}"),
+    ("meshes", r#"{"primitives": []}"#),
+    ("nodes", "{}"),
+    ("scenes", r#"{"nodes": []}"#),
+    ("skins", r#"{"joints": []}"#),
 ];
+
+/// A camera that is no perspective one.
+const ORTHOGRAPHIC: &str = r#"{"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 1, "znear": 0}}"#;
 
 /// Strips `document` in place.
 pub(super) fn strip(document: &mut Value) -> Result<Facts, String> {
@@ -55,9 +54,14 @@ pub(super) fn strip(document: &mut Value) -> Result<Facts, String> {
             "skins",
         ],
     );
-    let facts = strip_animations(document);
+    let mut facts = strip_animations(document);
     if let Some(asset) = document.get_mut("asset") {
         keep(asset, &["version"]);
+    }
+    // Only told of.
+    let used = document.get("extensionsUsed").and_then(Value::as_array);
+    if !used.is_some_and(|names| names.iter().all(Value::is_string)) {
+        remove(document, "extensionsUsed");
     }
     let skinned = strip_nodes(document);
     if skinned {
@@ -72,11 +76,9 @@ pub(super) fn strip(document: &mut Value) -> Result<Facts, String> {
         }
     }
     for camera in items(document, "cameras") {
-        keep(camera, &["name", "orthographic", "perspective", "type"]);
-        for kind in ["orthographic", "perspective"] {
-            if let Some(projection) = camera.get_mut(kind) {
-                keep(projection, &["aspectRatio", "xmag", "yfov", "ymag", "zfar", "znear"]);
-            }
+        keep(camera, &["name", "perspective"]);
+        if let Some(projection) = camera.get_mut("perspective") {
+            keep(projection, &["yfov"]);
         }
     }
     strip_meshes(document, skinned)?;
@@ -84,8 +86,78 @@ pub(super) fn strip(document: &mut Value) -> Result<Facts, String> {
         strip_material(material);
     }
     strip_data(document);
-    check_narrow(document, "document")?;
+    let reached = reached(document);
+    let unreached = |(name, index): (&'static str, usize)| !reached.contains(&(name, index));
+    for (name, _) in LISTS {
+        let all = items(document, name).enumerate();
+        let others = all.filter(|(index, item)| unreached((name, *index)) && !is_material(name, item));
+        others.for_each(|(_, item)| *item = Value::Null);
+    }
+    for view in items(document, "bufferViews").filter(|view| view.get("byteStride").and_then(rules::whole) == Some(0)) {
+        remove(view, "byteStride");
+        facts.zero_strides += 1;
+    }
+    rules::check(document)?;
+    // What the schema wants, and nothing here depends on.
+    for camera in items(document, "cameras") {
+        if let Some(projection) = camera.get_mut("perspective").and_then(Value::as_object_mut) {
+            projection.insert("znear".to_owned(), 1.into());
+            camera["type"] = "perspective".into();
+        } else if let (Some(camera), Value::Object(other)) = (camera.as_object_mut(), parsed(ORTHOGRAPHIC)) {
+            camera.extend(other);
+        }
+    }
+    for (name, placeholder) in LISTS {
+        let all = items(document, name).enumerate();
+        let nulls = all.filter(|(index, item)| item.is_null() && unreached((name, *index)));
+        nulls.for_each(|(_, item)| *item = parsed(placeholder));
+    }
     Ok(facts)
+}
+
+/// Whether an element is a material that can be read: a scene keeps all of them.
+fn is_material(list: &str, item: &Value) -> bool {
+    list == "materials" && gltf::json::deserialize::from_value::<gltf::json::Material>(item.clone()).is_ok()
+}
+
+/// The value of a constant text.
+fn parsed(json: &str) -> Value {
+    gltf::json::deserialize::from_str(json).unwrap_or_default()
+}
+
+/// What the scene and the animation need, directly or through others: lists with the indices of their elements.
+fn reached(document: &Value) -> HashSet<(&'static str, usize)> {
+    let mut reached = HashSet::new();
+    let mut open: Vec<(&str, &Value)> =
+        document.get("animations").map(|value| ("animations", value)).into_iter().collect();
+    let scenes = document.get("scenes").and_then(Value::as_array).map_or(0, Vec::len);
+    let mut named: Vec<(&'static str, usize)> =
+        match document.get("scene").filter(|scene| !scene.is_null()).map_or(Some(0), rules::whole) {
+            _ if scenes == 0 => (0..document.get("nodes").and_then(Value::as_array).map_or(0, Vec::len))
+                .map(|node| ("nodes", node))
+                .collect(),
+            Some(scene) => vec![("scenes", usize::try_from(scene).unwrap_or(usize::MAX))],
+            None => Vec::new(),
+        };
+    loop {
+        while let Some((list, index)) = named.pop() {
+            if let Some(item) =
+                document.get(list).and_then(|list| list.get(index)).filter(|_| reached.insert((list, index)))
+            {
+                open.push((list, item));
+            }
+        }
+        match open.pop() {
+            Some((key, Value::Array(values))) => open.extend(values.iter().map(|value| (key, value))),
+            Some((_, Value::Object(object))) => open.extend(object.iter().map(|(key, value)| (key.as_str(), value))),
+            Some((key, value)) => {
+                if let (Some(Rule::Index(list)), Some(index)) = (rules::rule(key), rules::whole(value)) {
+                    named.push((list, usize::try_from(index).unwrap_or(usize::MAX)));
+                }
+            }
+            None => return reached,
+        }
+    }
 }
 
 /// Keeps the first animation, and of that the channels that move a property of a node.
@@ -107,6 +179,15 @@ fn strip_animations(document: &mut Value) -> Facts {
             let all = channels.len();
             channels.retain(moves_a_node);
             facts.foreign_channels += all - channels.len();
+        }
+        let named = |channel: &mut Value| channel.get("sampler").and_then(rules::whole);
+        let used: HashSet<Option<u64>> = items(animation, "channels").map(named).collect();
+        let stand_in = items(animation, "samplers")
+            .zip(0..)
+            .find(|(_, at)| used.contains(&Some(*at)))
+            .map(|(sampler, _)| sampler.clone());
+        for (sampler, _) in items(animation, "samplers").zip(0..).filter(|(_, at)| !used.contains(&Some(*at))) {
+            *sampler = stand_in.clone().unwrap_or_default();
         }
         for channel in items(animation, "channels") {
             keep(channel, &["sampler", "target"]);
@@ -187,6 +268,10 @@ fn strip_material(material: &mut Value) {
         .and_then(|extensions| extensions.get_mut("KHR_materials_pbrSpecularGlossiness"))
         .map(Value::take);
     keep(material, &["alphaMode", "name", "pbrMetallicRoughness"]);
+    // Only told of.
+    if !matches!(material.get("alphaMode").and_then(Value::as_str), Some("OPAQUE" | "MASK" | "BLEND")) {
+        remove(material, "alphaMode");
+    }
     let Some(object) = material.as_object_mut() else {
         return;
     };
@@ -228,12 +313,12 @@ fn strip_data(document: &mut Value) {
 }
 
 /// The elements of the array at `key`; none if there is no array.
-fn items<'a>(value: &'a mut Value, key: &str) -> impl Iterator<Item = &'a mut Value> + use<'a> {
+pub(super) fn items<'a>(value: &'a mut Value, key: &str) -> impl Iterator<Item = &'a mut Value> + use<'a> {
     value.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten()
 }
 
 /// Whether an attribute has joints or their weights.
-fn is_influence(key: &str) -> bool {
+pub(super) fn is_influence(key: &str) -> bool {
     ["JOINTS_", "WEIGHTS_"].iter().any(|family| {
         let set = key.strip_prefix(family);
         set.is_some_and(|set| !set.is_empty() && set.len() < 9 && set.bytes().all(|byte| byte.is_ascii_digit()))
@@ -250,20 +335,5 @@ fn remove(value: &mut Value, key: &str) {
 fn keep(value: &mut Value, keys: &[&str]) {
     if let Some(object) = value.as_object_mut() {
         object.retain(|key, value| keys.contains(&key.as_str()) && (key != "name" || value.is_string()));
-    }
-}
-
-/// Refuses numbers beyond 32 bits where the typed form keeps only 32. The JSON parser bounds the depth.
-fn check_narrow(value: &Value, key: &str) -> Result<(), String> {
-    match value {
-        Value::Number(number) if NARROW.contains(&key) || is_influence(key) => match number.as_u64() {
-            Some(wide) if wide > u64::from(u32::MAX) => {
-                Err(format!("{key} is {wide}, which is out of range; export the file again"))
-            }
-            _ => Ok(()),
-        },
-        Value::Array(values) => values.iter().try_for_each(|value| check_narrow(value, key)),
-        Value::Object(object) => object.iter().try_for_each(|(key, value)| check_narrow(value, key)),
-        _ => Ok(()),
     }
 }
