@@ -1,5 +1,7 @@
 //! What machine this is, and which program.
 
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
 use serde::{Deserialize, Serialize};
 use tracebench_api::{AdapterListing, DeviceLimits, Gpu, Rasterizer};
 
@@ -103,5 +105,34 @@ fn os_name() -> String {
 
 /// Now, UTC, as ISO 8601 to the second.
 pub fn utc_now() -> String {
-    humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string()
+    iso_8601(SystemTime::now())
+}
+
+/// A time as ISO 8601 to the second; of a clock that is set before 1970 or after 9999 the nearest that can be written.
+fn iso_8601(time: SystemTime) -> String {
+    const LAST_S: u64 = 253_402_300_799;
+    let seconds = time.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs().min(LAST_S);
+    humantime::format_rfc3339_seconds(UNIX_EPOCH + Duration::from_secs(seconds)).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Clocks that are set wrong are no reason to end without a record.
+    #[test]
+    fn any_clock_gives_a_time() {
+        let at = |seconds: u64| UNIX_EPOCH + Duration::from_secs(seconds);
+        for (time, text) in [
+            (at(0), "1970-01-01T00:00:00Z"),
+            (at(1_000_000_000), "2001-09-09T01:46:40Z"),
+            (UNIX_EPOCH - Duration::from_secs(1), "1970-01-01T00:00:00Z"),
+            (UNIX_EPOCH - Duration::from_secs(1 << 40), "1970-01-01T00:00:00Z"),
+            (at(253_402_300_799), "9999-12-31T23:59:59Z"),
+            (at(253_402_300_800), "9999-12-31T23:59:59Z"),
+            (at(1 << 50), "9999-12-31T23:59:59Z"),
+        ] {
+            assert_eq!(iso_8601(time), text);
+        }
+    }
 }

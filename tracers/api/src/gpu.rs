@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 
-use wgpu::{BufferUsages, Features};
+use wgpu::{BufferUsages, DownlevelFlags, Features};
 
 use crate::adapter::{choose, enumerate, listing};
 use crate::clock::Stamps;
@@ -47,6 +47,14 @@ impl Gpu {
         let listings: Vec<_> = adapters.iter().map(|adapter| listing(adapter, choice.limits)).collect();
         let chosen = choose(&listings, choice.wanted.as_deref())?;
         let (adapter, listing) = (&adapters[chosen], listings[chosen].clone());
+        // What the driver would say where a tracer first needs more, if it said anything.
+        if !adapter.get_downlevel_capabilities().flags.contains(DownlevelFlags::WEBGPU_TEXTURE_FORMAT_SUPPORT) {
+            return Err(TracerError::Unavailable(format!(
+                "{} by the {} backend has not all that WebGPU guarantees (textures of every format): unset WGPU_BACKEND or set it to \
+                 vulkan, metal or dx12, or use a tracer that runs on the host",
+                listing.name, listing.backend
+            )));
+        }
         let (limits, features) = choice.limits.of(adapter);
         let with_ray_queries = features.contains(Features::EXPERIMENTAL_RAY_QUERY);
         let request = adapter.request_device(&wgpu::DeviceDescriptor {
@@ -62,7 +70,8 @@ impl Gpu {
         let sink = Arc::clone(&errors);
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
             if let Ok(mut list) = sink.lock() {
-                list.push(error.to_string());
+                // In one line: what is told of it stands in tables.
+                list.push(error.to_string().split_whitespace().collect::<Vec<_>>().join(" "));
             }
         }));
         let lost = Arc::new(AtomicBool::new(false));
