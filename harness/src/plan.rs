@@ -85,7 +85,21 @@ pub enum SceneSource {
     /// A scene of the catalogue.
     Catalogue(String),
     /// A .gltf or .glb file.
-    File(PathBuf),
+    File {
+        /// The path as it was given.
+        path: PathBuf,
+        /// What its scene is called.
+        name: String,
+    },
+}
+
+impl SceneSource {
+    /// What the scene is called.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Catalogue(name) | Self::File { name, .. } => name,
+        }
+    }
 }
 
 /// The name in the catalogue, or the path as it was given.
@@ -93,7 +107,7 @@ impl std::fmt::Display for SceneSource {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Catalogue(name) => f.write_str(name),
-            Self::File(path) => path.display().fmt(f),
+            Self::File { path, .. } => path.display().fmt(f),
         }
     }
 }
@@ -103,7 +117,7 @@ impl std::fmt::Display for SceneSource {
 pub enum ViewRequest {
     /// The scene's first camera, else the one that the rule finds.
     Default,
-    /// A camera of the scene by name.
+    /// A camera of the scene by name; else the pose that the text is, as [`Pose::parse`] reads it.
     Named(String),
     /// A given pose.
     Given(Pose),

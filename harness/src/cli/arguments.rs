@@ -1,5 +1,6 @@
 //! The arguments of `run`, `table` and `picture`, and the plan that they make.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -19,7 +20,6 @@ use crate::plan::{
 use crate::rays::{BETWEEN_SAMPLES, MOST_RAYS, RaySet, between_samples as image_between_samples};
 use crate::results::{Further, Sampling};
 use crate::tables::Table;
-use crate::viewpoint::Pose;
 
 /// Most frames of an animation: their vertices are all held at once.
 const MOST_FRAMES: i64 = 240;
@@ -28,7 +28,7 @@ const MOST_FRAMES: i64 = 240;
 pub(super) struct RunArguments {
     /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. `all`: every listed one.
     #[arg(long, default_value = "room")]
-    pub scene: String,
+    pub scene: OsString,
     /// Tracers: NAME or NAME:PRESET with commas, all, or all:improved. A plain name means the published preset.
     /// NAME@PARAMETER=VALUE is the tracer with a value of its own, so that one may stand there several times.
     #[arg(long, default_value = "all")]
@@ -47,7 +47,7 @@ pub(super) struct TableArguments {
     /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. If not given, all listed ones
     /// (all that move, for a table over animations; for a paper's table those that stand for the paper's).
     #[arg(long)]
-    pub scene: Option<String>,
+    pub scene: Option<OsString>,
     /// Ray sets: names from `list rays` with commas, or all; the table's own if not given.
     #[arg(long)]
     pub rays: Option<String>,
@@ -171,7 +171,7 @@ fn limits(text: &str) -> Result<DeviceLimits, String> {
 pub(super) struct PictureArguments {
     /// Scene: a name from `list scenes`, or a path to a .gltf or .glb file.
     #[arg(long)]
-    pub scene: String,
+    pub scene: OsString,
     /// Tracer, NAME or NAME:PRESET.
     #[arg(long)]
     pub tracer: String,
@@ -235,15 +235,8 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 impl CommonArguments {
-    pub(super) fn view(&self) -> Result<ViewRequest, CliError> {
-        match &self.view {
-            None => Ok(ViewRequest::Default),
-            Some(text) if text.contains([':', ',']) => {
-                let pose = Pose::parse(text).map_err(|error| CliError::Argument(format!("--view: {error}")))?;
-                Ok(ViewRequest::Given(pose))
-            }
-            Some(name) => Ok(ViewRequest::Named(name.clone())),
-        }
+    pub(super) fn view(&self) -> ViewRequest {
+        self.view.clone().map_or(ViewRequest::Default, ViewRequest::Named)
     }
 }
 
@@ -314,7 +307,7 @@ impl WorkArguments {
     /// The plan, but for the preset, which waits for the adapter if it is not given.
     pub(super) fn plan(&self, matter: Matter, hardware: impl FnOnce() -> bool) -> Result<Plan, CliError> {
         let Matter { scenes, tracers, ray_sets, table, between_samples } = matter;
-        let view = self.common.view()?;
+        let view = self.common.view();
         let preset = match &self.preset {
             Some(name) => RunPreset::named(name).ok_or_else(|| CliError::Argument(format!("no preset '{name}'")))?,
             None => RunPreset::for_adapter(hardware()),

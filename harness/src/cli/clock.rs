@@ -1,5 +1,6 @@
 //! `clock`.
 
+use std::ffi::OsString;
 use std::io::Write as _;
 use std::path::PathBuf;
 
@@ -25,7 +26,7 @@ pub(super) struct ClockArguments {
     tracer: String,
     /// Scene: a name from `list scenes`, or a path to a .gltf or .glb file.
     #[arg(long, default_value = "room")]
-    scene: String,
+    scene: OsString,
     /// Ray set: a name from `list rays`.
     #[arg(long, default_value = "primary")]
     rays: String,
@@ -88,7 +89,7 @@ pub(super) fn clock(arguments: &ClockArguments, progress: &Progress) -> Result<(
             scene_scale: arguments.common.scale.unwrap_or(preset.scene_scale),
             ..preset
         },
-        view: arguments.common.view()?,
+        view: arguments.common.view(),
         time_s: arguments.common.time,
         seed: 1,
         end: EndPoint::Hit,

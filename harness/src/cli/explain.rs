@@ -1,5 +1,7 @@
 //! `explain`.
 
+use std::ffi::OsString;
+
 use clap::Args;
 use serde_json::Value;
 
@@ -18,7 +20,7 @@ use crate::studies::explain;
 pub(super) struct ExplainArguments {
     /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. `all`: every listed one.
     #[arg(long, default_value = "all")]
-    scene: String,
+    scene: OsString,
     /// The tracer, NAME or NAME:PRESET: one whose weaknesses can be taken away.
     #[arg(long, default_value = registry::first(explainable).map(Registration::name))]
     tracer: String,

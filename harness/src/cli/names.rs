@@ -1,5 +1,6 @@
 //! Names on the command line: lists, presets, suggestions for what is not known.
 
+use std::ffi::OsStr;
 use std::path::Path;
 
 use tracebench_api::{ParameterDescription, ParameterError, Parameters, Preset};
@@ -43,36 +44,73 @@ fn parts<'a>(list: &'a str, option: &str) -> Result<Vec<&'a str>, CliError> {
     Ok(parts)
 }
 
-/// Scenes: catalogue names, or paths to .gltf and .glb files; `all` is the whole catalogue.
-pub(super) fn scenes(list: &str) -> Result<Vec<SceneSource>, CliError> {
+/// Scenes: catalogue names, or paths to .gltf and .glb files; `all` is the whole catalogue. What is the path of something is one
+/// path, whatever is in it. Scenes of the same name get longer ones.
+pub(super) fn scenes(list: &OsStr) -> Result<Vec<SceneSource>, CliError> {
     let mut found: Vec<SceneSource> = Vec::new();
-    for part in parts(list, "--scene")? {
+    let text = match list.to_str() {
+        Some(text) if text == "all" || is_listed(text) || !Path::new(list).exists() => text,
+        _ => return Ok(vec![scene(list)?]),
+    };
+    for part in parts(text, "--scene")? {
         let named = match part {
             "all" => tracebench_scenes::catalogue().iter().map(|entry| entry.name).collect(),
             name => vec![name],
         };
         for name in named {
-            let source = scene(name)?;
+            let source = scene(name.as_ref())?;
             if !found.contains(&source) {
                 found.push(source);
             }
         }
     }
+    tell_apart(&mut found);
     Ok(found)
 }
 
-pub(super) fn scene(name: &str) -> Result<SceneSource, CliError> {
-    let known: Vec<&str> = tracebench_scenes::catalogue().iter().map(|entry| entry.name).collect();
-    if known.contains(&name) {
-        return Ok(SceneSource::Catalogue(name.to_owned()));
+/// Gives files whose scenes would have the name of another one as much of the ends of their paths as tells them apart.
+fn tell_apart(sources: &mut [SceneSource]) {
+    let names: Vec<String> = sources.iter().map(|source| source.name().to_owned()).collect();
+    let shared = |index: usize| names.iter().filter(|name| **name == names[index]).count() > 1;
+    let ends = |depth: usize| {
+        let end = |(index, source): (usize, &SceneSource)| match source {
+            SceneSource::File { path, .. } if shared(index) => {
+                let parts: Vec<_> = path.iter().map(OsStr::to_string_lossy).collect();
+                parts[parts.len().saturating_sub(depth)..].join("/")
+            }
+            _ => names[index].clone(),
+        };
+        sources.iter().enumerate().map(end).collect::<Vec<String>>()
+    };
+    let longest = sources.iter().map(|source| Path::new(&source.to_string()).iter().count()).max().unwrap_or(0);
+    let different = |names: &Vec<String>| names.iter().enumerate().all(|(at, name)| !names[..at].contains(name));
+    // Of paths that differ in nothing but in what is no text all keep their names.
+    let Some(ends) = (1..=longest).map(ends).find(different) else { return };
+    for (source, end) in sources.iter_mut().zip(ends) {
+        if let SceneSource::File { name, .. } = source {
+            *name = end;
+        }
     }
+}
+
+/// Whether a name is one of the catalogue.
+fn is_listed(name: &str) -> bool {
+    tracebench_scenes::catalogue().iter().any(|entry| entry.name == name)
+}
+
+pub(super) fn scene(name: &OsStr) -> Result<SceneSource, CliError> {
     let path = Path::new(name);
+    let text = name.to_string_lossy();
+    if is_listed(&text) {
+        return Ok(SceneSource::Catalogue(text.into_owned()));
+    }
     let is_model =
         path.extension().is_some_and(|end| end.eq_ignore_ascii_case("glb") || end.eq_ignore_ascii_case("gltf"));
-    if is_model || name.contains(std::path::MAIN_SEPARATOR) || path.exists() {
-        return Ok(SceneSource::File(path.to_owned()));
+    if is_model || text.contains(std::path::MAIN_SEPARATOR) || path.exists() {
+        return Ok(SceneSource::File { path: path.to_owned(), name: tracebench_scenes::name_of(path) });
     }
-    Err(unknown("scene (nor a path to a .gltf or .glb file)", name, &known))
+    let known: Vec<&str> = tracebench_scenes::catalogue().iter().map(|entry| entry.name).collect();
+    Err(unknown("scene (nor a path to a .gltf or .glb file)", &text, &known))
 }
 
 /// Ray sets: names, or all.
@@ -329,7 +367,7 @@ mod tests {
     /// What is not known is refused with the nearest known name.
     #[test]
     fn unknown_names_get_suggestions() {
-        assert!(message(scenes("rooom")).contains("'room'"));
+        assert!(message(scenes("rooom".as_ref())).contains("'room'"));
         assert!(message(ray_sets("primry")).contains("'primary'"));
         assert!(message(tracers("bvh-cpo", &[])).contains("'bvh-cpu'"));
         assert!(message(tracers("bvh-cpu:improvd", &[])).contains("'improved'"));
@@ -348,7 +386,7 @@ mod tests {
         for message in [
             message(tracers("quadtree@foo=1", &[])),
             message(ray_sets("foo")),
-            message(scenes("kitchen")),
+            message(scenes("kitchen".as_ref())),
             message(tracers("embree", &[])),
         ] {
             assert!(!message.contains("did you mean") && message.contains("'. There are: "), "{message}");
@@ -375,9 +413,12 @@ mod tests {
     /// Paths are paths, `all` is every tracer without being required, names are required, settings come on top.
     #[test]
     fn lists_mean_what_they_say() {
-        assert_eq!(scenes("room,a/b.glb").unwrap().len(), 2);
+        assert_eq!(scenes("room,a/b.glb".as_ref()).unwrap().len(), 2);
         let whole = tracebench_scenes::catalogue().len();
-        assert_eq!((scenes("all").unwrap().len(), scenes("room,all,a.glb").unwrap().len()), (whole, whole + 1));
+        assert_eq!(
+            (scenes("all".as_ref()).unwrap().len(), scenes("room,all,a.glb".as_ref()).unwrap().len()),
+            (whole, whole + 1)
+        );
         let all = tracers("all:improved", &[]).unwrap();
         assert!(all.len() == TRACERS.len() && all.iter().all(|each| !each.required && each.preset == Preset::Improved));
         let set = tracers("bvh-cpu,bvh-cpu:improved", &["bvh-cpu.build=fastest".to_owned()]).unwrap();

@@ -1,5 +1,7 @@
 //! `need`.
 
+use std::ffi::OsString;
+
 use clap::Args;
 use serde_json::Value;
 
@@ -16,7 +18,7 @@ use crate::studies::need;
 pub(super) struct NeedArguments {
     /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. `all`: every listed one.
     #[arg(long, default_value = "room")]
-    scene: String,
+    scene: OsString,
     /// Tracers: NAME or NAME:PRESET with commas, or all. Methods with nothing to shrink stand there with what they store and touch.
     #[arg(long, default_value = "all")]
     tracer: String,

@@ -1,5 +1,7 @@
 //! `pareto`.
 
+use std::ffi::OsString;
+
 use clap::Args;
 use serde_json::json;
 
@@ -16,7 +18,7 @@ use crate::studies::pareto::{DEFAULT_POINTS, Extent, MOST_POINTS, Pareto, RAYS_P
 pub(super) struct ParetoArguments {
     /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. `all`: every listed one.
     #[arg(long, default_value = "room")]
-    scene: String,
+    scene: OsString,
     /// Tracers: NAME or NAME:PRESET with commas, all, or all:improved. The presets of one tracer share its points.
     #[arg(long, default_value = "all,all:improved")]
     tracer: String,

@@ -74,7 +74,7 @@ pub(super) fn picture(arguments: &PictureArguments, progress: &Progress) -> Resu
             scene_scale: arguments.common.scale.unwrap_or(quick.scene_scale),
             ..quick
         },
-        view: arguments.common.view()?,
+        view: arguments.common.view(),
         time_s: arguments.common.time,
         seed: 1,
         end: EndPoint::Hit,

@@ -1,5 +1,7 @@
 //! `sweep`.
 
+use std::ffi::OsString;
+
 use clap::Args;
 use serde_json::json;
 use tracebench_api::Invalidation;
@@ -19,7 +21,7 @@ use crate::studies::sweep::{RESOLUTION, Sweep, SweepError, parameter_axis, resol
 pub(super) struct SweepArguments {
     /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. `all`: every listed one.
     #[arg(long, default_value = "room")]
-    scene: String,
+    scene: OsString,
     /// The tracer: NAME, NAME:PRESET or NAME@PARAMETER=VALUE. Its values, with those of `--set`, are the ones round which
     /// parameters are swept.
     #[arg(long, default_value = registry::first(has_sweep).map(Registration::name))]

@@ -110,13 +110,10 @@ fn tuned(plans: &[Plan], path: &Path) -> Result<Vec<Plan>, CliError> {
     let is_open = |request: &TracerRequest| request.name() == tracer && !request.changed.contains(parameter);
     let of_scene = |plan: &Plan, scene: &SceneSource| {
         let mut plan = Plan { scenes: vec![scene.clone()], ..plan.clone() };
-        let name = match scene {
-            SceneSource::Catalogue(name) => name.clone(),
-            SceneSource::File(path) => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
-        };
+        let name = scene.name();
         let rays = plan.ray_sets.first().map_or("", |set| set.name);
         for request in plan.tracers.iter_mut().filter(|request| is_open(request)) {
-            let value = tuning.value_from_own_viewpoint(&name, rays, Label::TunedElsewhere).ok_or_else(|| {
+            let value = tuning.value_from_own_viewpoint(name, rays, Label::TunedElsewhere).ok_or_else(|| {
                 CliError::Argument(format!(
                     "--tuned {}: it has no {parameter} for {rays} rays in {name} from another viewpoint; tune it with --scene {name} \
                      --rays {rays}, or leave the scene out",

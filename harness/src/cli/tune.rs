@@ -1,5 +1,7 @@
 //! `tune`.
 
+use std::ffi::OsString;
+
 use clap::Args;
 use serde_json::json;
 
@@ -21,7 +23,7 @@ use crate::studies::tune::{Tune, Tuning};
 pub(super) struct TuneArguments {
     /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. `all`: every listed one.
     #[arg(long, default_value = "all")]
-    scene: String,
+    scene: OsString,
     /// The tracer: NAME, NAME:PRESET or NAME@PARAMETER=VALUE.
     #[arg(long, default_value = tuned().map(Registration::name))]
     tracer: String,

@@ -30,11 +30,13 @@ pub use journal::{Journal, JournalError};
 pub(crate) use place::{Effort, Film, Measured, Place, Placed, Refusal, Request, Told};
 pub use run::{Context, execute, execute_all};
 pub(crate) use run::{add, begin, empty, measure_scene, nothing, placed, refuse};
-pub use scene::{LoadedScene, choose_pose, load, load_scene, prepare};
+pub use scene::{LoadedScene, choose_pose, load, load_at, load_scene, prepare};
 use session::SessionError;
 pub(crate) use trial::{Trial, against_itself, fresh_and_repeated};
 pub use window::WINDOW;
 pub(crate) use window::measure;
+
+use crate::viewpoint::PoseError;
 
 /// Why a run could not be finished.
 #[derive(Debug, thiserror::Error)]
@@ -43,12 +45,14 @@ pub enum RunError {
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// The scene has no such camera.
-    #[error("scene {scene} has no viewpoint '{name}'; there are: {known}. A pose can be given as ex,ey,ez:tx,ty,tz")]
+    #[error("--view: scene {scene} has no viewpoint '{name}'; there are: {known}. Nor is it a pose: {error}")]
     UnknownView {
         /// The scene.
         scene: String,
         /// The name given.
         name: String,
+        /// Why it is no pose.
+        error: PoseError,
         /// The names that exist.
         known: String,
     },

@@ -19,7 +19,7 @@ use crate::viewpoint::{self, Pose};
 pub fn load_scene(source: &SceneSource, scale: f64) -> Result<Scene, SceneError> {
     match source {
         SceneSource::Catalogue(name) => tracebench_scenes::procedural(name, scale),
-        SceneSource::File(path) => tracebench_scenes::import(path),
+        SceneSource::File { path, name } => Ok(Scene { name: name.clone(), ..tracebench_scenes::import(path)? }),
     }
 }
 
@@ -41,10 +41,13 @@ pub fn choose_pose(request: &ViewRequest, scene: &str, cameras: &[Camera], truth
 }
 
 fn named_pose(name: &str, scene: &str, cameras: &[Camera]) -> Result<Pose, RunError> {
-    let camera = cameras.iter().find(|camera| camera.name == name);
-    camera.map(Pose::from).ok_or_else(|| RunError::UnknownView {
+    if let Some(camera) = cameras.iter().find(|camera| camera.name == name) {
+        return Ok(Pose::from(camera));
+    }
+    Pose::parse(name).map_err(|error| RunError::UnknownView {
         scene: scene.to_owned(),
         name: name.to_owned(),
+        error,
         known: match cameras {
             [] => "none".to_owned(),
             cameras => cameras.iter().map(|camera| camera.name.as_str()).collect::<Vec<_>>().join(", "),
@@ -68,12 +71,22 @@ pub struct LoadedScene {
 /// # Errors
 /// [`RunError`] as its variants say.
 pub fn load(plan: &Plan, progress: &Progress) -> Result<Vec<Scene>, RunError> {
+    load_at(plan, Some(plan.time_s), progress)
+}
+
+/// As [`load`] at a time in seconds; without one a study has the times.
+///
+/// # Errors
+/// [`RunError`] as its variants say.
+pub fn load_at(plan: &Plan, time_s: Option<f64>, progress: &Progress) -> Result<Vec<Scene>, RunError> {
     let load = |source: &SceneSource| {
-        if let SceneSource::File(path) = source {
+        if let SceneSource::File { path, .. } = source {
             progress.say(&format!("loading {}", path.display()));
         }
         let mut scene = load_scene(source, plan.preset.scene_scale)?;
-        scene.set_time(plan.time_s)?;
+        if let Some(time_s) = time_s {
+            scene.drop_zero_area(&[time_s])?;
+        }
         if let ViewRequest::Named(name) = &plan.view {
             named_pose(name, &scene.name, &scene.cameras)?;
         }

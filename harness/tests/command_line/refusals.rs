@@ -36,9 +36,6 @@ fn wrong_arguments() {
         (vec!["--seed", "x"], vec!["--seed"]),
         (vec!["--time", "NaN"], vec!["--time"]),
         (vec!["--time", "inf"], vec!["--time"]),
-        (vec!["--view", "1,2,3"], vec!["--view"]),
-        (vec!["--view", "1,2,3:1,2,3"], vec!["--view"]),
-        (vec!["--view", "NaN,0,0:1,1,1"], vec!["--view"]),
         (vec!["--set", "screen-dda.stride=0"], vec!["stride", "1 to 256"]),
         (vec!["--set", "screen-dda.thickness=NaN"], vec!["thickness", "0 to 10"]),
         (vec!["--set", "screen-dda.thickness=-1"], vec!["thickness"]),
@@ -79,6 +76,9 @@ fn unknown_viewpoints() {
     let known: Value = serde_json::from_str(&known.stdout).unwrap();
     let first = known[0]["viewpoints"][0].as_str().unwrap().to_owned();
     bench.fails(&arguments, 2, &["atic", "room", &first]);
+    for pose in ["1,2,3", "1,2,3:1,2,3", "NaN,0,0:1,1,1"] {
+        bench.fails(&[&SMOKE[..], &["--view", pose, "--out", &out]].concat(), 2, &["--view", pose, "a pose"]);
+    }
     assert!(names(&bench.path("out")).is_empty());
 }
 

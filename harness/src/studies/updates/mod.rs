@@ -75,7 +75,7 @@ pub fn execute(table: &Table, plan: &Plan, frames: u32, context: &Context<'_>) -
     // Every frame of a film is counted, of a walk one frame at a time.
     let passes = if walked { samples } else { samples.div_ceil(frames) };
     let mut updates = UpdatesRecord { frames, passes, scenes: Vec::new() };
-    for (index, scene) in measure::load(plan, context.progress)?.into_iter().enumerate() {
+    for (index, scene) in measure::load_at(plan, None, context.progress)?.into_iter().enumerate() {
         if !context.takes(index) {
             continue;
         }
@@ -112,12 +112,13 @@ impl Followed {
     /// began at its middle, where it is farthest from that: at its end a structure of the first frame would fit again.
     fn new(mut scene: Scene, frames: u32) -> Result<Self, RunError> {
         let duration_s = scene.animation.as_ref().map_or(0.0, |animation| animation.duration_s);
-        scene.set_time(0.0)?;
+        scene.drop_zero_area(&[0.0, duration_s])?;
         let first = scene.mesh.positions.clone();
         scene.set_time(duration_s)?;
         let returns = farthest(&first, &scene.mesh.positions) <= RETURNED_DIAGONALS * scene.diagonal();
         let end_s = if returns { duration_s / 2.0 } else { duration_s };
         let times_s: Vec<f64> = (0..=frames).map(|frame| end_s * f64::from(frame) / f64::from(frames)).collect();
+        scene.drop_zero_area(&times_s)?;
         let mut positions = Vec::new();
         for time_s in &times_s {
             scene.set_time(*time_s)?;
