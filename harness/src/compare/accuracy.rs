@@ -59,7 +59,7 @@ impl Accuracy {
             (Some((_, one)), Some((_, other))) if one == other && a.wrong == b.wrong => Shift::Same,
             (Some(([_, high], _)), Some(([low, _], _))) if low > high => Shift::Better,
             (Some(([low, _], _)), Some(([_, high], _))) if high < low => Shift::Worse,
-            (None, None) => Shift::Same,
+            (None, None) if a.wrong == b.wrong => Shift::Same,
             _ => Shift::Within,
         };
         Self { rule: a.rule, a: a.share, b: b.share, a_wrong: a.wrong, b_wrong: b.wrong, rays: a.rays, shift }
@@ -67,6 +67,12 @@ impl Accuracy {
 }
 
 fn scores(judgement: &Judgement) -> Vec<Score> {
+    let of_all = scores_of(judgement).into_iter();
+    // A share that says nothing is none.
+    of_all.map(|score| Score { share: score.share.filter(|_| judgement.one_sided().is_none()), ..score }).collect()
+}
+
+fn scores_of(judgement: &Judgement) -> Vec<Score> {
     match judgement {
         Judgement::Closest(closest) => closest_scores(closest),
         Judgement::Any(any) => {

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::ReportError;
 use super::format::thousands;
 use super::group::{Group, RaySet, Role, groups};
-use super::markdown::inline;
+use super::markdown::literal;
 use super::metrics::{COUNT, SPEED};
 use super::peers::stem;
 use super::sheet::{Cell, Column, Sheet};
@@ -57,7 +57,7 @@ fn page(ablation: &Ablation, run: &Run, groups: &[Group<'_>]) -> String {
     );
     for group in groups {
         let triangles = thousands(group.scene.triangles);
-        let _ = writeln!(text, "\n## {} ({triangles} triangles)\n", inline(&group.scene.name));
+        let _ = writeln!(text, "\n## {} ({triangles} triangles)\n", literal(&group.scene.name));
         text += &structures(group);
         for set in &group.ray_sets {
             text += &traces(run, group, set);

@@ -121,7 +121,7 @@ fn changed(changes: &Changes) -> String {
 
 fn builds(comparison: &Comparison) -> String {
     let sheet = Sheet::<BuildRow>::new()
-        .told("scene", |row| row.key.scene.clone())
+        .told("scene", |row| Cell::Name(row.key.scene.clone()))
         .told("tracer", |row| row.key.tracer.clone())
         .then(|sheet| speed(sheet, |row| &row.speed))
         .told("bytes", |row| changed(&row.bytes))
@@ -131,7 +131,7 @@ fn builds(comparison: &Comparison) -> String {
 
 fn traces(comparison: &Comparison) -> String {
     let sheet = Sheet::<TraceRow>::new()
-        .told("scene", |row| row.key.scene.clone())
+        .told("scene", |row| Cell::Name(row.key.scene.clone()))
         .told("tracer", |row| row.key.tracer.clone())
         .told("rays", |row| row.key.rays.clone().unwrap_or_default())
         // No speed stands without its accuracy.

@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::format::{self, thousands};
-use super::markdown::inline;
-use super::sheet::{Column, Columns, Sheet};
+use super::markdown::{inline, literal};
+use super::sheet::{Cell, Column, Columns, Sheet};
+use super::summary;
 use crate::results::{Explained, ExplanationRecord, MOST_UNEXPLAINED, RemedyRecord, Run, SceneExplained};
 
 /// The page's file.
@@ -23,6 +24,7 @@ pub fn explanation_page(run: &Run, found: &ExplanationRecord) -> String {
         run.preset,
         run.seed
     );
+    page.push_str(&summary::notes(run));
     let has_ambiguous = run.runs.iter().flat_map(|row| &row.traces).any(|trace| trace.judgement.has_ambiguous());
     let of_ambiguous = if has_ambiguous { "" } else { "; ties left out" };
     let _ = write!(
@@ -66,7 +68,7 @@ fn scenes(found: &ExplanationRecord) -> String {
     type Row<'a> = (&'a str, Vec<&'a Explained>);
     let sum = |(_, sets): &Row<'_>, of: &dyn Fn(&Explained) -> u64| sets.iter().map(|set| of(set)).sum::<u64>();
     let sheet = Sheet::<Row<'_>>::new()
-        .told("scene", |(name, _)| (*name).to_owned())
+        .told("scene", |(name, _)| Cell::Name((*name).to_owned()))
         .told("rays", |row| sum(row, &|set| set.count))
         .told("ties", |row| sum(row, &|set| set.ties))
         .told("wrong", |row| sum(row, &|set| set.wrong_by_rung[0]))
@@ -93,7 +95,7 @@ fn one_scene(found: &ExplanationRecord, scene: &SceneExplained) -> String {
     let view = &scene.viewpoint;
     let mut text = format!(
         "\n## {}: {} triangles\n\nFrame {}x{}, faces {}, rays from {}x{} pixels. Wrong rays on each rung:\n\n",
-        inline(&scene.scene.name),
+        literal(&scene.scene.name),
         thousands(scene.scene.triangles),
         view.frame[0],
         view.frame[1],

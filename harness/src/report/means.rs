@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use super::ReportError;
 use super::format::{significant, thousands};
 use super::group::{Group, RaySet, Role, groups};
-use super::markdown::inline;
+use super::markdown::literal;
 use super::metrics::{COUNT, SPEED};
 use super::sheet::{Cell, Sheet};
 use super::{cells, metrics, summary};
@@ -66,7 +66,7 @@ fn page(run: &Run, groups: &[Group<'_>]) -> String {
     }
     for group in groups {
         let triangles = thousands(group.scene.triangles);
-        let _ = writeln!(text, "\n## {} ({triangles} triangles)\n", inline(&group.scene.name));
+        let _ = writeln!(text, "\n## {} ({triangles} triangles)\n", literal(&group.scene.name));
         text += &structures(group);
         for set in &group.ray_sets {
             text += &traces(run, group, set);

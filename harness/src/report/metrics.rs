@@ -164,11 +164,12 @@ pub(crate) fn rules(query: Query) -> &'static [&'static str] {
 
 /// The same of a judgement on so many rays that count.
 pub(crate) fn accuracies_of(judgement: &Judgement, trials: u64) -> Vec<Accuracy> {
+    let one_sided = judgement.one_sided();
     match judgement {
         Judgement::Closest(closest) => {
             let (share, interval) = (&closest.agreement, &closest.interval);
             let (tight, footprint) = (&closest.classes.tight, &closest.classes.footprint);
-            let of = |share: Option<f64>, interval, wrong| Accuracy { share, interval, wrong, trials };
+            let of = |share: Option<f64>, interval, wrong| Accuracy { share, interval, wrong, trials, one_sided };
             vec![
                 of(share.hit_miss, interval.hit_miss, of_wrong_kind(tight)),
                 of(share.tight, interval.tight, wrong(tight)),
@@ -180,6 +181,7 @@ pub(crate) fn accuracies_of(judgement: &Judgement, trials: u64) -> Vec<Accuracy>
             interval: occlusion.balanced_accuracy_interval,
             wrong: occlusion.false_occluded + occlusion.false_free,
             trials,
+            one_sided,
         }],
     }
 }

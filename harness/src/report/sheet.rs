@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::ReportError;
 use super::format::{NONE, optional, percent, percent_with_interval, significant, statistic, thousands, with_interval};
-use super::markdown::inline;
+use super::markdown::{inline, literal};
 use crate::results::{Percentiles, Ratio, Times};
 use crate::studies::pareto::Amount;
 
@@ -15,6 +15,8 @@ pub(crate) enum Cell {
     None,
     /// Words.
     Text(String),
+    /// A name that users give, in which nothing is markup.
+    Name(String),
     /// Words for programs, and for people.
     Named(&'static str, String),
     /// Yes or no.
@@ -52,6 +54,8 @@ pub(crate) struct Accuracy {
     pub wrong: u64,
     /// All that count.
     pub trials: u64,
+    /// Why the share says nothing, if it does not.
+    pub one_sided: Option<&'static str>,
 }
 
 impl Cell {
@@ -63,7 +67,7 @@ impl Cell {
     /// The number, if it is one: of a number with an interval itself, of percentiles the median.
     pub(crate) fn value(&self) -> Option<f64> {
         match self {
-            Self::None | Self::Text(_) | Self::Named(..) | Self::Flag(_) | Self::Shares(..) => None,
+            Self::None | Self::Text(_) | Self::Name(_) | Self::Named(..) | Self::Flag(_) | Self::Shares(..) => None,
             Self::Count(count) => Some(*count as f64),
             Self::Bytes(value)
             | Self::Statistic(value)
@@ -84,7 +88,7 @@ impl Cell {
         };
         match self {
             Self::None => one(String::new()),
-            Self::Text(text) => one(text.clone()),
+            Self::Text(text) | Self::Name(text) => one(text.clone()),
             Self::Named(code, _) => one((*code).to_owned()),
             Self::Flag(flag) => one(flag.to_string()),
             Self::Count(count) => one(count.to_string()),
@@ -101,7 +105,7 @@ impl Cell {
     pub(crate) fn told(&self) -> String {
         match self {
             Self::None => NONE.to_owned(),
-            Self::Text(text) | Self::Named(_, text) => text.clone(),
+            Self::Text(text) | Self::Name(text) | Self::Named(_, text) => text.clone(),
             Self::Flag(flag) => if *flag { "yes" } else { "no" }.to_owned(),
             Self::Count(count) => thousands(*count),
             Self::Bytes(bytes) => significant(bytes / f64::from(1 << 20), 4),
@@ -110,7 +114,10 @@ impl Cell {
             Self::Measured(value, interval, digits) => with_interval(*value, interval.unwrap_or([*value; 2]), *digits),
             Self::Share(share, interval, trials) => percent_with_interval(*share, *interval, *trials),
             Self::Percent(value, interval) => with_interval(value * 100.0, interval.map(|end| end * 100.0), 3),
-            Self::Accuracy(Accuracy { share, interval, wrong, trials }) => share.map_or_else(
+            Self::Accuracy(Accuracy { one_sided: Some(why), wrong, trials, .. }) => {
+                format!("{why}; {} wrong of {}", thousands(*wrong), thousands(*trials))
+            }
+            Self::Accuracy(Accuracy { share, interval, wrong, trials, .. }) => share.map_or_else(
                 || "every ray is a tie".to_owned(),
                 |share| {
                     let share = percent_with_interval(share, *interval, *trials);
@@ -302,11 +309,15 @@ impl<'a, R> Sheet<'a, R> {
     pub(crate) fn markdown(&self, rows: &[R]) -> String {
         let shown = || self.columns.iter().filter_map(|column| Some((column.heading.as_ref()?, &column.cell)));
         let line = |cells: &mut dyn Iterator<Item = String>| {
-            cells.map(|cell| format!("| {} ", inline(&cell))).collect::<String>() + "|\n"
+            cells.map(|cell| format!("| {cell} ")).collect::<String>() + "|\n"
         };
-        let mut text = line(&mut shown().map(|(heading, _)| heading.clone()));
+        let told = |cell: Cell| match cell {
+            Cell::Name(name) => literal(&name),
+            other => inline(&other.told()),
+        };
+        let mut text = line(&mut shown().map(|(heading, _)| inline(heading)));
         text += &format!("|{}\n", " --- |".repeat(shown().count()));
-        text.extend(rows.iter().map(|row| line(&mut shown().map(|(_, cell)| cell(row).told()))));
+        text.extend(rows.iter().map(|row| line(&mut shown().map(|(_, cell)| told(cell(row))))));
         text
     }
 

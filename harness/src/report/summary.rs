@@ -9,12 +9,12 @@ use super::cells::{self, Row, coverage, label, touched};
 use super::distances;
 use super::format::{self, mib, significant, statistic, thousands};
 use super::group::{Group, RaySet, Role};
-use super::markdown::inline;
+use super::markdown::{inline, literal};
 use super::metrics::{
     self, AMBIGUOUS, BUILD_PEAK, BUILD_TIME, FALSE_FREE, FALSE_OCCLUDED, GEOMETRY, IDENTITY, Metric, POSITION, SPEED,
     STRUCTURE, TRACE_TIME, TRUE_FREE, TRUE_OCCLUDED,
 };
-use super::sheet::{Columns, Sheet};
+use super::sheet::{Cell, Columns, Sheet};
 use super::surfaces;
 use super::verdict::{self, Verdict};
 use crate::results::{
@@ -58,6 +58,7 @@ pub(crate) fn head(run: &Run, title: &str) -> String {
              are set as the first contender's of their scene, which every window has, was slower or faster there.\n"
         );
     }
+    text += &notes(run);
     let judged = run.runs.iter().flat_map(|row| &row.traces).map(|trace| &trace.judgement);
     let _ = writeln!(
         text,
@@ -68,11 +69,37 @@ pub(crate) fn head(run: &Run, title: &str) -> String {
     text
 }
 
+/// What is to be known before any figure: what the import of a scene warns of, and rays of which shares of right answers say nothing.
+pub(super) fn notes(run: &Run) -> String {
+    let mut notes: Vec<String> = Vec::new();
+    let mut note = |text: String| {
+        if !notes.contains(&text) {
+            notes.push(text);
+        }
+    };
+    for row in &run.runs {
+        let scene = literal(&row.scene.name);
+        for warning in &row.scene.warnings {
+            note(format!("- Import of {scene}: {}.", literal(warning.trim_end_matches('.'))));
+        }
+        for trace in &row.traces {
+            if let Some(why) = trace.judgement.one_sided() {
+                let view = literal(&row.viewpoint.name);
+                note(format!(
+                    "- {scene}, viewpoint {view}, rays {}: {why}, so shares of right answers say nothing.",
+                    trace.rays
+                ));
+            }
+        }
+    }
+    if notes.is_empty() { String::new() } else { notes.join("\n") + "\n\n" }
+}
+
 /// How long was sampled, and which races decide nothing.
 fn clock(run: &Run) -> String {
     let rounds = || run.races.iter().map(|race| race.orders.len());
     let (fewest, most) = (rounds().min(), rounds().max());
-    let name = |race: &RaceRecord| format!("{} of {}", race.work, race.scene);
+    let name = |race: &RaceRecord| format!("{} of {}", race.work, literal(&race.scene).replace("\\|", "|"));
     let those = |what: &str, wanted: &dyn Fn(&RaceRecord) -> bool| {
         let found: Vec<String> = run.races.iter().filter(|race| wanted(race)).map(name).collect();
         if found.is_empty() { String::new() } else { format!("; {what} in {}: {}", found.len(), counted(&found)) }
@@ -156,7 +183,7 @@ pub(super) fn head_of(from: &Provenance, preset: &str, seed: u64, controls: &Ver
 
 fn scene(group: &Group<'_>) -> String {
     let (scene, viewpoint) = (group.scene, group.viewpoint);
-    let mut text = format!("\n## {} ({} triangles)\n\n", inline(&scene.name), thousands(scene.triangles));
+    let mut text = format!("\n## {} ({} triangles)\n\n", literal(&scene.name), thousands(scene.triangles));
     let _ = write!(
         text,
         "Hash `{}`, diagonal {} scene units",
@@ -171,7 +198,7 @@ fn scene(group: &Group<'_>) -> String {
         text,
         ". Viewpoint {} at ({x}, {y}, {z}), {}° vertical field of view, time {} s; rays start from the pixels of a \
          {} image{}.",
-        inline(&viewpoint.name),
+        literal(&viewpoint.name),
         significant(f64::from(viewpoint.vertical_fov_degrees), 4),
         viewpoint.time_s,
         size(viewpoint.ray_image),
@@ -184,9 +211,6 @@ fn scene(group: &Group<'_>) -> String {
             thousands(scene.zero_area_triangles_dropped),
             thousands(scene.duplicate_triangles_kept)
         );
-    }
-    for warning in &scene.warnings {
-        let _ = writeln!(text, "\nImport: {}.", inline(warning.trim_end_matches('.')));
     }
     let stem = &group.stem;
     let _ = writeln!(text, "\n![Error against speed](error_vs_speed_{stem}.svg)");
@@ -348,7 +372,7 @@ pub(crate) fn skipped(skipped: &[Skipped]) -> String {
     let or_all = |name: &Option<String>| name.clone().unwrap_or_else(|| "all".to_owned());
     let sheet = Sheet::<Skipped>::new()
         .told("tracer", |each| or_all(&each.tracer))
-        .told("scene", |each| each.scene.clone())
+        .told("scene", |each| Cell::Name(each.scene.clone()))
         .told("rays", |each| or_all(&each.rays))
         .told("reason", |each| each.reason.clone());
     if once.is_empty() { "\n## Skipped\n\nNothing.\n".to_owned() } else { sheet.below("## Skipped", &once) }

@@ -42,17 +42,24 @@ fn title(set: &RaySet<'_>) -> String {
 
 fn ray_set(text: &mut String, group: &Group<'_>, set: &RaySet<'_>, width: usize) {
     line(text, width, &title(set), metrics::SPEED.unit, metrics::rules(set.query), "clock");
+    let mut one_sided = None;
     for (role, one, trace) in group.traces(set) {
+        one_sided = one_sided.or(trace.judgement.one_sided());
         if role == Role::Contender {
             let speed = metrics::speed(trace).filter(|_| metrics::judged(trace));
             let speed = speed.map_or_else(|| NONE.to_owned(), |speed| significant(speed, 4));
             // None of a set whose rays are all ties.
-            let share = |Accuracy { share, trials, .. }: &Accuracy| {
-                share.map_or_else(|| NONE.to_owned(), |share| format!("{} %", percent(share, *trials)))
+            let share = |Accuracy { share, trials, one_sided, .. }: &Accuracy| {
+                share
+                    .filter(|_| one_sided.is_none())
+                    .map_or_else(|| NONE.to_owned(), |share| format!("{} %", percent(share, *trials)))
             };
             let cells: Vec<String> = metrics::right_of(trace).iter().map(share).collect();
             line(text, width, &one.label(), &speed, &cells, &clock(trace));
         }
+    }
+    if let Some(why) = one_sided {
+        let _ = writeln!(text, "  {why}: shares of right answers say nothing here");
     }
 }
 

@@ -83,6 +83,24 @@ impl Judgement {
         }
     }
 
+    /// Why shares of right answers say nothing, where truth leaves a tracer that never hits, or always, nothing to get wrong: no ray
+    /// hits anything, or no ray of an any-hit set misses everything.
+    pub fn one_sided(&self) -> Option<&'static str> {
+        let (hits, misses) = match self {
+            Self::Closest(ClosestJudgement { classes: ByRule { tight, .. }, .. }) => {
+                (tight.true_hit + tight.false_miss + tight.early + tight.late, tight.true_miss + tight.false_hit)
+            }
+            Self::Any(AnyJudgement { occlusion: of, .. }) => {
+                (of.true_occluded + of.false_free, of.true_free + of.false_occluded)
+            }
+        };
+        match (hits, misses, self) {
+            (0, 1.., _) => Some(NO_RAY_HITS),
+            (1.., 0, Self::Any(_)) => Some(NO_RAY_MISSES),
+            _ => None,
+        }
+    }
+
     /// Why rays are wrong.
     pub fn causes(&self) -> &Causes {
         match self {
@@ -91,6 +109,12 @@ impl Judgement {
         }
     }
 }
+
+/// Of rays that all miss.
+pub const NO_RAY_HITS: &str = "no ray hits anything";
+
+/// Of any-hit rays that all hit.
+pub const NO_RAY_MISSES: &str = "no ray misses everything";
 
 /// What the causes of an any-hit set stand under, which has no rules.
 pub const OCCLUSION: &str = "occlusion";

@@ -6,6 +6,7 @@ mod docs;
 mod far;
 mod faults;
 mod fronts;
+mod inputs;
 mod ownership;
 mod pages;
 mod papers;
@@ -133,10 +134,15 @@ fn write_as_the_program(folder: &Path, name: &str, text: &str) {
 /// A .glb with these positions as triangles, three vertices each.
 fn glb(positions: &[[f32; 3]]) -> Vec<u8> {
     let bin: Vec<u8> = positions.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
-    let mut json = gltf(positions.len(), bin.len(), None).to_string().into_bytes();
+    packed(&gltf(positions.len(), bin.len(), None), &bin)
+}
+
+/// A .glb of a document and its bytes.
+fn packed(document: &Value, bin: &[u8]) -> Vec<u8> {
+    let mut json = document.to_string().into_bytes();
     json.resize(json.len().next_multiple_of(4), b' ');
     let chunk = |kind: &[u8; 4], bytes: &[u8]| [&(bytes.len() as u32).to_le_bytes()[..], kind, bytes].concat();
-    let body = [chunk(b"JSON", &json), chunk(b"BIN\0", &bin)].concat();
+    let body = [chunk(b"JSON", &json), chunk(b"BIN\0", bin)].concat();
     [b"glTF", &2_u32.to_le_bytes()[..], &(body.len() as u32 + 12).to_le_bytes(), &body].concat()
 }
 

@@ -101,7 +101,7 @@ pub(super) fn mixes(page: &Page<'_>) -> String {
         Column::told(format!("{name}: build and traces (ms) ↓"), move |(_, run): &Row<'_>| total_ms(run, mix))
     };
     let sheet = Sheet::<Row<'_>>::new()
-        .told("scene", |(scene, _)| scene.label.clone())
+        .told("scene", |(scene, _)| Cell::Name(scene.label.clone()))
         .told("rays from", |(_, run)| run.viewpoint.ray_image.map(|side| side.to_string()).join("x"))
         .told("tracer", |(_, run)| run.label())
         .told("build (ms, host clock) ↓", |(_, run)| host_ms(&run.build.times))

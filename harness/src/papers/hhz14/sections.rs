@@ -52,7 +52,7 @@ pub(super) fn a_ray(page: &Page<'_>) -> String {
         }
     };
     let sheet = Sheet::<(&TracerRun, &TraceRecord)>::new()
-        .told("scene", |(run, _)| run.scene.name.clone())
+        .told("scene", |(run, _)| Cell::Name(run.scene.name.clone()))
         .told("tracer", |(run, _)| run.label())
         .told("rays", |(_, trace)| trace.count)
         .told("all rays (ms) ↓", |(run, _)| time_of(run, &["ao"]))

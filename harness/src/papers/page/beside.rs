@@ -3,7 +3,7 @@
 use super::Page;
 use super::measured::{TIMES, ms_of, over_first, time_of};
 use crate::papers::Scope;
-use crate::report::markdown::inline;
+use crate::report::markdown::literal;
 use crate::report::sheet::{Cell, Sheet};
 use crate::results::{TracerRun, host_ms};
 
@@ -26,7 +26,7 @@ pub(in crate::papers) fn beside(page: &Page<'_>, reference: &str) -> String {
                 .and(over_first("ratio", first, trace))
                 .and(over_first("build and trace: ratio", first, move |run| Some(trace(run)? + build(run)?)));
         }
-        text += &format!("\n**{}**\n\n{}", inline(&scene.label), sheet.markdown(&scene.runs));
+        text += &format!("\n**{}**\n\n{}", literal(&scene.label), sheet.markdown(&scene.runs));
     }
     text
 }

@@ -5,7 +5,7 @@ use crate::papers::rows::{self, trace};
 use crate::papers::{SceneRows, Scope};
 use crate::report::format::{self, significant, thousands};
 use crate::report::group::{Role, set_heading};
-use crate::report::markdown::inline;
+use crate::report::markdown::{inline, literal};
 use crate::report::metrics::{BUILD_TIME, SPEED, STRUCTURE, TRACE_TIME};
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::{cells, metrics};
@@ -27,7 +27,7 @@ fn at_resolution(page: &Page<'_>, scene: &SceneRows<'_>) -> String {
     let size = |[width, height]: [u32; 2]| format!("{width}x{height}");
     let mut text = format!(
         "\n### {} ({} triangles), rays from {}, frame {}, faces {}{}\n\n",
-        inline(&scene.label),
+        literal(&scene.label),
         thousands(first.scene.triangles),
         size(viewpoint.ray_image),
         size(viewpoint.frame),
@@ -91,7 +91,9 @@ pub(in crate::papers) type Row<'a> = (&'a SceneRows<'a>, &'a TracerRun);
 
 /// A table that begins with scene and tracer.
 pub(in crate::papers) fn of_rows<'a, R>(row: impl Fn(&R) -> Row<'_> + Copy + 'a) -> Sheet<'a, R> {
-    Sheet::new().told("scene", move |each| row(each).0.label.clone()).told("tracer", move |each| row(each).1.label())
+    Sheet::new()
+        .told("scene", move |each| Cell::Name(row(each).0.label.clone()))
+        .told("tracer", move |each| row(each).1.label())
 }
 
 /// One over another, where there are both.

@@ -9,7 +9,7 @@ use crate::papers::page::beside::beside;
 use crate::papers::page::measured::{Row, TIMES, ms_of, of_rows, over, over_first, time_of, time_with_accuracy};
 use crate::papers::rows::{statistic, trace};
 use crate::papers::{SceneRows, Scope};
-use crate::report::markdown::inline;
+use crate::report::markdown::literal;
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::results::{TraceRecord, TracerRun, host_ms};
 
@@ -69,7 +69,7 @@ pub(super) fn bounces(page: &Page<'_>) -> String {
     let own = |run: &TracerRun, name: &str| Cell::from(statistic(run, name).map(Cell::Statistic));
     let printed = |run: &TracerRun, column: &str, digits| Cell::number(page.printed_of(run, &[], column), digits);
     let structures = Sheet::<Row<'_>>::new()
-        .told("scene", |(scene, _)| scene.label.clone())
+        .told("scene", |(scene, _)| Cell::Name(scene.label.clone()))
         .told("memory (MiB) ↓", |(_, on)| PAPER.bytes(on, Scope::Structure).map(Cell::Bytes))
         .told("fragments", |(_, on)| own(on, "fragments"))
         .told("layers of a covered pixel / most", |(_, on)| both(own(on, "average_layers"), own(on, "maximum_layers")))
@@ -78,7 +78,7 @@ pub(super) fn bounces(page: &Page<'_>) -> String {
         .told("million fragments", |(_, on)| printed(on, "Fragments", 4))
         .told("avg / max layers", |(_, on)| both(printed(on, "Avg layers", 3), printed(on, "Max layers", 3)));
     let traces = Sheet::<Part<'_>>::new()
-        .told("scene", |part| part.row.0.label.clone())
+        .told("scene", |part| Cell::Name(part.row.0.label.clone()))
         .told("rays", |part| part.rays)
         .told("layers a ray", |Part { traces: [with, _], .. }| {
             over(counted(with, "fragments_tested"), Some(rays(with)))
@@ -146,7 +146,7 @@ pub(super) fn variants(page: &Page<'_>) -> String {
         Some(gained(time(row, from)?.value, time(row, to)?.value))
     };
     let sheet = Sheet::<(&SceneRows<'_>, &str)>::new()
-        .told("scene", |(scene, _)| scene.label.clone())
+        .told("scene", |(scene, _)| Cell::Name(scene.label.clone()))
         .told("storage", |(_, storage)| (*storage).to_owned())
         .told("default (ms) ↓", |row| time(row, 0))
         .told("decoupled (ms) ↓", |row| time(row, 1))
@@ -173,7 +173,7 @@ pub(super) fn views_and_layers(page: &Page<'_>) -> String {
         let [[width, height], [columns, lines]] = [first.viewpoint.ray_image, first.viewpoint.frame];
         text += &format!(
             "\n**{}**{name}, rays from {width}x{height}, frame {columns}x{lines}, faces {}\n\n{}",
-            inline(&scene.label),
+            literal(&scene.label),
             first.viewpoint.face,
             sheet.markdown(&scene.runs)
         );
@@ -186,7 +186,7 @@ pub(super) fn frames(page: &Page<'_>) -> String {
     let samples = |run: &TracerRun| Some(SAMPLES * ms_of(run, &["diffuse"])?);
     let printed = |run: &TracerRun| ["Construction", "Tracing"].map(|column| page.printed_of(run, &[], column));
     let sheet = Sheet::<Row<'_>>::new()
-        .told("scene", |(_, run)| run.scene.name.clone())
+        .told("scene", |(_, run)| Cell::Name(run.scene.name.clone()))
         .told("frame at (s)", |(_, run)| run.viewpoint.time_s.to_string())
         .told("build (ms) ↓", |(_, run)| host_ms(&run.build.times))
         .told("one sample a pixel (ms) ↓", |(_, run)| time_of(run, &["diffuse"]))

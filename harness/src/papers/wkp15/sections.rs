@@ -100,7 +100,7 @@ pub(super) fn construction(page: &Page<'_>) -> String {
         })
     };
     let sheet = Sheet::<measured::Row<'_>>::new()
-        .told("scene", |(scene, _)| scene.label.clone())
+        .told("scene", |(scene, _)| Cell::Name(scene.label.clone()))
         .told("triangles", |(_, run)| run.scene.triangles)
         .told("tracer", |(_, run)| run.label())
         .told("nodes that are left", |(_, run)| tree::reachable(run).map(Cell::Statistic))

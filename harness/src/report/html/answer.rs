@@ -107,7 +107,7 @@ fn needs<'a>(places: &'a [Place<'a>], level: f64) -> String {
     type Need<'a> = (&'a Place<'a>, Aim, Option<Entry<'a>>);
     let sheet = Sheet::<Need<'_>>::new()
         .told("rays", |(place, ..)| place.field.rays)
-        .told("scene", |(place, ..)| place.field.scene.scene.name.clone())
+        .told("scene", |(place, ..)| Cell::Name(place.field.scene.scene.name.clone()))
         .told("machine", |(place, ..)| place.read.machine.to_string())
         .with(of_record(places, |(place, ..)| place))
         .told("right at least", move |(place, ..)| {
@@ -220,7 +220,7 @@ fn methods(places: &[Place<'_>]) -> String {
         .told("machine", |(place, ..)| place.read.machine.to_string())
         .with(of_record(places, |(place, ..)| place))
         .told("tracer", |(_, tracer, _)| (*tracer).to_owned())
-        .told("scene", |(place, ..)| place.field.scene.scene.name.clone())
+        .told("scene", |(place, ..)| Cell::Name(place.field.scene.scene.name.clone()))
         .told("right at best", |(place, _, own)| {
             farthest(place.field, own, place.by).map(|found| right_share(place, &found))
         })

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::csv::{self, Row};
 use super::{Shown, contender};
 use crate::report::format::{significant, thousands};
-use crate::report::markdown::inline;
+use crate::report::markdown::{inline, literal};
 use crate::report::metrics;
 use crate::report::sheet::{Cell, Sheet};
 use crate::report::summary;
@@ -25,7 +25,7 @@ pub(super) fn page(run: &Run, record: &NeedRecord, curves: &[Curve<'_>], shown: 
         significant(record.most_times_as_long, 3)
     );
     for each in shown {
-        let name = inline(&each.scene.name);
+        let name = literal(&each.scene.name);
         let _ = writeln!(text, "\n## {name} ({} triangles), {}", thousands(each.scene.triangles), inline(each.rays));
         if each.curves.iter().any(|curve| !curve.axes.is_empty()) {
             let _ = writeln!(text, "\n![rays lost over steps]({}.svg)", each.chart);

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use super::{Shown, as_read, cost_name};
 use crate::rays::shared_centres;
 use crate::report::format::{percent, percent_with_interval, significant, thousands};
-use crate::report::markdown::inline;
+use crate::report::markdown::{inline, literal};
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::{format, metrics, summary};
 use crate::results::{LEAST_ROUNDS, ParetoRecord, Run};
@@ -33,11 +33,13 @@ pub(super) fn page(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> Str
     );
     for scene in shown {
         let front = scene.fronts.scene;
-        let _ = writeln!(text, "\n## {} ({} triangles)\n", inline(&front.scene.name), thousands(front.scene.triangles));
-        let here = format!("Points are chosen from viewpoint {} with seed {}", inline(&front.viewpoint.name), run.seed);
+        let _ =
+            writeln!(text, "\n## {} ({} triangles)\n", literal(&front.scene.name), thousands(front.scene.triangles));
+        let here =
+            format!("Points are chosen from viewpoint {} with seed {}", literal(&front.viewpoint.name), run.seed);
         let _ = match (&front.checked, &front.not_checked) {
             (Some(there), _) => {
-                let (viewpoint, seed) = (inline(&there.viewpoint.name), there.seed);
+                let (viewpoint, seed) = (literal(&there.viewpoint.name), there.seed);
                 writeln!(text, "{here}, and told from {viewpoint} with seed {seed} (*there*).")
             }
             (None, Some(reason)) => writeln!(text, "{here}. **They were not checked elsewhere**: {}.", inline(reason)),

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::{Cell, Curve, View};
 use crate::report::format::thousands;
 use crate::report::group::Role;
-use crate::report::markdown::inline;
+use crate::report::markdown::{inline, literal};
 use crate::report::metrics::{BUILD_TIME, SPEED, STRUCTURE, USED};
 use crate::report::sheet::{self, Sheet};
 use crate::report::{cells, summary};
@@ -34,7 +34,7 @@ pub(super) fn page(run: &Run, sweep: &SweepRecord, views: &[View<'_>]) -> String
     for view in views {
         let here = view.group.stem.as_str();
         if here != scene {
-            let name = inline(&view.group.scene.name);
+            let name = literal(&view.group.scene.name);
             let _ = writeln!(text, "\n## {name} ({} triangles)", thousands(view.group.scene.triangles));
             (scene, axis) = (here, "");
         }

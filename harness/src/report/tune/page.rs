@@ -6,7 +6,7 @@ use tracebench_api::Query;
 
 use super::{Errors, chart_stems, labels_of, score_at, score_name, trials};
 use crate::report::format::{self, points, significant, thousands};
-use crate::report::markdown::inline;
+use crate::report::markdown::{inline, literal};
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::{metrics, summary, verdict};
 use crate::studies::tune::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned, interval};
@@ -15,7 +15,7 @@ use crate::studies::tune::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, 
 pub(super) fn page(tuning: &Tuning) -> String {
     let mut text = head(tuning);
     for (scene, stem) in tuning.scenes.iter().zip(chart_stems(tuning)) {
-        let (name, triangles) = (inline(&scene.scene.name), thousands(scene.scene.triangles));
+        let (name, triangles) = (literal(&scene.scene.name), thousands(scene.scene.triangles));
         let _ = writeln!(
             text,
             "\n## {name} ({triangles} triangles)\n\n![{name}: errors over {}]({stem}.svg)",
@@ -142,7 +142,7 @@ fn lost(tuning: &Tuning, set: &SetTuned, label: Label, to: Label) -> Option<Stri
 type Chosen<'a> = (&'a Choice, Option<&'a Judged>);
 
 fn one_set(tuning: &Tuning, whose: &str, view: &ViewTuned, set: &SetTuned) -> String {
-    let name = inline(&view.viewpoint.name);
+    let name = literal(&view.viewpoint.name);
     let [x, y, z] = view.viewpoint.eye.map(|each| significant(f64::from(each), 4));
     let mut text = format!(
         "\n### {}, {whose} viewpoint {name} at ({x}, {y}, {z}): {}, {} rays\n",

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use crate::report::format::{self, thousands};
 use crate::report::group::{Role, set_heading};
-use crate::report::markdown::inline;
+use crate::report::markdown::{inline, literal};
 use crate::report::metrics::{COUNT, SPEED, STRUCTURE};
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::{ReportError, cells, metrics, summary};
@@ -73,7 +73,7 @@ fn head(run: &Run, title: &str) -> String {
     let smoke = if run.preset == "smoke" { " (smoke run: figures only show that things work)" } else { "" };
     item("Preset", &format!("{}{smoke}", run.preset));
     item("Started", &run.provenance.started);
-    text
+    text + &summary::notes(run)
 }
 
 fn page(run: &Run, updates: &UpdatesRecord) -> String {
@@ -91,7 +91,7 @@ fn page(run: &Run, updates: &UpdatesRecord) -> String {
         let _ = writeln!(
             text,
             "\n## {} ({} triangles)\n\nTo {} s.\n",
-            inline(&scene.rows[0].scene.name),
+            literal(&scene.rows[0].scene.name),
             thousands(scene.rows[0].scene.triangles),
             scene.times_s.last().copied().unwrap_or_default()
         );

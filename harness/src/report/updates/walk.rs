@@ -7,7 +7,7 @@ use tracebench_api::Query;
 use super::{head, updated, way};
 use crate::report::format::{self, NONE, clock_code, clock_of, percent, thousands};
 use crate::report::group::set_heading;
-use crate::report::markdown::inline;
+use crate::report::markdown::literal;
 use crate::report::metrics::{Better, COUNT, SPEED, STRUCTURE, TRACE_TIME, headed};
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::{ReportError, metrics, summary};
@@ -114,7 +114,7 @@ pub(super) fn page(run: &Run, updates: &UpdatesRecord) -> String {
             Some(end) if scene.walked.iter().any(|hash| *hash != scene.walked[0]) => format!("moves to {end} s"),
             _ => "stands still".to_owned(),
         };
-        let (name, triangles) = (inline(&row.scene.name), thousands(row.scene.triangles));
+        let (name, triangles) = (literal(&row.scene.name), thousands(row.scene.triangles));
         let _ = writeln!(text, "\n## {name} ({triangles} triangles)\n\nThe scene {moves}.");
         for set in &sets {
             text += &totals(set);
