@@ -1,7 +1,7 @@
 //! The room of `bvh-cpu`: an analytic method in f32 that sees every triangle and no view.
 
 use super::expectation::fails;
-use super::{Expectation, Family, OF_HIERARCHIES, Registration, Rule};
+use super::{Expectation, Family, Improved, OF_HIERARCHIES, Registration, Rule};
 
 const EDGES: Expectation = fails(
     Rule::HitMiss,
@@ -12,6 +12,7 @@ const EDGES: Expectation = fails(
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: &[("needles", EDGES)],
+    improved: Some(Improved { otherwise: Some(Expectation::Exact), expectations: &[] }),
     aside: &["rebuild_every"],
     touches: OF_HIERARCHIES,
     ..Registration::analytic(tracebench_bvh::description, Family::Bvh, |_| Ok(Box::new(tracebench_bvh::BvhCpu)))

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
-    EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Query, Ray, RayBuffer, Residency, Structure,
-    TraceJob, Tracer, TracerError, Viewpoint,
+    EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer, Residency,
+    Structure, TraceJob, Tracer, TracerError, Viewpoint,
 };
 use tracebench_harness::registry::{Registration, TRACERS};
 use tracebench_tests::{Numbers, available, gpu, presets, ray, rectangle, soup, viewpoint};
@@ -16,6 +16,7 @@ pub struct Subject {
     pub name: &'static str,
     pub residency: Residency,
     pub names_primitives: bool,
+    pub preset: Preset,
     pub parameters: Parameters,
     pub tracer: Rc<dyn Tracer>,
     pub gpu: Arc<Gpu>,
@@ -31,17 +32,18 @@ impl Subject {
         // One for all presets: drivers compile each of its pipelines once.
         let created = registration.create(&Ok(Arc::clone(&gpu)));
         let tracer = available(description.name, created, &gpu).map(Rc::<dyn Tracer>::from);
-        let subject = |(parameters, tracer)| Self {
+        let subject = |(preset, parameters, tracer)| Self {
             name: description.name,
             residency: description.residency,
             names_primitives: description.names_primitives,
+            preset,
             parameters,
             tracer,
             gpu: Arc::clone(&gpu),
             end: EndPoint::Hit,
         };
         let presets = presets(&description.parameters).into_iter();
-        presets.filter_map(|(_, parameters)| Some((parameters, tracer.clone()?))).map(subject).collect()
+        presets.filter_map(|(preset, parameters)| Some((preset, parameters, tracer.clone()?))).map(subject).collect()
     }
 
     pub fn build(&self, geometry: &Geometry, viewpoint: &Viewpoint) -> Box<dyn Structure> {

@@ -1,9 +1,11 @@
 //! `bvh-cpu`: CWBVH on the host.
 
+mod watertight;
+
 use std::sync::atomic::AtomicU32;
 use std::sync::atomic::Ordering::Relaxed;
 
-use glam::{UVec2, Vec3A};
+use glam::{UVec2, Vec2, Vec3A};
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::node::CwBvhNode;
 use obvhs::faststack::{FastStack, HeapStack, StackStack};
@@ -14,7 +16,7 @@ use rayon::prelude::*;
 use tracebench_api::{
     Counter, Description, EndPoint, Geometry, Hit, HitBuffer, Invalidation, Ledger, MemoryReport, Parameter,
     ParameterScope, Parameters, PhaseClock, Query, Ray, Residency, Status, Structure, Surface, TraceJob, Tracer,
-    TracerError, Update, Viewpoint, parameters,
+    TracerError, Update, Viewpoint, choice, parameters,
 };
 
 use crate::hierarchy;
@@ -22,6 +24,8 @@ use crate::input::{BuildPreset, build_parameter, check_fits, gather, scale_for};
 use crate::refit::refit;
 use crate::sah;
 use crate::wide::{check_references, depth};
+
+use self::watertight::Watertight;
 
 /// Rays handed to a core at a time: large against the cost of handing over, small against the ray sets.
 const RAYS_PER_TASK: usize = 512;
@@ -48,6 +52,14 @@ pub fn description() -> Description {
     }
 }
 
+choice! {
+    /// How a ray is tested against triangles, and how exactly against boxes.
+    pub(crate) enum TriangleTest {
+        MollerTrumbore = "moller_trumbore",
+        Watertight = "watertight",
+    }
+}
+
 parameters! {
     /// What `bvh-cpu` is told.
     pub(crate) struct CpuParameters {
@@ -61,6 +73,13 @@ parameters! {
         )
         .unit("frames")
         .sweep([0, 1, 2, 4, 8, 16, 32]),
+        triangle: TriangleTest = Parameter::choice(
+            ParameterScope::Build,
+            TriangleTest::MollerTrumbore,
+            "the test of triangles: obvhs's (Moller, Trumbore 1997), which loses some rays through edges and vertices that \
+             triangles share, or one that loses none (Woop, Benthin, Wald 2013), in boxes that are wider by rounding",
+        )
+        .improved(TriangleTest::Watertight),
     }
 }
 
@@ -75,8 +94,7 @@ struct BvhCpuStructure {
     bvh: CwBvh,
     /// Levels of nodes.
     depth: usize,
-    /// In the order of the leaves, so that a leaf's triangles are neighbours.
-    triangles: Vec<RtTriangle>,
+    triangles: Leaves,
     triangle_count: usize,
     /// What it was built or fitted over, shared with the scene: surfaces come from it.
     geometry: Geometry,
@@ -97,11 +115,55 @@ impl Tracer for BvhCpu {
     }
 }
 
-/// Triangles in the order of the leaves.
-fn order(bvh: &CwBvh, triangles: &[Triangle], clock: &mut PhaseClock<'_>) -> Vec<RtTriangle> {
-    clock.host_phase("order triangles", || {
-        bvh.primitive_indices.par_iter().map(|index| RtTriangle::from(&triangles[*index as usize])).collect()
-    })
+/// Triangles in the order of the leaves, so that a leaf's are neighbours, as their test wants them.
+enum Leaves {
+    /// A corner, two edges and a normal.
+    Edges(Vec<RtTriangle>),
+    /// The corners, which neighbours have the same bits of.
+    Corners(Vec<Triangle>),
+}
+
+impl Leaves {
+    fn new(bvh: &CwBvh, triangles: &[Triangle], test: TriangleTest, clock: &mut PhaseClock<'_>) -> Self {
+        let ordered = || bvh.primitive_indices.par_iter().map(|index| &triangles[*index as usize]);
+        clock.host_phase("order triangles", || match test {
+            TriangleTest::MollerTrumbore => Self::Edges(ordered().map(RtTriangle::from).collect()),
+            TriangleTest::Watertight => Self::Corners(ordered().copied().collect()),
+        })
+    }
+
+    /// Bytes of a triangle, triangles that there is room for, and triangles.
+    fn size(&self) -> [usize; 3] {
+        match self {
+            Self::Edges(triangles) => [size_of::<RtTriangle>(), triangles.capacity(), triangles.len()],
+            Self::Corners(triangles) => [size_of::<Triangle>(), triangles.capacity(), triangles.len()],
+        }
+    }
+}
+
+/// A ray's test of boxes and triangles.
+trait Test {
+    /// Bits of the children that it meets, as obvhs's traversal wants them.
+    fn children(&self, node: &CwBvhNode, ray: &ObvhsRay, octants: u32) -> u32;
+    /// Where it meets the triangle of a slot; beyond its end for none.
+    fn t(&self, slot: usize, ray: &ObvhsRay) -> f32;
+    /// The weights of the second and third corner there.
+    fn weights(&self, slot: usize, ray: &ObvhsRay) -> Vec2;
+}
+
+/// obvhs's own.
+impl Test for &[RtTriangle] {
+    fn children(&self, node: &CwBvhNode, ray: &ObvhsRay, octants: u32) -> u32 {
+        node.intersect_ray(ray, octants)
+    }
+
+    fn t(&self, slot: usize, ray: &ObvhsRay) -> f32 {
+        self[slot].intersect(ray)
+    }
+
+    fn weights(&self, slot: usize, ray: &ObvhsRay) -> Vec2 {
+        self[slot].compute_barycentric(ray)
+    }
 }
 
 impl BvhCpuStructure {
@@ -115,14 +177,15 @@ impl BvhCpuStructure {
         let mut ledger = Ledger::new();
         ledger.borrow_transient(size_of_val(triangles.as_slice()) as u64);
         let bvh = hierarchy::build_wide(&triangles, parameters.build.values(), &mut ledger, clock);
-        let ordered = order(&bvh, &triangles, clock);
+        let ordered = Leaves::new(&bvh, &triangles, parameters.triangle, clock);
 
         let mut keep = |name: &str, element: usize, capacity: usize, used: usize| {
             ledger.keep(name, (capacity * element) as u64, (used * element) as u64);
         };
         keep("CWBVH nodes", size_of::<CwBvhNode>(), bvh.nodes.capacity(), bvh.nodes.len());
         keep("primitive indices", 4, bvh.primitive_indices.capacity(), bvh.primitive_indices.len());
-        keep("triangles in leaf order", size_of::<RtTriangle>(), ordered.capacity(), ordered.len());
+        let [element, capacity, used] = ordered.size();
+        keep("triangles in leaf order", element, capacity, used);
         let depth = depth(&bvh)?;
         Ok(BvhCpuStructure {
             scale,
@@ -154,7 +217,7 @@ impl BvhCpuStructure {
         let scale = scale_for(geometry.diagonal());
         let triangles = gather(geometry, scale, clock);
         clock.host_phase("refit boxes", || refit(&mut self.bvh, &triangles));
-        self.triangles = order(&self.bvh, &triangles, clock);
+        self.triangles = Leaves::new(&self.bvh, &triangles, parameters.triangle, clock);
         (self.scale, self.geometry) = (scale, geometry.clone());
         Ok(())
     }
@@ -225,10 +288,26 @@ impl BvhCpuStructure {
     /// Closest hit or, with `any`, the first found. Equal t goes to the lower primitive. Listeners are types so that the
     /// timed variant has no counting in it.
     fn answer(&self, ray: &Ray, any: bool, listener: &mut impl Listener) -> Hit {
+        let ray = ObvhsRay::new(
+            Vec3A::from(ray.origin) * self.scale,
+            // obvhs takes minus zero to rise and its inverse to fall: zeros get one sign.
+            Vec3A::from(ray.direction) + 0.0,
+            ray.t_min * self.scale,
+            (ray.t_max * self.scale).min(f32::MAX),
+        );
+        match &self.triangles {
+            Leaves::Edges(triangles) => self.answer_by(&triangles.as_slice(), ray, any, listener),
+            Leaves::Corners(triangles) => {
+                self.answer_by(&Watertight::new(triangles, &self.bvh.total_aabb, &ray), ray, any, listener)
+            }
+        }
+    }
+
+    fn answer_by(&self, test: &impl Test, ray: ObvhsRay, any: bool, listener: &mut impl Listener) -> Hit {
         if self.depth < STACK {
-            self.search(ray, any, StackStack::<UVec2, STACK>::default(), listener)
+            self.search(test, ray, any, StackStack::<UVec2, STACK>::default(), listener)
         } else {
-            self.search(ray, any, HeapStack::<UVec2>::new_with_capacity(self.depth + 1), listener)
+            self.search(test, ray, any, HeapStack::<UVec2>::new_with_capacity(self.depth + 1), listener)
         }
     }
 
@@ -241,15 +320,16 @@ impl BvhCpuStructure {
         });
     }
 
-    fn search<S: FastStack<UVec2>>(&self, ray: &Ray, any: bool, stack: S, listener: &mut impl Listener) -> Hit {
-        let mut obvhs_ray = ObvhsRay::new(
-            Vec3A::from(ray.origin) * self.scale,
-            Vec3A::from(ray.direction),
-            ray.t_min * self.scale,
-            (ray.t_max * self.scale).min(f32::MAX),
-        );
+    fn search<S: FastStack<UVec2>>(
+        &self,
+        test: &impl Test,
+        mut ray: ObvhsRay,
+        any: bool,
+        stack: S,
+        listener: &mut impl Listener,
+    ) -> Hit {
         let mut found: Option<(usize, u32)> = None;
-        let start = self.bvh.new_traversal(obvhs_ray.direction);
+        let start = self.bvh.new_traversal(ray.direction);
         let mut state = Traversal {
             stack,
             current_group: start.current_group,
@@ -266,17 +346,16 @@ impl BvhCpuStructure {
                 state,
                 {
                     listener.node(|| self.place(node));
-                    node.intersect_ray(&obvhs_ray, state.oct_inv4)
+                    test.children(node, &ray, state.oct_inv4)
                 },
                 {
                     let slot = state.primitive_id as usize;
                     listener.test(slot);
-                    let t = self.triangles[slot].intersect(&obvhs_ray);
-                    // The test gives infinity for a miss and else a t of at most tmax.
-                    if t <= obvhs_ray.tmax {
+                    let t = test.t(slot, &ray);
+                    if t <= ray.tmax {
                         let primitive = self.bvh.primitive_indices[slot];
-                        if t < obvhs_ray.tmax || found.is_none_or(|(_, best)| primitive < best) {
-                            obvhs_ray.tmax = t;
+                        if t < ray.tmax || found.is_none_or(|(_, best)| primitive < best) {
+                            ray.tmax = t;
                             found = Some((slot, primitive));
                         }
                         if any {
@@ -289,14 +368,8 @@ impl BvhCpuStructure {
         match found {
             None => Hit::miss(Status::Miss),
             Some((slot, primitive)) => {
-                let weights = self.triangles[slot].compute_barycentric(&obvhs_ray);
-                Hit {
-                    t: obvhs_ray.tmax / self.scale,
-                    primitive,
-                    u: weights.x,
-                    v: weights.y,
-                    status: Status::Hit as u32,
-                }
+                let weights = test.weights(slot, &ray);
+                Hit { t: ray.tmax / self.scale, primitive, u: weights.x, v: weights.y, status: Status::Hit as u32 }
             }
         }
     }
@@ -351,7 +424,7 @@ impl Structure for BvhCpuStructure {
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let any = job.rays.query == Query::Any;
-        let touched = Touched::new(self.bvh.nodes.len(), self.triangles.len());
+        let touched = Touched::new(self.bvh.nodes.len(), self.triangles.size()[2]);
         let answer = |ray: &Ray| {
             let mut work = Work { nodes: 0, tests: 0, touched: &touched };
             (self.answer(ray, any, &mut work), [work.nodes, work.tests])

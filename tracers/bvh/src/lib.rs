@@ -2,7 +2,7 @@
 //! reinsertion.
 //!
 //! `bvh-cpu` is an eight-wide compressed hierarchy (CWBVH; Ylitie, Karras and Laine, HPG 2017), traversed in f32 on all
-//! cores. Its triangle test is obvhs's, which is not watertight; its answers are judged like anyone's.
+//! cores. Its triangle test is obvhs's, which is not watertight, or one that is; its answers are judged like anyone's.
 //!
 //! `lbvh-gpu` is built on the device by PLOC++ (Benthin et al., HPG 2022) and traversed as `bvh-gpu` is.
 //!

@@ -53,13 +53,14 @@ fn refit(structure: &mut BvhCpuStructure, geometry: &Geometry, parameters: &Para
 
 /// Everything that a search reads, bit for bit: nodes, order of triangles, triangles, scale, depth.
 fn everything(structure: &BvhCpuStructure) -> (Vec<u8>, Vec<u32>, Vec<[u32; 9]>, u32, usize) {
+    let Leaves::Edges(triangles) = &structure.triangles else { panic!("published triangles have edges") };
     let bits = |triangle: &RtTriangle| {
         let corners = [triangle.v0, triangle.e1, triangle.e2].map(|vector| vector.to_array().map(f32::to_bits));
         std::array::from_fn(|index| corners[index / 3][index % 3])
     };
     let nodes = bytemuck::cast_slice(&structure.bvh.nodes).to_vec();
     let indices = structure.bvh.primitive_indices.clone();
-    (nodes, indices, structure.triangles.iter().map(bits).collect(), structure.scale.to_bits(), structure.depth)
+    (nodes, indices, triangles.iter().map(bits).collect(), structure.scale.to_bits(), structure.depth)
 }
 
 /// Proves for every build preset that with `rebuild_every = n` the n-th refit leaves what a fresh build over that frame
