@@ -6,6 +6,7 @@
 // the polygon is in one piece, so near and far cut its range as they cut it.
 
 #import tracebench::view::View
+#import tracebench::triangle::inverse_power
 
 struct DepthRange {
     // Eye depths; least > greatest for nothing.
@@ -115,15 +116,29 @@ fn plane_depth(normal: vec3<f32>, on_plane: vec3<f32>, corner: vec2<f32>) -> f32
     return dot(normal, on_plane) / slope;
 }
 
+struct Edges {
+    ab: vec3<f32>,
+    bc: vec3<f32>,
+    ca: vec3<f32>,
+}
+
+// A triangle's edges over the power of two in their size, which rounds nothing: no product with them leaves f32's range.
+fn scaled_edges(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Edges {
+    let sizes = max(max(abs(b - a), abs(c - b)), abs(a - c));
+    let scale = inverse_power(max(max(sizes.x, sizes.y), sizes.z));
+    return Edges((b - a) * scale, (c - b) * scale, (a - c) * scale);
+}
+
 // What of a triangle (in eye space) lies inside: the range of the clipped polygon (DIRT, section 4.1.1).
 fn polygon_range(frustum: TileFrustum, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> DepthRange {
     var range = joined(joined(edge_range(frustum, a, b), edge_range(frustum, b, c)), edge_range(frustum, c, a));
+    let edges = scaled_edges(a, b, c);
+    let normal = cross(edges.ab, -edges.ca);
     // Corner lines that pierce the triangle: three planes through the eye and its edges have them on the same side.
-    let normal = cross(b - a, c - a);
     // Of the edges, not of their ends: what f32 loses is then small beside the triangle, however far away it is.
-    let side_a = cross(b, c - b);
-    let side_b = cross(c, a - c);
-    let side_c = cross(a, b - a);
+    let side_a = cross(b, edges.bc);
+    let side_b = cross(c, edges.ca);
+    let side_c = cross(a, edges.ab);
     let least_z = min(min(a.z, b.z), c.z);
     let greatest_z = max(max(a.z, b.z), c.z);
     for (var corner = 0u; corner < 4u; corner++) {
@@ -149,7 +164,8 @@ fn polygon_range(frustum: TileFrustum, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>)
 // The range by the triangle's plane alone, as DIRT's released code takes it: the plane's depths along the tile's four
 // corner lines, near and far where a line misses it. Contains the polygon's range, by much for oblique triangles.
 fn plane_range(frustum: TileFrustum, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> DepthRange {
-    let normal = cross(b - a, c - a);
+    let edges = scaled_edges(a, b, c);
+    let normal = cross(edges.ab, -edges.ca);
     var range = NOTHING;
     for (var corner = 0u; corner < 4u; corner++) {
         let at = vec2<f32>(

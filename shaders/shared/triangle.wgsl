@@ -47,6 +47,11 @@ fn sheared(frame: RayFrame, corner: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(local.xy - frame.shear.xy * local.z, frame.shear.z * local.z);
 }
 
+// One over the power of two in a number's exponent.
+fn inverse_power(number: f32) -> f32 {
+    return bitcast<f32>(0x7f000000u - (bitcast<u32>(number) & 0x7f800000u));
+}
+
 fn cross_triangle(frame: RayFrame, first: vec3<f32>, second: vec3<f32>, third: vec3<f32>) -> Crossing {
     let a = sheared(frame, first);
     let b = sheared(frame, second);
@@ -60,7 +65,8 @@ fn cross_triangle(frame: RayFrame, first: vec3<f32>, second: vec3<f32>, third: v
     }
     let weights = edges * (1.0 / determinant);
     let interpolated = weights.x * a.z + weights.y * b.z + weights.z * c.z;
-    let normal = cross(second - first, third - first);
+    // Brought to a size by a power of two, which rounds nothing: products of three lengths leave f32's range in scenes of 1e13 units.
+    let normal = cross(second - first, third - first) * inverse_power(determinant);
     let slope = dot(normal, frame.direction);
     let on_plane = dot(normal, first - frame.origin) / slope;
     let least_z = min(min(a.z, b.z), c.z);

@@ -66,12 +66,12 @@ fn reference(ray: &Ray, corners: &Corners) -> Option<Reference> {
     (determinant != 0.0 && weight_slack.is_finite()).then_some(Reference { t, weights, t_slack, weight_slack })
 }
 
-/// Pairs over seven decades of scale: aimed within, at edges, at corners and past; large, small, thin and slanting
+/// Pairs from scales at which products of three lengths vanish to those at which they overflow: aimed within, at edges, at corners and past; large, small, thin and slanting
 /// triangles; rays along axes.
 fn hostile_pairs() -> Vec<(Ray, Corners)> {
     let mut numbers = Numbers::new(51);
     let mut pairs = Vec::new();
-    for scale in [1e-3, 1.0, 300.0, 1e4] {
+    for scale in [1e-12, 1e-3, 1.0, 300.0, 1e4, 1e14] {
         for index in 0..4000 {
             let size = scale * [1.0, 1e-2, 30.0][index % 3];
             let place = numbers.point() * scale;

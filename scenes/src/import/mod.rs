@@ -40,11 +40,11 @@ pub use self::far::is_far;
 /// Most triangles of an imported scene, each mesh counted once for every node that holds it.
 pub const MAX_TRIANGLES: u64 = 50_000_000;
 
-/// Greatest magnitude of an imported coordinate in world space: the products of three lengths that tracers compute in
-/// f32 (a triangle's determinant) leave its range not far beyond, those of two at 1e19.
+/// Greatest magnitude of an imported coordinate in world space. Tracers compute products of two lengths in f32, which leave its
+/// range at 1e19, and of three only where one of them was brought to about 1: a test traces scenes up to here.
 pub const MAX_COORDINATE: f64 = 1e15;
 
-/// Least diagonal of an imported scene: areas and the products of lengths that tracers compute in f32 vanish not far
+/// Least diagonal of an imported scene. Products of two lengths vanish in f32 at 1e-19: areas of a scene's fine triangles do not far
 /// below.
 pub const MIN_DIAGONAL: f64 = 1e-15;
 

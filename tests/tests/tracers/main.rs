@@ -7,6 +7,7 @@ mod drawn_in_compute;
 mod drivers;
 mod hostile;
 mod means;
+mod scales;
 mod shared_edges;
 mod shared_structures;
 mod surfaces;
