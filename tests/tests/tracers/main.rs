@@ -5,6 +5,7 @@ mod conformance;
 mod device_memory;
 mod drawn_in_compute;
 mod drivers;
+mod ends;
 mod hostile;
 mod means;
 mod scales;
