@@ -81,10 +81,11 @@ fn side_of_line(begin: vec2<f32>, end: vec2<f32>, at: vec2<f32>) -> f32 {
     return cross_of(along / max(length(along), 1e-30), at - begin);
 }
 
-// Adds a corner of the texel if it lies in the triangle, or that near to it.
+// Adds a corner of the texel if it lies in the triangle, or that near to it. All three lines of a sliver may be near far beyond its tip.
 fn with_corner(part: Part, a: vec2<f32>, b: vec2<f32>, c: vec2<f32>, turn: f32, corner: vec2<f32>, near: f32) -> Part {
     let sides = turn * vec3<f32>(side_of_line(a, b, corner), side_of_line(b, c, corner), side_of_line(c, a, corner));
-    if (all(sides >= vec3<f32>(-near))) {
+    let is_beside = any(corner < min(min(a, b), c) - near) || any(corner > max(max(a, b), c) + near);
+    if (all(sides >= vec3<f32>(-near)) && !is_beside) {
         return with_place(part, corner);
     }
     return part;

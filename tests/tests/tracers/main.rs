@@ -11,5 +11,6 @@ mod means;
 mod scales;
 mod shared_edges;
 mod shared_structures;
+mod slivers;
 mod surfaces;
 mod updates;

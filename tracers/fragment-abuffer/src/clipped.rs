@@ -138,9 +138,11 @@ impl<'a> Seen<'a> {
         } else {
             None
         };
-        let inner = shrunk.map(|[least, greatest]| [least + slack(least), greatest - slack(greatest)]);
         // Where a corner of the pixel shows the triangle, its depth is that of a plane which is turned, within the triangle's own depths.
         let turned = self.turned_by(pixel);
+        let inner = shrunk.map(|[least, greatest]| {
+            [least * (1.0 + turned) + slack(least), greatest * (1.0 - turned) - slack(greatest)]
+        });
         let depths = self.corners.map(|corner| corner.z);
         let lowest = f64::max(depths.into_iter().fold(f64::INFINITY, f64::min), near);
         let highest = f64::min(depths.into_iter().fold(0.0, f64::max), far);
@@ -181,8 +183,9 @@ impl<'a> Seen<'a> {
     fn turned_by(&self, pixel: [u32; 2]) -> f64 {
         let across = across(self.corners);
         let edges = [0, 1, 2].map(|at| (self.corners[at] - self.corners[(at + 1) % 3]).length());
-        let shorter = edges.into_iter().sum::<f64>() - edges.into_iter().fold(0.0, f64::max);
-        let turn = 4.0 * self.loss / (0.25 * shorter * across.length()).max(1e-300);
+        // A triangle is as wide as its shortest edge times a sine.
+        let shortest = edges.into_iter().fold(f64::INFINITY, f64::min);
+        let turn = 4.0 * self.loss / (0.25 * shortest * across.length()).max(1e-300);
         let [x, y] = pixel.map(f64::from);
         let line = |x: f64, y: f64| {
             let at = self.view.direction_through(x, y);

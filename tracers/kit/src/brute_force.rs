@@ -31,6 +31,9 @@ const DEPTH_SLACK: f64 = 2e-5;
 /// Length by which a normal in f32 may be off, over the sine of the triangle's angle.
 const NORMAL_SLACK: f64 = 1e-4;
 
+/// By how much the normal of a plane in f32 may be off, over the sine between the two shorter edges that it is made of.
+const PLANE_SLACK: f64 = 2e-6;
+
 /// A fragment that a pixel may have.
 #[derive(Clone, Copy, Debug)]
 pub struct Allowed {
@@ -76,6 +79,12 @@ struct Drawn {
     corners: Vec<DVec2>,
     /// Least and greatest eye depth of the clipped triangle.
     depths: [f64; 2],
+    /// The same of all of it.
+    own_depths: [f64; 2],
+    /// By how much 1/depth is off along a line of length 1 for what f32 makes of the plane, and how far the triangle reaches: much of a
+    /// sliver.
+    turn: f64,
+    reach: f64,
     /// 1/depth = (x, y, 1) . plane, pixels; none for a triangle edge-on.
     plane: Option<DVec3>,
 }
@@ -90,9 +99,11 @@ fn draw(view: &View, triangle: [DVec3; 3]) -> Option<Drawn> {
     let scale = DVec2::new(0.5 * size.x / view.tan_half_width, -0.5 * size.y / view.tan_half_height);
     let place = |point: &DVec3| 0.5 * size + DVec2::new(point.x, point.y) / point.z * scale;
     let corners: Vec<DVec2> = polygon.iter().map(place).collect();
-    let depths = polygon
-        .iter()
-        .fold([f64::INFINITY, 0.0], |[least, greatest], point| [f64::min(least, point.z), f64::max(greatest, point.z)]);
+    let depths_of = |points: &[DVec3]| {
+        let around = |[least, greatest]: [f64; 2], point: &DVec3| [least.min(point.z), greatest.max(point.z)];
+        points.iter().fold([f64::INFINITY, 0.0], around)
+    };
+    let (depths, own_depths) = (depths_of(&polygon), depths_of(&triangle));
     // A point on the line through (x, y, 1) has depth 1/(n . (x, y, 1) / n . a).
     let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
     let offset = normal.dot(triangle[0]);
@@ -100,7 +111,13 @@ fn draw(view: &View, triangle: [DVec3; 3]) -> Option<Drawn> {
         let slope = DVec2::new(normal.x, normal.y) / scale;
         DVec3::new(slope.x, slope.y, normal.z - slope.dot(0.5 * size)) / offset
     });
-    (corners.len() > 2).then_some(Drawn { corners, depths, plane })
+    let mut edges: [DVec3; 3] = std::array::from_fn(|edge| triangle[(edge + 1) % 3] - triangle[edge]);
+    edges.sort_by(|a, b| a.length().total_cmp(&b.length()));
+    let sine = edges[0].normalize_or_zero().cross(edges[1].normalize_or_zero()).length();
+    let distance = offset.abs() / normal.length();
+    let turn = PLANE_SLACK / (sine * distance).max(1e-300);
+    let reach = triangle.iter().map(|corner| corner.length()).fold(0.0, f64::max);
+    (corners.len() > 2).then_some(Drawn { corners, depths, own_depths, turn, reach, plane })
 }
 
 impl Drawn {
@@ -118,13 +135,18 @@ impl Drawn {
     }
 
     /// The eye depths that a fragment at a pixel's centre may have, where corners are off by the border's width.
-    fn depths_at(&self, at: DVec2, far: f64, border: f64) -> [f64; 2] {
-        let [least, greatest] = self.depths;
-        let Some(plane) = self.plane else { return [least * (1.0 - DEPTH_SLACK), greatest * (1.0 + DEPTH_SLACK)] };
+    fn depths_at(&self, view: &View, at: DVec2, border: f64) -> [f64; 2] {
+        let grown = |[least, greatest]: [f64; 2]| [least * (1.0 - DEPTH_SLACK), greatest * (1.0 + DEPTH_SLACK)];
+        let Some(plane) = self.plane else { return grown(self.depths) };
         let inverse = plane.dot(at.extend(1.0));
         let off = (plane.x.abs() + plane.y.abs()) * border;
-        let depth = |inverse: f64| if inverse * far > 1.0 { 1.0 / inverse } else { far };
-        [depth(inverse + off) * (1.0 - DEPTH_SLACK), depth(inverse - off) * (1.0 + DEPTH_SLACK)]
+        let depth = |inverse: f64| if inverse * view.far > 1.0 { 1.0 / inverse } else { view.far };
+        let within = |off: f64| grown([depth(inverse + off), depth(inverse - off)]);
+        let [near, far] = within(off);
+        // What rounding makes of the plane is held between the triangle's own depths.
+        let turned = self.turn * (view.direction_through(at.x, at.y).length() + inverse.abs() * self.reach);
+        let ([nearest, farthest], [least, greatest]) = (within(off + turned), grown(self.own_depths));
+        [near.min(nearest.max(least)), far.max(farthest.min(greatest))]
     }
 }
 
@@ -150,7 +172,7 @@ pub fn allowed_fragments(view: &View, scene: &Geometry, step: u32, border: f64) 
                 let at = DVec2::new(f64::from(column * step) + 0.5, f64::from(row * step) + 0.5);
                 let inside = drawn.inside(at);
                 if inside > -border {
-                    let depths = drawn.depths_at(at, view.far, border);
+                    let depths = drawn.depths_at(view, at, border);
                     // In the near plane or the far one rounding decides.
                     let in_range = depths[0] > view.near && depths[1] < view.far;
                     pixels[(row * width + column) as usize].push(Allowed {

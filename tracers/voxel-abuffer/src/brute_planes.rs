@@ -95,7 +95,7 @@ pub(crate) struct AllowedPlane {
     pub must: bool,
     depths: [f64; 2],
     faces_along: Option<bool>,
-    slopes: DVec2,
+    pub slopes: DVec2,
     slope_slack: f64,
     /// What the part holds, if it must be there, and what holds it.
     inner: Option<Octagon>,
@@ -146,17 +146,21 @@ fn clipped(corners: [DVec3; 3], margin: f64) -> Vec<DVec3> {
     sides.into_iter().fold(corners.to_vec(), |polygon, (normal, offset)| cut(&polygon, normal, offset))
 }
 
-/// The corners of a grown texel that lie in a triangle, or so near to its sides' lines.
+/// The corners of a grown texel that lie in a triangle, or so near to its sides' lines; of a sliver, whose turn may be rounded either way,
+/// on either side of them.
 fn corners_within(corners: [DVec3; 3], margin: f64, near: f64) -> impl Iterator<Item = DVec2> {
     let flat = corners.map(|corner| corner.truncate());
-    let turn = if (flat[1] - flat[0]).perp_dot(flat[2] - flat[0]) < 0.0 { -1.0 } else { 1.0 };
+    let low = flat.iter().fold(DVec2::INFINITY, |low, at| low.min(*at)) - near;
+    let high = flat.iter().fold(DVec2::NEG_INFINITY, |high, at| high.max(*at)) + near;
     let ends = [-margin, 1.0 + margin];
     let all = ends.into_iter().flat_map(move |y| ends.map(|x| DVec2::new(x, y)));
     all.filter(move |at| {
-        (0..3).all(|side| {
+        let sides: [f64; 3] = std::array::from_fn(|side| {
             let along = (flat[(side + 1) % 3] - flat[side]).normalize_or_zero();
-            turn * along.perp_dot(*at - flat[side]) >= -near
-        })
+            along.perp_dot(*at - flat[side])
+        });
+        let is_within = [1.0, -1.0].into_iter().any(|turn| sides.iter().all(|side| turn * side >= -near));
+        is_within && at.cmpge(low).all() && at.cmple(high).all()
     })
 }
 
@@ -193,7 +197,6 @@ impl Facing {
         let (margin, slack) = (part_margin(image), place_loss(image));
         let corner = DVec2::new(f64::from(texel[0]), f64::from(texel[1]));
         let corners = self.corners.map(|at| at - corner.extend(0.0));
-        // The turn of a sliver may be rounded either way.
         let near = 0.5 * margin + 4.0 * slack;
         let flat = |polygon: Vec<DVec3>| polygon.into_iter().map(|at| at.truncate());
         let grown = flat(clipped(corners, margin + slack)).chain(corners_within(corners, margin, near));
@@ -203,8 +206,9 @@ impl Facing {
         let edge = f64::from(image);
         let noise = self.off > MOST_OFF;
         let slopes = (self.drawn.slope * edge).clamp(DVec2::NEG_ONE, DVec2::ONE);
-        // As the device holds it, which it does where a part lies beside the triangle: at a texel's corner near a sharp tip.
-        let reach = slopes.abs().element_sum() * (0.5 + margin) / edge;
+        let slope_slack = if noise { 2.0 } else { SLOPE_STEP + 1e-5 + 8.0 * self.off };
+        // As the device holds it, by its own slopes: which it does where a part lies beside the triangle, at a texel's corner near a tip.
+        let reach = (slopes.abs().element_sum() + 2.0 * slope_slack) * (0.5 + margin) / edge;
         let at_centre = self.drawn.depth + self.drawn.slope.dot(corner + 0.5 - self.drawn.corners[0]);
         let off = self.drawn.depth_slack + self.off * 4.0 / edge;
         let held = |depth: f64| depth.clamp(self.drawn.least - reach, self.drawn.greatest + reach);
@@ -221,7 +225,7 @@ impl Facing {
             depths: [depths[0].min(1.0) - UNIT_SLACK, depths[1].max(0.0) + UNIT_SLACK],
             faces_along: self.drawn.faces_along.filter(|_| !noise),
             slopes,
-            slope_slack: if noise { 2.0 } else { SLOPE_STEP + 1e-5 + 8.0 * self.off },
+            slope_slack,
             inner,
             outer,
             slack: 4.0 * slack,

@@ -171,7 +171,9 @@ fn voxels_of(layout: &Layout, axis: usize, texel: [u32; 2], depths: [f64; 2]) ->
 /// Holds the fragments of a texel against those that may and those that must be there.
 fn compare(stored: &[PlaneFragment], allowed: &[AllowedPlane]) -> Result<(), String> {
     if let Some(fragment) = stored.iter().find(|fragment| !allowed.iter().any(|each| each.fits(fragment))) {
-        return Err(format!("no triangle gives {fragment:?}"));
+        let off = |each: &AllowedPlane| each.slopes.distance(fragment.slopes);
+        let nearest = allowed.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        return Err(format!("no triangle gives {fragment:?}, the one that it comes nearest to {nearest:?}"));
     }
     let must = allowed.iter().filter(|each| each.must).count();
     if stored.len() > allowed.len() || stored.len() < must {
