@@ -110,7 +110,8 @@ impl Counter {
 pub trait Tracer {
     /// Builds the structure, from triangles resident (in host or device memory, as the description says) to
     /// traceable. Pipelines exist before; the work in scope is marked on the clock and is complete only when the clock
-    /// has been finished.
+    /// has been finished. The whole call is timed, too. Nothing that earlier builds have found of a scene is used: what a
+    /// structure needs is counted every time, and what it has room for is its own.
     ///
     /// # Errors
     /// [`TracerError`] as its variants say; nothing is dropped in silence.

@@ -6,13 +6,13 @@ use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection,
     Sampling, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
-use tracebench_kit::{LastCount, Readable, Reads, SurfaceGeometry, ViewUniform, grow, record_copies};
+use tracebench_kit::{Readable, Reads, SurfaceGeometry, ViewUniform, grow, record_copies};
 
 use crate::build::{Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, nodes_name};
 use crate::description::{Clip, Coverage, DirtParameters, Lists, NO_REFIT};
 use crate::fetch::MaskMemory;
 use crate::layout::{Layout, MOST_VIEWS, TileGrid, TraceSettings};
-use crate::packed::{PackedCount, PackedStructure};
+use crate::packed::PackedStructure;
 use crate::pipelines::Pipelines;
 use crate::setup::TriangleSetup;
 use crate::shadow_map::{ShadowMap, lookup_memory};
@@ -21,9 +21,6 @@ use crate::visibility::Frame;
 /// The tracer.
 pub struct Dirt {
     pipelines: Arc<Pipelines>,
-    /// How many triangles of each view and how many nodes the last scene needed that was counted.
-    counted: LastCount<(Layout, Filling), ([u32; MOST_VIEWS], u32)>,
-    counted_packed: PackedCount,
 }
 
 /// What of the scene a structure needs to trace.
@@ -60,41 +57,31 @@ impl Dirt {
     /// # Errors
     /// [`TracerError::Unavailable`] if a stage of the device cannot bind what every build and trace binds.
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        Ok(Self {
-            pipelines: Arc::new(Pipelines::new(gpu)?),
-            counted: LastCount::default(),
-            counted_packed: PackedCount::default(),
-        })
+        Ok(Self { pipelines: Arc::new(Pipelines::new(gpu)?) })
     }
 
     /// Makes room for the triangles that views will be drawn with and the nodes that a build will take: counted by builds without
-    /// room, outside of any time.
+    /// room, by no phase of the first build.
     fn make_room_for(
         &self,
         buffers: &mut Buffers,
-        geometry: &Geometry,
         scene: &Resident,
         layout: &Layout,
         filling: Filling,
     ) -> Result<(), TracerError> {
         let gpu = &*self.pipelines.gpu;
-        let (drawn, nodes) = self.counted.of(geometry, (layout.clone(), filling), || {
-            let mut clock = PhaseClock::new(Some(gpu));
-            self.pipelines.set_up(layout, buffers, scene, &mut clock)?;
-            clock.finish()?;
-            let drawn = buffers.setup.counts(gpu)?;
-            buffers.setup.make_room(gpu, &drawn)?;
-            Ok((drawn, self.pipelines.count_nodes(layout, buffers, scene, filling)?))
-        })?;
-        if !buffers.setup.holds(&drawn) {
-            buffers.setup.make_room(gpu, &drawn)?;
-        }
+        let mut clock = PhaseClock::new(Some(gpu));
+        self.pipelines.set_up(layout, buffers, scene, &mut clock)?;
+        clock.finish()?;
+        let drawn = buffers.setup.counts(gpu)?;
+        buffers.setup.make_room(gpu, &drawn)?;
+        let nodes = self.pipelines.count_nodes(layout, buffers, scene, filling)?;
         buffers.set_capacity(gpu, nodes)
     }
 }
 
 impl Pipelines {
-    /// The nodes that a build takes, by one outside of any time.
+    /// The nodes that a build takes, by one that has no room for them.
     fn count_nodes(
         &self,
         layout: &Layout,
@@ -131,7 +118,7 @@ impl Dirt {
         let (layout, filling) = (Layout::new(viewpoint, parameters), filling(parameters));
         let resident = Resident::of(geometry)?;
         let mut buffers = Buffers::new(&self.pipelines, &layout, resident.triangle_count, 0, None)?;
-        self.make_room_for(&mut buffers, geometry, &resident, &layout, filling)?;
+        self.make_room_for(&mut buffers, &resident, &layout, filling)?;
         let arrays = buffers.arrays(&self.pipelines.gpu, parameters.reads, &[])?;
         self.pipelines.build(&layout, &buffers, &resident, filling, clock)?;
         record_copies(&arrays, clock)?;
@@ -161,7 +148,7 @@ impl Dirt {
         clock: &mut PhaseClock<'_>,
     ) -> Result<PackedStructure, TracerError> {
         let parameters = &DirtParameters::try_from(parameters)?;
-        PackedStructure::build(&self.pipelines, geometry, viewpoint, parameters, &self.counted_packed, clock)
+        PackedStructure::build(&self.pipelines, geometry, viewpoint, parameters, clock)
     }
 }
 

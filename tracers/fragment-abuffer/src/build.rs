@@ -135,7 +135,8 @@ impl Pipelines {
         let gpu = &*self.gpu;
         let mut prepared = Prepared::default();
         if let Some(objects) = objects {
-            let resources = [&geometry.positions, &geometry.indices, &objects.of_triangles, &objects.boxes];
+            let resources =
+                [&geometry.positions, &geometry.indices, &objects.of_triangles.buffer, &objects.boxes.buffer];
             let resources = resources.map(Buffer::as_entire_binding);
             prepared.boxes = Some((bind_group(gpu, &self.boxes_bound.get_bind_group_layout(0), &resources), triangles));
         }
@@ -162,7 +163,7 @@ impl Pipelines {
                 if layout.has_bounds() {
                     prepared.bounds.push(match objects {
                         Some(objects) => {
-                            let buffers = [&uniforms[..], &[(2, &objects.boxes), (3, &part.pixels)]].concat();
+                            let buffers = [&uniforms[..], &[(2, &objects.boxes.buffer), (3, &part.pixels)]].concat();
                             self.by_boxes(&bound(&buffers), canvas(objects.count * 6)?, objects, shape)?
                         }
                         None => Bounding::Drawn(draw(Fill::Bounds { clipped, compute }, &[])?),
@@ -200,7 +201,7 @@ impl Pipelines {
         Ok(Bounding::Computed(pipeline, bindings, objects.count.saturating_mul(view.size[1].div_ceil(BAND))))
     }
 
-    /// The number of fragments of every view, of all layers; drawn outside of any time. Stops at a view that no device buffer
+    /// The number of fragments of every view, of all layers; drawn by no phase of the build. Stops at a view that no device buffer
     /// could be bound for.
     pub(crate) fn tally(&self, layout: &Layout, geometry: &Geometry) -> Result<Vec<u32>, TracerError> {
         let gpu = &*self.gpu;
@@ -312,7 +313,7 @@ impl Pipelines {
                         encoder.clear_buffer(&part.taken, 0, None);
                     }
                     if let (Some(objects), Some((bindings, count))) = (objects, &prepared.boxes) {
-                        encoder.clear_buffer(&objects.boxes, 0, None);
+                        encoder.clear_buffer(&objects.boxes.buffer, 0, None);
                         dispatch_linear(encoder, &self.boxes_bound, bindings, *count, WORKGROUP_SIZE);
                     }
                 }

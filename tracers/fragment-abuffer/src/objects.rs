@@ -1,10 +1,7 @@
 //! Objects, whose bounding boxes stand for them in the depth bounds stage (VVP16, section 3.3).
 
-use std::sync::{Arc, Weak};
-
-use tracebench_api::wgpu::{Buffer, BufferUsages};
 use tracebench_api::{Geometry, Gpu, Ledger, TracerError};
-use tracebench_kit::LastCount;
+use tracebench_kit::Room;
 
 const OBJECTS: &str = "objects of triangles";
 const BOXES: &str = "object boxes";
@@ -45,47 +42,33 @@ pub(crate) fn objects_of(vertices: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, 
     (numbers, count)
 }
 
-/// The last scene's objects, for builds that follow.
-pub(crate) type LastObjects = LastCount<(), Arc<(Vec<u32>, u32)>>;
-
 /// Objects on the device.
 #[derive(Debug)]
 pub(crate) struct Objects {
     /// The object of every triangle.
-    pub of_triangles: Buffer,
+    pub of_triangles: Room,
     /// The boxes, made by every build.
-    pub boxes: Buffer,
+    pub boxes: Room,
     pub count: u32,
-    /// The triangles that they are of, while these are there.
-    triangles: Weak<Vec<[u32; 3]>>,
 }
 
 impl Objects {
-    pub(crate) fn new(gpu: &Gpu, geometry: &Geometry, last: &LastObjects) -> Result<Self, TracerError> {
-        let found =
-            last.of(geometry, (), || Ok(Arc::new(objects_of(geometry.positions.len(), &geometry.triangles))))?;
-        let (numbers, count) = &*found;
-        let turn_down = "the scene's triangle count";
-        let (numbers, bytes) = (bytemuck::cast_slice(numbers), u64::from(*count).max(1) * BOX_BYTES);
-        gpu.check_storage_binding(OBJECTS, size_of_val(numbers) as u64, turn_down)?;
-        gpu.check_storage_binding(BOXES, bytes, turn_down)?;
-        Ok(Self {
-            of_triangles: gpu.buffer_with(OBJECTS, numbers, BufferUsages::STORAGE, turn_down)?,
-            boxes: gpu.buffer(BOXES, bytes, BufferUsages::STORAGE | BufferUsages::COPY_DST, turn_down)?,
-            count: *count,
-            triangles: Arc::downgrade(&geometry.triangles),
-        })
-    }
-
-    /// Whether they are those of a scene's triangles.
-    pub(crate) fn are_of(&self, geometry: &Geometry) -> bool {
-        self.triangles.upgrade().is_some_and(|triangles| Arc::ptr_eq(&triangles, &geometry.triangles))
+    /// Found anew by every build, in the buffers of `there` where these are as large: shaders take the whole of them.
+    pub(crate) fn new(gpu: &Gpu, geometry: &Geometry, there: Option<&Self>) -> Result<Self, TracerError> {
+        let (numbers, count) = objects_of(geometry.positions.len(), &geometry.triangles);
+        let numbers: &[u8] = bytemuck::cast_slice(&numbers);
+        let room = |name, bytes, there: Option<&Room>| {
+            let there = there.filter(|there| there.buffer.size() == bytes);
+            Room::new(gpu, name, bytes, "the scene's triangle count", there)
+        };
+        let of_triangles = room(OBJECTS, numbers.len() as u64, there.map(|there| &there.of_triangles))?;
+        let boxes = room(BOXES, u64::from(count).max(1) * BOX_BYTES, there.map(|there| &there.boxes))?;
+        gpu.queue.write_buffer(&of_triangles.buffer, 0, numbers);
+        Ok(Self { of_triangles, boxes, count })
     }
 
     pub(crate) fn enter(&self, ledger: &mut Ledger) {
-        for (name, buffer) in [(OBJECTS, &self.of_triangles), (BOXES, &self.boxes)] {
-            ledger.keep(name, buffer.size(), buffer.size());
-        }
+        [&self.of_triangles, &self.boxes].into_iter().for_each(|room| room.enter(ledger));
     }
 }
 

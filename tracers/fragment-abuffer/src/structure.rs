@@ -6,23 +6,20 @@ use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection,
     Sampling, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
-use tracebench_kit::{LastCount, Reads, check_limits, grow};
+use tracebench_kit::{Reads, check_limits, grow};
 use tracebench_shaders::fragment_abuffer::Trace;
 
 use crate::arrays::Arrays;
 use crate::build::{Pipelines, build_bytes};
 use crate::description::{FragmentParameters, NO_REFIT};
 use crate::layout::{Layout, MOST_VIEWS, Storage, TracedView};
-use crate::objects::{LastObjects, Objects};
+use crate::objects::Objects;
 use crate::parts::{Parts, Taken};
 use crate::trace::MarchSettings;
 
 /// The tracer.
 pub struct FragmentAbuffer {
     pipelines: Arc<Pipelines>,
-    /// How many fragments each view of the last scene has that was counted.
-    counted: LastCount<Layout, Vec<u32>>,
-    objects: Arc<LastObjects>,
 }
 
 /// The fragments of all views.
@@ -35,7 +32,6 @@ pub(crate) struct FragmentStructure {
     pub diagonal: f64,
     triangle_count: u32,
     objects: Option<Objects>,
-    last_objects: Arc<LastObjects>,
 }
 
 impl FragmentAbuffer {
@@ -44,27 +40,21 @@ impl FragmentAbuffer {
     /// # Errors
     /// [`TracerError::Failed`] if the device refuses one.
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        Ok(Self {
-            pipelines: Arc::new(Pipelines::new(gpu)?),
-            counted: LastCount::default(),
-            objects: Arc::new(LastObjects::default()),
-        })
+        Ok(Self { pipelines: Arc::new(Pipelines::new(gpu)?) })
     }
 
-    /// The fragments of every view: counted by passes that store none, outside of any time.
+    /// The fragments of every view: counted by passes that store none, by no phase of the build.
     fn count(&self, geometry: &Geometry, layout: &Layout) -> Result<Vec<u32>, TracerError> {
-        self.counted.of(geometry, layout.clone(), || {
-            if !layout.one_layer {
-                return self.pipelines.tally(layout, geometry);
-            }
-            // Which fragments are the nearest the depth bounds must tell first.
-            let gpu = &*self.pipelines.gpu;
-            let parts = Parts::new(gpu, &self.pipelines.sums, layout, true)?;
-            let mut clock = PhaseClock::new(Some(gpu));
-            self.pipelines.fill(layout, &parts, geometry, None, &mut clock)?;
-            clock.finish()?;
-            Ok(parts.taken(gpu)?.into_iter().map(|taken| taken.fragments).collect())
-        })
+        if !layout.one_layer {
+            return self.pipelines.tally(layout, geometry);
+        }
+        // Which fragments are the nearest the depth bounds must tell first.
+        let gpu = &*self.pipelines.gpu;
+        let parts = Parts::new(gpu, &self.pipelines.sums, layout, true)?;
+        let mut clock = PhaseClock::new(Some(gpu));
+        self.pipelines.fill(layout, &parts, geometry, None, &mut clock)?;
+        clock.finish()?;
+        Ok(parts.taken(gpu)?.into_iter().map(|taken| taken.fragments).collect())
     }
 
     /// Buffers with room for the fragments of every view, one of a kind or one a view.
@@ -92,7 +82,7 @@ impl FragmentAbuffer {
     ) -> Result<FragmentStructure, TracerError> {
         let parameters = FragmentParameters::try_from(parameters)?;
         let layout = Layout::new(viewpoint, &parameters);
-        let objects = objects_for(&self.pipelines.gpu, &layout, geometry, &self.objects)?;
+        let objects = objects_for(&self.pipelines.gpu, &layout, geometry, None)?;
         // One buffer of a kind where the device can bind it, else one a view if it can bind all of these at once or reads from textures.
         let counts = self.count(geometry, &layout)?;
         let parts = match self.parts_for(&layout, &counts, false) {
@@ -114,7 +104,6 @@ impl FragmentAbuffer {
             diagonal: geometry.diagonal(),
             triangle_count: geometry.triangles.len() as u32,
             objects,
-            last_objects: Arc::clone(&self.objects),
         })
     }
 }
@@ -123,10 +112,10 @@ fn objects_for(
     gpu: &Gpu,
     layout: &Layout,
     geometry: &Geometry,
-    last: &LastObjects,
+    there: Option<&Objects>,
 ) -> Result<Option<Objects>, TracerError> {
     let wanted = layout.by_boxes && layout.has_bounds();
-    if wanted { Objects::new(gpu, geometry, last).map(Some) } else { Ok(None) }
+    if wanted { Objects::new(gpu, geometry, there).map(Some) } else { Ok(None) }
 }
 
 impl Tracer for FragmentAbuffer {
@@ -144,11 +133,7 @@ impl Tracer for FragmentAbuffer {
 impl FragmentStructure {
     fn rebuild(&mut self, geometry: &Geometry, layout: Layout, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
         let gpu = &*self.pipelines.gpu;
-        let new_objects = match self.objects.as_ref().is_some_and(|objects| objects.are_of(geometry)) {
-            true => None,
-            false => objects_for(gpu, &layout, geometry, &self.last_objects)?,
-        };
-        let objects = new_objects.as_ref().or(self.objects.as_ref());
+        let objects = objects_for(gpu, &layout, geometry, self.objects.as_ref())?;
         let sizes = |layout: &Layout| (layout.drawn_by, layout.views.iter().map(|view| view.size).collect::<Vec<_>>());
         let new_parts = match sizes(&layout) == sizes(&self.layout) {
             true => None,
@@ -162,15 +147,13 @@ impl FragmentStructure {
         };
         let parts = new_parts.as_ref().unwrap_or(&self.parts);
         let arrays = Arrays::new(gpu, self.arrays.reads(), parts, Some(&self.arrays))?;
-        self.pipelines.fill(&layout, parts, geometry, objects, clock)?;
+        self.pipelines.fill(&layout, parts, geometry, objects.as_ref(), clock)?;
         arrays.record_copies(clock)?;
         self.arrays = arrays;
         if let Some(parts) = new_parts {
             self.parts = parts;
         }
-        if new_objects.is_some() {
-            self.objects = new_objects;
-        }
+        self.objects = objects;
         (self.layout, self.diagonal) = (layout, geometry.diagonal());
         self.triangle_count = geometry.triangles.len() as u32;
         Ok(())

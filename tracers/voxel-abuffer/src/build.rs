@@ -84,7 +84,7 @@ impl Pipelines {
         self.trace.of((variant, entry), || compute_pipeline(&self.gpu, variant, entry_point))
     }
 
-    /// The number of fragments along every axis; drawn outside of any time.
+    /// The number of fragments along every axis; drawn in the first build, by no phase of it.
     pub(crate) fn tally(&self, layout: &Layout, geometry: &Geometry) -> Result<[u32; AXES], TracerError> {
         let gpu = &*self.gpu;
         check_sizes(gpu, layout)?;

@@ -6,7 +6,7 @@ use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, Structure,
     TraceJob, Tracer, TracerError, Update, Viewpoint, VoxelGrid,
 };
-use tracebench_kit::{LastCount, grow};
+use tracebench_kit::grow;
 
 use crate::arrays::Arrays;
 use crate::buffers::{Buffers, Taken};
@@ -19,8 +19,6 @@ use crate::search::VoxelSearch;
 /// The tracer.
 pub struct VoxelAbuffer {
     pipelines: Arc<Pipelines>,
-    /// How many fragments each axis of the last scene has that was counted.
-    counted: LastCount<Layout, [u32; AXES]>,
 }
 
 /// Grid and A-buffers.
@@ -38,7 +36,7 @@ impl VoxelAbuffer {
     /// # Errors
     /// [`TracerError::Unavailable`] if the device's limits forbid it.
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        Ok(Self { pipelines: Arc::new(Pipelines::new(gpu)?), counted: LastCount::default() })
+        Ok(Self { pipelines: Arc::new(Pipelines::new(gpu)?) })
     }
 
     pub(crate) fn build_structure(
@@ -53,7 +51,7 @@ impl VoxelAbuffer {
         let layout = Layout::new(geometry, viewpoint, &parameters);
         let nodes = match layout.voxels_only {
             true => [0; AXES],
-            false => self.counted.of(geometry, layout.clone(), || self.pipelines.tally(&layout, geometry))?,
+            false => self.pipelines.tally(&layout, geometry)?,
         };
         let buffers = Buffers::new(gpu, &layout, nodes)?;
         let arrays = Arrays::new(gpu, parameters.reads, &buffers, None)?;

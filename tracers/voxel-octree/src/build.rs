@@ -207,7 +207,8 @@ impl<'a> Stages<'a> {
 }
 
 impl Kernels {
-    /// Counts what a build will make of each thing: three times as far as it can with room for what was counted before. Outside of any time.
+    /// Counts what a build will make of each thing: three times as far as it can with room for what was counted before. By no
+    /// phase of the build.
     ///
     /// # Errors
     /// [`TracerError::TooLarge`] if the device cannot hold what a build needs, [`TracerError::Failed`] if triangles have no place.

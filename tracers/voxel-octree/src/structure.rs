@@ -6,7 +6,7 @@ use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, Structure,
     TraceJob, Tracer, TracerError, Update, Viewpoint, VoxelGrid,
 };
-use tracebench_kit::{LastCount, ReadSlot, Readable, Reads, grow, record_copies};
+use tracebench_kit::{ReadSlot, Readable, Reads, grow, record_copies};
 
 use crate::build::{LEAF_BYTES, LEAVES, NODE_BYTES, NODES, Scene, TAKEN, Tree};
 use crate::counts::{Counts, Taken};
@@ -17,8 +17,6 @@ use crate::layout::{Layout, OctreeSearch, TURN_DOWN};
 /// The tracer.
 pub struct VoxelOctree {
     kernels: Arc<Kernels>,
-    /// What the last scene has of each thing that was counted.
-    counted: LastCount<Layout, Counts>,
 }
 
 /// A tree.
@@ -56,7 +54,7 @@ impl VoxelOctree {
     /// # Errors
     /// [`TracerError::Unavailable`] if the device's limits forbid it.
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        Ok(Self { kernels: Arc::new(Kernels::new(gpu)?), counted: LastCount::default() })
+        Ok(Self { kernels: Arc::new(Kernels::new(gpu)?) })
     }
 
     pub(crate) fn build_structure(
@@ -70,8 +68,7 @@ impl VoxelOctree {
         let parameters = OctreeParameters::try_from(parameters)?;
         let layout = Layout::new(geometry, viewpoint, &parameters);
         let scene = Scene::of(kernels, geometry)?;
-        let room = self.counted.of(geometry, layout, || kernels.tally(&layout, &scene))?;
-        let tree = Tree::new(kernels, &layout, room)?;
+        let tree = Tree::new(kernels, &layout, kernels.tally(&layout, &scene)?)?;
         let arrays = readable(kernels, parameters.reads, &tree, None)?;
         let scratch_bytes = kernels.build(&layout, &scene, &tree, clock)?;
         record_copies(&arrays, clock)?;

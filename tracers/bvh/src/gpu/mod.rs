@@ -1,6 +1,6 @@
 //! `bvh-gpu`: a hierarchy built on the host, traversed on the device.
 //!
-//! What is timed: a build is timed on the host's clock as a whole, since a sample knows one clock. Its phases are the steps
+//! Phases: those of a build are by the host's clock, since a sample knows one clock. They are the steps
 //! of `bvh-cpu`'s build, then laying out what the device takes, then the upload, from the first write until the device
 //! has everything. A trace is timed on the device's clock alone.
 

@@ -20,8 +20,7 @@
 //! A hierarchy over thousands of equal triangles is balanced here, so private stacks serve it; whether there are such is read
 //! back before the first trace, which then takes a ray a lane as `bvh-gpu` does for its deep hierarchies.
 //!
-//! What is timed: build, refit and trace by the device's clock, every kernel within a phase. Bindings and uniforms are made
-//! before.
+//! Phases: build, refit and trace by the device's clock, every kernel within one. Bindings and uniforms are made before.
 
 mod description;
 mod iterations;

@@ -29,7 +29,7 @@ use tracebench_api::{
     Counter, EndPoint, Geometry, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock,
     Projection, Sampling, Structure, TraceJob, TracerError, Update, View, Viewpoint,
 };
-use tracebench_kit::{Gather, LastCount, Readable, Reads, record_copies};
+use tracebench_kit::{Gather, Readable, Reads, record_copies};
 
 use self::build::{Extent, Work};
 use self::layout::PackedLayout;
@@ -40,9 +40,6 @@ use crate::pipelines::Pipelines;
 use crate::shadow_map::{ShadowMap, lookup_memory};
 use crate::structure::Resident;
 use crate::visibility::Frame;
-
-/// Parts and nodes that the last scene needed that was counted.
-pub(crate) type PackedCount = LastCount<PackedLayout, [u32; 2]>;
 
 /// Tiles with their parts.
 pub(crate) struct PackedStructure {
@@ -74,14 +71,8 @@ impl Pipelines {
         build::record(gpu, work, &kernels, &sorts, extent, clock)
     }
 
-    /// Rooms for a scene: counted by builds outside of any time, first of parts alone, then of nodes.
-    fn packed_rooms(
-        &self,
-        geometry: &Geometry,
-        layout: &PackedLayout,
-        scene: &Resident,
-        counted: &PackedCount,
-    ) -> Result<Rooms, TracerError> {
+    /// Rooms for a scene: counted by builds that are no phases of the first one, of parts alone, then of nodes.
+    fn packed_rooms(&self, layout: &PackedLayout, scene: &Resident) -> Result<Rooms, TracerError> {
         let gpu = &*self.gpu;
         let sorts = self.packed.sort(gpu)?;
         let sorting = sorts.sorting();
@@ -92,12 +83,9 @@ impl Pipelines {
             clock.finish()?;
             rooms.needed(gpu)
         };
-        let needed = counted.of(geometry, layout.clone(), || {
-            let [parts, _] = built(&room([1, 1])?, Extent::Counted)?;
-            let [_, nodes] = built(&room([parts, 1])?, Extent::Whole)?;
-            Ok([parts, nodes])
-        })?;
-        room(needed)
+        let [parts, _] = built(&room([1, 1])?, Extent::Counted)?;
+        let [_, nodes] = built(&room([parts, 1])?, Extent::Whole)?;
+        room([parts, nodes])
     }
 }
 
@@ -107,12 +95,11 @@ impl PackedStructure {
         geometry: &Geometry,
         viewpoint: &Viewpoint,
         parameters: &DirtParameters,
-        counted: &PackedCount,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Self, TracerError> {
         let layout = PackedLayout::new(viewpoint, parameters);
         let scene = Resident::of(geometry)?;
-        let rooms = pipelines.packed_rooms(geometry, &layout, &scene, counted)?;
+        let rooms = pipelines.packed_rooms(&layout, &scene)?;
         let arrays = rooms.arrays(&pipelines.gpu, &layout, parameters.reads, &[])?;
         pipelines.build_packed(&layout, &rooms, &scene, Extent::Whole, clock)?;
         record_copies(&arrays, clock)?;
