@@ -56,9 +56,9 @@ fn sound_times(run: &Run) -> Result<(), String> {
         return Ok(());
     }
     for one in &run.runs {
-        let of_build = ("its build".to_owned(), &one.build.times);
+        let of_build = one.build.all().map(|times| ("its build".to_owned(), times));
         let of_traces = one.traces.iter().map(|trace| (trace.rays.clone(), &trace.times));
-        for (what, times) in std::iter::once(of_build).chain(of_traces) {
+        for (what, times) in of_build.chain(of_traces) {
             if times.samples_ms.is_empty() || times.samples_ms.contains(&0.0) {
                 return Err(format!(
                     "{} on {}, {what}: there are no times, or some of nothing; run it again",

@@ -108,8 +108,11 @@ pub type Changes = BTreeMap<String, [Option<f64>; 2]>;
 pub struct BuildRow {
     /// Which.
     pub key: Key,
-    /// Speed of the builds.
+    /// Speed of the first builds.
     pub speed: Speed,
+    /// Speed of the steady builds; none of records that do not tell them apart.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub steady_speed: Option<Speed>,
     /// Bytes that changed.
     pub bytes: Changes,
     /// What the structure says of itself, where that changed.
@@ -133,11 +136,22 @@ pub struct TraceRow {
     pub counters: Changes,
 }
 
+impl BuildRow {
+    /// Each of its speeds with what it is of.
+    pub fn speeds(&self) -> impl Iterator<Item = (&'static str, &Speed)> {
+        let steady = self.steady_speed.as_ref().map(|speed| ("steady build", speed));
+        [("build", &self.speed)].into_iter().chain(steady)
+    }
+}
+
 impl Comparison {
     /// What got slower or less accurate beyond noise, a sentence each.
     pub fn regressions(&self) -> Vec<String> {
-        let builds = self.builds.iter().filter(|row| row.speed.movement == Some(Movement::Slower));
-        let builds = builds.map(|row| format!("{}: build slower", row.key.sentence()));
+        let slower = |(_, speed): &(&str, &Speed)| speed.movement == Some(Movement::Slower);
+        let builds = self.builds.iter().flat_map(|row| {
+            let slower = row.speeds().filter(slower);
+            slower.map(|(what, _)| format!("{}: {what} slower", row.key.sentence())).collect::<Vec<_>>()
+        });
         let traces = self.traces.iter().flat_map(|row| {
             let slower = (row.speed.movement == Some(Movement::Slower)).then(|| "slower".to_owned());
             let worse = row.accuracy.iter().filter(|accuracy| accuracy.shift == Shift::Worse);
@@ -206,7 +220,12 @@ pub fn compare(a: (&str, &Run), b: (&str, &Run), threshold: f64) -> Comparison {
             let doubt = doubt((runs[0], one), (runs[1], other));
             speed(one, other, threshold, timed(a, b), doubt)
         };
-        comparison.builds.push(build_row(a, b, speed(&a.build.times, &b.build.times)));
+        let told = a.build.steady.is_some() && b.build.steady.is_some();
+        let steady = told.then(|| speed(a.build.steady(), b.build.steady()));
+        // Of records that tell other times only phases are the same.
+        let [first, other] =
+            if told { [a, b].map(|row| row.build.first()) } else { [a, b].map(|row| &row.build.times) };
+        comparison.builds.push(build_row(a, b, speed(first, other), steady));
         let (traces, only_in_a, only_in_b) = self::pairs(&a.traces, &b.traces, same_rays);
         comparison.only_in_a.extend(only_in_a.into_iter().map(|trace| Key::of(a, Some(trace))));
         comparison.only_in_b.extend(only_in_b.into_iter().map(|trace| Key::of(b, Some(trace))));
@@ -298,7 +317,7 @@ fn speed(a: &Times, b: &Times, threshold: f64, comparable: bool, doubt: Option<D
     }
 }
 
-fn build_row(a: &TracerRun, b: &TracerRun, speed: Speed) -> BuildRow {
+fn build_row(a: &TracerRun, b: &TracerRun, speed: Speed, steady_speed: Option<Speed>) -> BuildRow {
     let bytes = |run: &TracerRun| {
         BTreeMap::from([
             ("structure".to_owned(), run.memory.structure_bytes as f64),
@@ -311,6 +330,7 @@ fn build_row(a: &TracerRun, b: &TracerRun, speed: Speed) -> BuildRow {
     BuildRow {
         key: Key::of(a, None),
         speed,
+        steady_speed,
         bytes: changes(&bytes(a), &bytes(b)),
         statistics: if asked { changes(&a.structure_statistics, &b.structure_statistics) } else { Changes::new() },
     }

@@ -64,6 +64,15 @@ fn a_slowdown_is_found() {
     assert_eq!(said(&held(&run, &build)), Vec::<String>::new());
     scale(&mut build.runs[1].build.times, |_| 2.0);
     assert_eq!(said(&held(&run, &build)), ["room screen-dda: build slower"]);
+    // First and steady builds each by itself; beside a record of before them only phases are the same.
+    let whole = fixture::with_whole_builds(run.clone());
+    let mut steady = whole.clone();
+    scale(steady.runs[1].build.steady.as_mut().unwrap(), |_| 2.0);
+    assert_eq!(said(&held(&whole, &steady)), ["room screen-dda: steady build slower"]);
+    assert!(comparison_text(&held(&whole, &steady)).contains("| steady build |"));
+    let beside = held(&run, &steady);
+    assert_eq!((said(&beside), beside.builds[1].speed.ratio.unwrap().value), (Vec::new(), 1.0));
+    assert!(beside.builds.iter().all(|row| row.steady_speed.is_none()));
 }
 
 /// Proves that scatter like that of the samples is not taken for a change, even where the medians differ by more than the

@@ -4,11 +4,21 @@ use std::rc::Rc;
 use std::time::Instant;
 
 use tracebench_api::{
-    Description, Geometry, Gpu, Parameters, PhaseClock, Structure, Timing, Tracer, TracerError, Update, Viewpoint,
+    ClockKind, Description, Geometry, Gpu, Parameters, PhaseClock, Residency, Structure, Timing, Tracer, TracerError,
+    Update, Viewpoint,
 };
 
 use crate::plan::TracerRequest;
 use crate::registry::Device;
+
+/// A build or an update, timed twice over.
+#[derive(Clone, Debug)]
+pub struct BuildSample {
+    /// The phases that the tracer marks; where memory had been too small, those of the rebuild.
+    pub phases: Timing,
+    /// All of it by the host's clock, from the call until the device is idle, with growth and the rebuild that follows it.
+    pub whole: Timing,
+}
 
 /// A tracer that takes part, with what it has built last.
 pub struct Contender {
@@ -18,6 +28,8 @@ pub struct Contender {
     pub parameters: Parameters,
     /// Time to create it, milliseconds.
     pub setup_ms: f64,
+    /// The host's clock.
+    now: fn() -> Instant,
     tracer: Rc<dyn Tracer>,
     structure: Option<Box<dyn Structure>>,
 }
@@ -40,11 +52,18 @@ impl Contender {
 
     /// Takes a tracer that needs no creating.
     pub fn ready(description: Description, parameters: Parameters, tracer: Box<dyn Tracer>) -> Self {
-        Self { description, parameters, setup_ms: 0.0, tracer: Rc::from(tracer), structure: None }
+        let tracer = Rc::from(tracer);
+        Self { description, parameters, setup_ms: 0.0, now: Instant::now, tracer, structure: None }
     }
 
-    /// Builds over triangles and gives the time. The structure replaces the last one, which is dropped before, outside of
-    /// the time.
+    /// The same by another clock of the host.
+    #[must_use]
+    pub fn timed_by(self, now: fn() -> Instant) -> Self {
+        Self { now, ..self }
+    }
+
+    /// Builds over triangles and gives the times: a first build. The structure replaces the last one, which is dropped before, outside
+    /// of the times.
     ///
     /// # Errors
     /// What the tracer says.
@@ -53,17 +72,19 @@ impl Contender {
         geometry: &Geometry,
         viewpoint: &Viewpoint,
         gpu: Option<&Gpu>,
-    ) -> Result<Timing, TracerError> {
+    ) -> Result<BuildSample, TracerError> {
         self.structure = None;
+        let begin = self.idle(gpu)?;
         let mut clock = PhaseClock::new(gpu);
         let mut structure = self.tracer.build(geometry, viewpoint, &self.parameters, &mut clock)?;
-        let timing = clock.finish()?;
-        let grown = grown(&mut *structure, geometry, viewpoint, &self.parameters, gpu)?;
+        let phases = clock.finish()?;
+        let phases = grown(&mut *structure, geometry, viewpoint, &self.parameters, gpu)?.unwrap_or(phases);
         self.structure = Some(structure);
-        Ok(grown.unwrap_or(timing))
+        Ok(BuildSample { whole: self.whole(begin, phases.grown, gpu)?, phases })
     }
 
-    /// Lets the last structure follow triangles or an eye that moved and gives the time; none of a reuse, which does nothing.
+    /// Lets the last structure follow triangles or an eye that moved and gives the times; none of a reuse, which does nothing. A rebuild
+    /// over the same triangles is a steady build.
     ///
     /// # Errors
     /// [`TracerError::Failed`] before the first build, or what the tracer says.
@@ -73,7 +94,8 @@ impl Contender {
         geometry: &Geometry,
         viewpoint: &Viewpoint,
         gpu: Option<&Gpu>,
-    ) -> Result<Option<Timing>, TracerError> {
+    ) -> Result<Option<BuildSample>, TracerError> {
+        let begin = self.idle(gpu)?;
         let Some(structure) = &mut self.structure else {
             return Err(TracerError::Failed("updated before it was built".to_owned()));
         };
@@ -82,9 +104,25 @@ impl Contender {
         if update == Update::Reuse {
             return Ok(None);
         }
-        let timing = clock.finish()?;
-        let grown = grown(&mut **structure, geometry, viewpoint, &self.parameters, gpu)?;
-        Ok(Some(grown.unwrap_or(timing)))
+        let phases = clock.finish()?;
+        let phases = grown(&mut **structure, geometry, viewpoint, &self.parameters, gpu)?.unwrap_or(phases);
+        Ok(Some(BuildSample { whole: self.whole(begin, phases.grown, gpu)?, phases }))
+    }
+
+    /// The time by the host's clock once the device has nothing left to do, not even to give memory back. Of a tracer on the host it is
+    /// not asked.
+    fn idle(&self, gpu: Option<&Gpu>) -> Result<Instant, TracerError> {
+        if let Some(gpu) = gpu.filter(|_| self.description.residency == Residency::Device) {
+            gpu.queue.submit([]);
+            gpu.wait()?;
+        }
+        Ok((self.now)())
+    }
+
+    /// The time from a beginning until the device is idle.
+    fn whole(&self, begin: Instant, grown: bool, gpu: Option<&Gpu>) -> Result<Timing, TracerError> {
+        let total_ms = (self.idle(gpu)? - begin).as_secs_f64() * 1e3;
+        Ok(Timing { clock: ClockKind::Host, total_ms, phases: Vec::new(), submit_to_done_ms: None, grown })
     }
 
     /// What it built last.
@@ -130,7 +168,8 @@ impl Crew {
         let description = (request.registration.describe)();
         if let Some((_, tracer, setup_ms)) = self.created.iter().find(same) {
             let (tracer, parameters) = (Rc::clone(tracer), request.parameters.clone());
-            return Ok(Contender { description, parameters, setup_ms: *setup_ms, tracer, structure: None });
+            let now = Instant::now;
+            return Ok(Contender { description, parameters, setup_ms: *setup_ms, now, tracer, structure: None });
         }
         let contender =
             Contender::create(description, request.parameters.clone(), || request.registration.create(device))?;

@@ -31,11 +31,11 @@ impl Race<'_> {
                 geometry = geometry.moved_to(positions.clone(), gpu)?;
                 let counts = pass > 0 && frame > 0;
                 // The first round warms up.
-                let round = if counts || (pass, frame) == (0, 0) { rounds.next(gpu, Vec::new)? } else { None };
+                let round = if counts || (pass, frame) == (0, 0) { rounds.next(gpu, || [Vec::new()])? } else { None };
                 let order = round.map_or_else(|| (0..followers.len()).collect(), |round| round.order);
                 for place in order {
                     let stall = followers[place];
-                    let timing = self.attempt(stall, |one| match (frame, one.follows) {
+                    let sample = self.attempt(stall, |one| match (frame, one.follows) {
                         // Nothing was done to it since.
                         (0, Some(Update::Reuse)) if pass > 0 => Ok(None),
                         (0, _) | (_, None) => {
@@ -46,12 +46,14 @@ impl Race<'_> {
                         }
                         (_, Some(update)) => one.contender.update(update, &geometry, &one.viewpoint, gpu),
                     });
-                    self.stalls[stall].builds.extend(timing.flatten().filter(|_| counts));
+                    if let Some(sample) = sample.flatten().filter(|_| counts) {
+                        self.stalls[stall].builds.push_update(sample);
+                    }
                     bar.inc(1);
                 }
             }
         }
-        rounds.next(gpu, || followers.iter().map(|stall| &self.stalls[*stall].builds[..]).collect())?;
+        rounds.next(gpu, || [followers.iter().map(|stall| &self.stalls[*stall].builds.steady[..]).collect()])?;
         Ok(self.record(UPDATES, seed, &rounds, followers.iter().map(|stall| self.stall_label(*stall)).collect()))
     }
 }

@@ -25,7 +25,7 @@ mod window;
 use tracebench_api::TracerError;
 use tracebench_scenes::SceneError;
 
-pub use contender::{Contender, Crew};
+pub use contender::{BuildSample, Contender, Crew};
 pub use journal::{Journal, JournalError};
 pub(crate) use place::{Effort, Film, Measured, Place, Placed, Refusal, Request, Told};
 pub use run::{Context, execute, execute_all};

@@ -13,7 +13,7 @@ use super::place::{Effort, Film, Refusal, Request};
 use super::records;
 use super::rounds::Rounds;
 use super::session::{Session, SessionError};
-use super::{Contender, RunError, sound};
+use super::{BuildSample, Contender, RunError, sound};
 use crate::plan::{Resolution, TracerRequest};
 use crate::progress::Progress;
 use crate::results::{BuildRecord, ClockTicks, MemoryRecord, RaceRecord, Sampling};
@@ -32,8 +32,31 @@ pub(super) struct Stall {
     /// How it follows an animation, if it does.
     pub follows: Option<Update>,
     /// Counted samples of its builds, or of its updates.
-    pub builds: Vec<Timing>,
+    pub builds: BuildSamples,
     statistics: BTreeMap<String, f64>,
+}
+
+/// Counted samples of what a structure takes, by round.
+#[derive(Default)]
+pub(super) struct BuildSamples {
+    /// Phases of first builds, or of updates.
+    pub phases: Vec<Timing>,
+    /// First builds; none of what follows an animation.
+    pub first: Vec<Timing>,
+    /// Steady builds, or updates.
+    pub steady: Vec<Timing>,
+}
+
+impl BuildSamples {
+    pub fn push_first(&mut self, sample: BuildSample) {
+        self.phases.push(sample.phases);
+        self.first.push(sample.whole);
+    }
+
+    pub fn push_update(&mut self, sample: BuildSample) {
+        self.phases.push(sample.phases);
+        self.steady.push(sample.whole);
+    }
 }
 
 /// One who traces: a control, or a contender that was asked for.
@@ -132,7 +155,13 @@ impl<'a> Race<'a> {
             None => *self.session.viewpoint(),
         };
         let follows = request.and_then(|request| request.follows);
-        self.stalls.push(Stall { contender, viewpoint, follows, builds: Vec::new(), statistics: BTreeMap::new() });
+        self.stalls.push(Stall {
+            contender,
+            viewpoint,
+            follows,
+            builds: BuildSamples::default(),
+            statistics: BTreeMap::new(),
+        });
         self.join(request.map(|request| &request.tracer), control);
     }
 
@@ -226,7 +255,7 @@ impl<'a> Race<'a> {
             order_seed: seed,
             orders: rounds.orders.iter().map(|order| order.iter().map(|lane| *lane as u32).collect()).collect(),
             each_round: match work {
-                BUILDS => "fresh builds",
+                BUILDS => "first builds, each with a rebuild behind it",
                 UPDATES => "the next frame",
                 _ => "the same rays",
             }
@@ -270,9 +299,14 @@ impl<'a> Race<'a> {
         let mut rounds = self.rounds(seed, still.len(), contenders.iter().copied(), self.sampling());
         let bar = self.progress.bar(BUILDS, (rounds.least() * still.len()) as u64);
         let gpu = self.session.gpu();
-        while let Some(round) =
-            rounds.next(gpu, || contenders.iter().map(|stall| &self.stalls[*stall].builds[..]).collect())?
-        {
+        // Intervals are waited for of what is compared.
+        while let Some(round) = rounds.next(gpu, || {
+            let builds = contenders.iter().map(|stall| &self.stalls[*stall].builds);
+            [
+                builds.clone().map(|builds| &builds.first[..]).collect(),
+                builds.map(|builds| &builds.steady[..]).collect(),
+            ]
+        })? {
             for place in round.order {
                 self.build_once(still[place], round.counts);
                 bar.inc(1);
@@ -287,14 +321,17 @@ impl<'a> Race<'a> {
         // Structures that follow a film have a race of their own.
         let believed = [false, true].map(|follows| {
             let lots = self.stalls.iter().filter(|stall| stall.follows.is_some() == follows);
-            records::are_believed(lots.map(|stall| &stall.builds[..]))
+            records::are_believed(lots.map(|stall| &stall.builds.phases[..]))
         });
         let built = |stall: &Stall| {
             let believed = believed[usize::from(stall.follows.is_some())];
             let mut build = records::build_record(&stall.builds, believed, stall.contender.setup_ms);
             let race = if stall.follows.is_some() { 0 } else { of_updates };
-            build.times.void = self.ticks().and_then(|ticks| ticks.too_coarse(&build.times));
-            build.times.race = (!stall.builds.is_empty() && race < races.len()).then_some(race as u32);
+            let race = (!stall.builds.phases.is_empty() && race < races.len()).then_some(race as u32);
+            for times in build.all_mut() {
+                times.void = self.ticks().and_then(|ticks| ticks.too_coarse(times));
+                times.race = race;
+            }
             Ok::<Built, TracerError>(Built {
                 memory: records::memory_record(stall.contender.structure()?.memory(), end),
                 structure_statistics: stall.statistics.clone(),
@@ -321,11 +358,18 @@ impl<'a> Race<'a> {
         Ok(())
     }
 
+    /// A first build and, where times are taken, a steady one behind it.
     fn build_once(&mut self, stall: usize, counts: bool) {
-        let session = self.session;
-        let built = self.attempt(stall, |one| one.contender.build(session.geometry(), &one.viewpoint, session.gpu()));
-        if let Some(timing) = built.filter(|_| counts) {
-            self.stalls[stall].builds.push(timing);
+        let (session, timed) = (self.session, self.effort.timed);
+        let built = self.attempt(stall, |one| {
+            let first = one.contender.build(session.geometry(), &one.viewpoint, session.gpu())?;
+            let mut again = || one.contender.update(Update::Rebuild, session.geometry(), &one.viewpoint, session.gpu());
+            Ok((first, if timed { again()? } else { None }))
+        });
+        if let Some((first, steady)) = built.filter(|_| counts) {
+            let builds = &mut self.stalls[stall].builds;
+            builds.push_first(first);
+            builds.steady.extend(steady.map(|steady| steady.whole));
         }
     }
 

@@ -9,6 +9,7 @@ use tracebench_api::{
 use tracebench_scenes::{Origin, Scene};
 
 use super::controls::Control;
+use super::race::BuildSamples;
 use super::session::{PreparedRays, Session};
 use crate::plan::{Plan, TracerRequest};
 use crate::results::{
@@ -136,8 +137,11 @@ pub(super) fn times(timings: &[Timing], race_is_believed: bool) -> Times {
     }
 }
 
-pub(crate) fn build_record(timings: &[Timing], believed: bool, setup_ms: f64) -> BuildRecord {
-    BuildRecord { times: times(timings, believed), setup_ms }
+/// The record of what a structure took; of what was not timed without whole times.
+pub(super) fn build_record(builds: &BuildSamples, believed: bool, setup_ms: f64) -> BuildRecord {
+    let whole = |samples: &[Timing]| (!samples.is_empty()).then(|| Box::new(times(samples, true)));
+    let (first, steady) = (whole(&builds.first), whole(&builds.steady));
+    BuildRecord { times: times(&builds.phases, believed), first, steady, setup_ms }
 }
 
 /// Memory of a structure that is traced to an end.

@@ -77,14 +77,15 @@ impl<'a> Rounds<'a> {
         self.sampling.map_or(1, |sampling| sampling.least_rounds as usize + 1)
     }
 
-    /// The next round, after its kernels; `None` when it is enough. `timed` gives the counted samples of all contenders.
+    /// The next round, after its kernels; `None` when it is enough. `timed` gives the counted samples of all contenders, by kind of work:
+    /// those of a kind are compared.
     ///
     /// # Errors
     /// What the device says.
-    pub fn next<'t>(
+    pub fn next<'t, const KINDS: usize>(
         &mut self,
         gpu: Option<&Gpu>,
-        timed: impl FnOnce() -> Vec<&'t [Timing]>,
+        timed: impl FnOnce() -> [Vec<&'t [Timing]>; KINDS],
     ) -> Result<Option<Round>, TracerError> {
         self.sampled_s = self.counted_since.map_or(0.0, |since| since.elapsed().as_secs_f64());
         if self.begun >= self.least() && self.ends(timed) {
@@ -112,14 +113,15 @@ impl<'a> Rounds<'a> {
         self.kernels.iter().map(|(side, kernels, timings)| kernels.record(*side, timings)).collect()
     }
 
-    fn ends<'t>(&mut self, timed: impl FnOnce() -> Vec<&'t [Timing]>) -> bool {
+    fn ends<'t, const KINDS: usize>(&mut self, timed: impl FnOnce() -> [Vec<&'t [Timing]>; KINDS]) -> bool {
         let Some(sampling) = self.sampling else { return true };
         let counted = self.orders.len();
         if !is_due(sampling.further, counted, self.sampled_s) {
             return false;
         }
         let limit = sampling.further.map(|further| further.interval_share);
-        self.widest_interval = widest(&lots(&timed()), limit);
+        let kinds = timed();
+        self.widest_interval = kinds.iter().filter_map(|kind| widest(&lots(kind), limit)).reduce(f64::max);
         let ended_by = ended(sampling.further, counted, self.sampled_s, self.widest_interval);
         self.ended_by = ended_by.unwrap_or(self.ended_by);
         ended_by.is_some()

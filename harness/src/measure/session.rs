@@ -11,9 +11,9 @@ use tracebench_api::{
 use tracebench_scenes::CameraPath;
 
 use crate::judge::{Class, Judge, JudgeError, Rule, WRONG_RAYS_PER_CAUSE};
-use crate::measure::Contender;
 use crate::measure::controls::{Control, KnownAnswers};
 use crate::measure::place::Told;
+use crate::measure::{BuildSample, Contender};
 use crate::progress::Progress;
 use crate::rays::{self, Made, Pixel, RayError, RayParameters, RayScene, RaySet, Starts};
 use crate::results::{Judgement, NO_RAY_HITS, NO_RAY_MISSES, OCCLUSION, Skipped, SurfaceJudgement};
@@ -267,11 +267,11 @@ impl Session {
         Control::ALL.into_iter().map(contender).collect()
     }
 
-    /// Builds once over the scene and gives the time, as [`Contender::build`].
+    /// Builds once over the scene and gives the times, as [`Contender::build`].
     ///
     /// # Errors
     /// What the tracer says.
-    pub fn sample_build(&self, contender: &mut Contender) -> Result<Timing, TracerError> {
+    pub fn sample_build(&self, contender: &mut Contender) -> Result<BuildSample, TracerError> {
         contender.build(self.geometry(), &self.viewpoint, self.gpu())
     }
 

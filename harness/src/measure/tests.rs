@@ -1,9 +1,13 @@
 //! The race against contenders that cheat or waver, which the registry has none of.
 
-use std::sync::OnceLock;
+use std::cell::Cell;
+use std::sync::{LazyLock, OnceLock};
 use std::time::{Duration, Instant};
 
-use tracebench_api::{Description, Geometry, Parameters, Preset, Ray, Tracer, tick_ms};
+use tracebench_api::{
+    Counter, Description, Geometry, HitBuffer, MemoryReport, Parameters, PhaseClock, Preset, Ray, Structure, TraceJob,
+    Tracer, Update, Viewpoint, tick_ms,
+};
 use tracebench_tests::{Fake, Manner};
 
 use super::kernels::Kernels;
@@ -64,12 +68,13 @@ fn race_of(rounds: u32, tracer: Box<dyn Tracer>) -> Came {
 }
 
 fn raced(rounds: u32, tracer: Box<dyn Tracer>, control: Option<Control>) -> Came {
-    raced_by(session(), None, rounds, tracer, control)
+    raced_by(session(), None, Instant::now, rounds, tracer, control)
 }
 
 fn raced_by(
     session: Session,
     kernels: Option<&Kernels>,
+    now: fn() -> Instant,
     rounds: u32,
     tracer: Box<dyn Tracer>,
     control: Option<Control>,
@@ -80,7 +85,7 @@ fn raced_by(
     let effort = Effort { sampling: Sampling::rounds(rounds), timed: true, ..Effort::untimed() };
     let setting = Setting { scene: "fake".to_owned(), viewpoint: "given".to_owned(), window: 0, kernels, turn: 0 };
     let mut race = Race::new(&session, None, effort, &quiet, setting);
-    race.enter(Contender::ready(description, parameters, tracer), None, control);
+    race.enter(Contender::ready(description, parameters, tracer).timed_by(now), None, control);
     let built = race.build().unwrap().outcomes.pop().unwrap();
     let mut answered = race.trace(&session.rays[0]).unwrap();
     Came { built, traced: answered.outcomes.pop().unwrap(), void: answered.void, race: answered.race }
@@ -154,7 +159,8 @@ fn times_below_twenty_ticks_are_void() {
     let fine = by_steps.ticks.host_ms.unwrap();
     assert!(fine > 0.0 && fine < 1.0, "{fine}");
     by_steps.ticks.host_ms = Some(tick);
-    let came = raced_by(session().read_by(coarse), Some(&by_steps), 3, Box::new(Fake(Manner::Honest)), None);
+    let came =
+        raced_by(session().read_by(coarse), Some(&by_steps), Instant::now, 3, Box::new(Fake(Manner::Honest)), None);
     let trace = came.trace().unwrap();
     let why = trace.times.void.as_ref().unwrap();
     assert!(why.contains("below 20 ticks") && why.contains("10 ms"), "{why}");
@@ -168,7 +174,7 @@ fn times_below_twenty_ticks_are_void() {
         ClockTicks { host_ms, device_ms: None }.too_coarse(&times)
     };
     assert!(of(200.0, Some(10.0)).is_none() && of(199.9, Some(10.0)).is_some() && of(1e9, None).is_some());
-    let sound = raced_by(session(), None, 3, Box::new(Fake(Manner::Honest)), None);
+    let sound = raced_by(session(), None, Instant::now, 3, Box::new(Fake(Manner::Honest)), None);
     assert!(sound.trace().unwrap().times.void.is_none() && sound.trace().unwrap().mrays_per_s > 0.0);
 }
 
@@ -214,4 +220,135 @@ fn structures_must_be_sound() {
         let Outcome::Out(refusal) = came.built else { panic!("it was not taken out") };
         assert!(!refusal.for_room && matches!(came.traced, Outcome::Absent));
     }
+}
+
+thread_local! {
+    static WORKED: Cell<Duration> = const { Cell::new(Duration::ZERO) };
+}
+
+/// A clock that goes on by what [`Hidden`] does alone.
+fn worked() -> Instant {
+    static BEGIN: LazyLock<Instant> = LazyLock::new(Instant::now);
+    *BEGIN + WORKED.get()
+}
+
+fn work(ms: u64) {
+    WORKED.set(WORKED.get() + Duration::from_millis(ms));
+}
+
+/// Works outside of its phases, each part of a build for a time of its own: 1 s once, to make its pipelines, 100 ms for a build, 10 ms
+/// for a rebuild, 3 ms to look for room, 2000 ms to drop a structure.
+#[derive(Clone, Default)]
+struct Hidden {
+    /// Whether what is built first runs out of room.
+    grows: bool,
+    /// Whether a later first build rests on what the one before has found.
+    remembers: bool,
+    built: Cell<bool>,
+}
+
+struct HiddenStructure {
+    inner: Box<dyn Structure>,
+    out_of_room: bool,
+}
+
+impl Drop for HiddenStructure {
+    fn drop(&mut self) {
+        work(2000);
+    }
+}
+
+impl Tracer for Hidden {
+    fn build(
+        &self,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Box<dyn Structure>, TracerError> {
+        let before = self.built.replace(true);
+        work(if before { 0 } else { 1000 });
+        work(if before && self.remembers { 1 } else { 100 });
+        let inner = Fake(Manner::Honest).build(geometry, viewpoint, parameters, clock)?;
+        Ok(Box::new(HiddenStructure { inner, out_of_room: self.grows }))
+    }
+}
+
+impl Structure for HiddenStructure {
+    fn update(
+        &mut self,
+        update: Update,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        work(10);
+        self.inner.update(update, geometry, viewpoint, parameters, clock)
+    }
+
+    fn make_room(&mut self) -> Result<bool, TracerError> {
+        work(3);
+        Ok(std::mem::take(&mut self.out_of_room))
+    }
+
+    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        self.inner.trace(job, hits, clock)
+    }
+
+    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        self.inner.trace_counted(job, hits)
+    }
+
+    fn memory(&self) -> MemoryReport {
+        self.inner.memory()
+    }
+
+    fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        self.inner.validate(geometry)
+    }
+}
+
+/// Proves that first and steady builds have all that a tracer does, though it marks nothing of it: growth and the rebuild behind it in the
+/// first, neither the making of pipelines in the round that warms up nor the drop of the structure before in any; one sample of each a
+/// round. The phases, and a tracer that does nothing outside of them, are the negative control.
+#[test]
+fn unmarked_work_is_in_whole_times() {
+    let times = |tracer: Hidden| {
+        let came = raced_by(session(), None, worked, 12, Box::new(tracer), None);
+        let Outcome::Measured(Built { build, .. }) = came.built else { panic!("not built") };
+        let samples = |times: &Option<Box<crate::results::Times>>| times.clone().unwrap();
+        (build.times.clone(), samples(&build.first), samples(&build.steady))
+    };
+    for (grows, first_ms) in [(false, 103.0), (true, 113.0)] {
+        let (phases, first, steady) = times(Hidden { grows, ..Hidden::default() });
+        assert_eq!((&*first.samples_ms, &*steady.samples_ms), (&[first_ms; 12][..], &[13.0; 12][..]));
+        assert_eq!((first.grown_samples, steady.grown_samples), (if grows { 12 } else { 0 }, 0));
+        assert_eq!((first.clock, first.race, steady.race), (tracebench_api::ClockKind::Host, Some(0), Some(0)));
+        assert_eq!((first.median_ms, first.interval_ms), (first_ms, [first_ms; 2]));
+        assert!(phases.samples_ms.len() == 12 && phases.race == Some(0) && phases.median_ms < 1.0, "{phases:?}");
+    }
+    let came = raced_by(session(), None, worked, 2, Box::new(Fake(Manner::Honest)), None);
+    let Outcome::Measured(Built { build, .. }) = came.built else { panic!("not built") };
+    assert_eq!((build.first().samples_ms.clone(), build.steady().median_ms), (vec![0.0; 2], 0.0));
+    // What is remembered shows: a first build is then not what it was.
+    let (_, first, _) = times(Hidden { remembers: true, ..Hidden::default() });
+    assert_eq!(first.samples_ms, [4.0; 12]);
+}
+
+/// Proves that what is not timed is built once, and has no whole times.
+#[test]
+fn untimed_builds_are_not_repeated() {
+    let before = WORKED.get();
+    let session = session();
+    let setting =
+        Setting { scene: "fake".to_owned(), viewpoint: "given".to_owned(), window: 0, kernels: None, turn: 0 };
+    let quiet = Progress::new(true);
+    let mut race = Race::new(&session, None, Effort::untimed(), &quiet, setting);
+    let description = Description { name: "fake", ..Control::AlwaysMiss.description() };
+    let parameters = Parameters::preset(&[], Preset::Published);
+    race.enter(Contender::ready(description, parameters, Box::new(Hidden::default())).timed_by(worked), None, None);
+    let Some(Outcome::Measured(built)) = race.build().unwrap().outcomes.pop() else { panic!("not built") };
+    assert!(built.build.first.is_none() && built.build.steady.is_none());
+    assert_eq!(WORKED.get() - before, Duration::from_millis(1103));
 }

@@ -100,7 +100,7 @@ impl Race<'_> {
             let contenders = || {
                 let lanes = self.lanes.iter().zip(&timings).filter(|(lane, _)| lane.control.is_none());
                 let doubled = doubles.iter().filter(|double| double.not_judged.is_none()).map(|each| &each.timings[..]);
-                lanes.map(|(_, timings)| &timings[..]).chain(doubled).collect()
+                [lanes.map(|(_, timings)| &timings[..]).chain(doubled).collect()]
             };
             let Some(round) = rounds.next(self.session.gpu(), contenders)? else { break };
             for place in round.order {

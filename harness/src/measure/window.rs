@@ -299,7 +299,7 @@ impl<'a> Here<'a> {
         let mut window = Window { controls: Vec::new(), rows: Vec::new() };
         for (lane, (mut built, traced)) in builds.into_iter().zip(lanes).enumerate() {
             if let Outcome::Measured(Built { build, .. }) = &mut built {
-                build.times.race = build.times.race.map(|race| race + of_builds);
+                build.all_mut().for_each(|times| times.race = times.race.map(|race| race + of_builds));
             }
             let request = order.get(lane.wrapping_sub(controls)).copied();
             let row = self.row(number, lane, request, built, traced);

@@ -29,7 +29,7 @@ fn traced_together<'a>(row: &'a TracerRun, sets: &[&str]) -> Option<Timed<'a>> {
 
 /// Build and traces of a row, every set traced as often as said.
 fn total<'a>(row: &'a TracerRun, mix: &[(&str, f64)]) -> Option<Timed<'a>> {
-    mix.iter().try_fold(Timed::build(row), |sum, (rays, often)| Some(sum.and(traced(row, rays)?.times(*often))))
+    mix.iter().try_fold(Timed::steady_build(row), |sum, (rays, often)| Some(sum.and(traced(row, rays)?.times(*often))))
 }
 
 /// Kendall's rank correlation, as [`super::quantity::rank_correlation`], of numbers and what was timed: a pair whose order the times
@@ -70,14 +70,14 @@ fn same_work(one: &TraceRecord, other: &TraceRecord) -> bool {
 }
 
 impl SceneRows<'_> {
-    /// How many times as long a build takes in one row as in another.
+    /// How many times as long a steady build takes in one row as in another: papers build once a frame.
     pub(in crate::papers) fn build_ratio(&self, one: &TracerRun, other: &TracerRun) -> Option<Estimate> {
-        ratio(self.run, &Timed::build(one), &Timed::build(other))
+        ratio(self.run, &Timed::steady_build(one), &Timed::steady_build(other))
     }
 
     /// How many times as long a phase of the build takes in one row as in another.
     pub(in crate::papers) fn phase_ratio(&self, one: &TracerRun, other: &TracerRun, phase: &str) -> Option<Estimate> {
-        ratio(self.run, &Timed::build(one).phase(phase), &Timed::build(other).phase(phase))
+        ratio(self.run, &Timed::build_phase(one, phase), &Timed::build_phase(other, phase))
     }
 
     /// How many times as long a trace takes in one row as in another; of two methods at the rows' means, at every means that both

@@ -6,7 +6,7 @@ use serde::Serialize;
 use tracebench_api::Query;
 
 use super::format::{self, clock_code, clock_of, significant};
-use super::metrics::{self, AMBIGUOUS, BUILD_TIME, Metric, STRUCTURE, Traced};
+use super::metrics::{self, AMBIGUOUS, BUILD_TIME, FIRST_BUILD, Metric, STEADY_BUILD, STRUCTURE, Traced};
 use super::sheet::{Cell, Column, Sheet};
 use crate::results::{
     CounterRecord, Judgement, PhaseRecord, Provenance, Run, SceneRecord, Times, TraceRecord, TracerRun, ViewpointRecord,
@@ -86,9 +86,15 @@ impl<'a, R> Sheet<'a, R> {
 
     /// With what building a structure took, and its bytes.
     pub(super) fn build(self, of: impl Fn(&R) -> Option<&TracerRun> + Copy + 'a) -> Self {
-        self.clock("build_clock", move |row| of(row).map(|run| &run.build.times))
-            .structure(BUILD_TIME.called("build"), of)
+        self.clock("build_clock", move |row| of(row).map(|run| run.build.first()))
+            .builds("build", of)
             .structure(STRUCTURE, of)
+    }
+
+    /// With the times of first and steady builds or, of records of before these were told, with that of builds under a name.
+    pub(crate) fn builds(self, called: &'static str, of: impl Fn(&R) -> Option<&TracerRun> + Copy + 'a) -> Self {
+        let metrics = [BUILD_TIME.called(called), FIRST_BUILD, STEADY_BUILD];
+        self.with(metrics.map(|metric| metric.of_structure(of)).into())
     }
 
     /// With a figure of structures.

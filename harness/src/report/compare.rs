@@ -44,7 +44,10 @@ pub fn comparison_text(comparison: &Comparison) -> String {
 fn moved(comparison: &Comparison) -> String {
     let mut lines = Vec::new();
     for row in &comparison.builds {
-        lines.extend(movement(&row.speed).map(|what| format!("{}: build {what}", row.key.sentence())));
+        lines.extend(
+            row.speeds()
+                .filter_map(|(build, speed)| Some(format!("{}: {build} {}", row.key.sentence(), movement(speed)?))),
+        );
     }
     for row in &comparison.traces {
         let shifts = row.accuracy.iter().filter_map(|accuracy| {
@@ -120,13 +123,16 @@ fn changed(changes: &Changes) -> String {
 }
 
 fn builds(comparison: &Comparison) -> String {
-    let sheet = Sheet::<BuildRow>::new()
-        .told("scene", |row| Cell::Name(row.key.scene.clone()))
-        .told("tracer", |row| row.key.tracer.clone())
-        .then(|sheet| speed(sheet, |row| &row.speed))
-        .told("bytes", |row| changed(&row.bytes))
-        .told("structure", |row| changed(&row.statistics));
-    format!("\n## Builds\n\n{}", sheet.markdown(&comparison.builds))
+    let sheet = Sheet::<(&BuildRow, &str, &Speed)>::new()
+        .told("scene", |(row, ..)| Cell::Name(row.key.scene.clone()))
+        .told("tracer", |(row, ..)| row.key.tracer.clone())
+        .told("what", |(_, what, _)| (*what).to_owned())
+        .then(|sheet| speed(sheet, |(.., speed)| speed))
+        .told("bytes", |(row, ..)| changed(&row.bytes))
+        .told("structure", |(row, ..)| changed(&row.statistics));
+    let of_row = |row| BuildRow::speeds(row).map(move |(what, speed)| (row, what, speed));
+    let rows: Vec<_> = comparison.builds.iter().flat_map(of_row).collect();
+    format!("\n## Builds\n\n{}", sheet.markdown(&rows))
 }
 
 fn traces(comparison: &Comparison) -> String {

@@ -238,6 +238,21 @@ fn viewpoint() -> ViewpointRecord {
     }
 }
 
+/// A run with first and steady builds, of 8 and 2 times as long as the phases by the host's clock.
+pub(crate) fn with_whole_builds(mut run: Run) -> Run {
+    for build in run.runs.iter_mut().chain(&mut run.anchors).map(|row| &mut row.build) {
+        let samples = build.times.submit_to_done_samples_ms.iter().chain(&build.times.samples_ms);
+        let samples: Vec<f64> = samples.take(build.times.samples_ms.len()).copied().collect();
+        let quality = Quality { missed: 0.0, blur: 0.0, speed: 1.0, clock: ClockKind::Host };
+        let whole = |factor: f64| {
+            let samples: Vec<f64> = samples.iter().map(|ms| factor * ms).collect();
+            Some(Box::new(times(quality, &samples, Vec::new(), 0)))
+        };
+        (build.first, build.steady) = (whole(8.0), whole(2.0));
+    }
+    run
+}
+
 fn control(name: &str, missed: f64, blur: f64, sets: &[(&str, Query)]) -> TracerRun {
     let quality = Quality { missed, blur, speed: 1.0, clock: ClockKind::Host };
     let mut run = contender(name, quality, sets);
@@ -332,6 +347,8 @@ fn contender(name: &str, quality: Quality, sets: &[(&str, Query)]) -> TracerRun 
         structure_statistics: BTreeMap::from([("nodes".to_owned(), 4321.0), ("sah_cost".to_owned(), 57.25)]),
         build: BuildRecord {
             times: times(quality, &samples, vec![phase("sort"), phase("collapse")], 0),
+            first: None,
+            steady: None,
             setup_ms: 12.5,
         },
         traces: sets.iter().enumerate().map(|(index, (rays, query))| trace(rays, *query, index, quality)).collect(),

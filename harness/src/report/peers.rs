@@ -7,7 +7,7 @@ use super::ReportError;
 use super::format::{significant, thousands};
 use super::group::{Group, RaySet, Role, groups};
 use super::markdown::literal;
-use super::metrics::{COUNT, SPEED, STRUCTURE};
+use super::metrics::{COUNT, SPEED, STEADY_BUILD, STRUCTURE};
 use super::sheet::{Cell, Column, Sheet};
 use super::{cells, metrics, summary};
 use crate::peers::Table;
@@ -44,7 +44,7 @@ fn ratio(reference: Option<&Times>, own: &Times) -> Option<f64> {
 
 /// Millions of triangles a second at the median and at the ends of its interval.
 fn build_rate(run: &TracerRun) -> Option<Cell> {
-    let times = &run.build.times;
+    let times = run.build.first();
     let rate = |ms: f64| run.scene.triangles as f64 / (ms * 1e3);
     let [fast, slow] = times.interval_ms;
     (!times.samples_ms.is_empty() && fast > 0.0)
@@ -93,16 +93,17 @@ fn of_structures<'a, R>(
     of: impl Fn(&R) -> &TracerRun + Copy + 'a,
     reference: impl Fn(&R) -> Option<&TracerRun> + Copy + 'a,
 ) -> Sheet<'a, R> {
-    let over = move |row: &R| ratio(reference(row).map(|run| &run.build.times), &of(row).build.times);
+    let over = move |row: &R| ratio(reference(row).map(|run| run.build.first()), of(row).build.first());
     let over = move |row: &R| over(row).map(|ratio| Cell::Number(ratio, 3));
     sheet
-        .clock("build_clock", move |row| Some(&of(row).build.times))
+        .clock("build_clock", move |row| Some(of(row).build.first()))
         .and(
             Column::new("build_mtriangles_per_s", move |row| build_rate(of(row)))
                 .beside(&["build_mtriangles_per_s_low", "build_mtriangles_per_s_high"])
                 .headed("build rate (Mtriangles/s) ↑"),
         )
-        .column("build_host_ms", move |row| host_ms(&of(row).build.times))
+        .column("build_host_ms", move |row| host_ms(of(row).build.first()))
+        .structure(STEADY_BUILD, move |row| Some(of(row)))
         .and(Column::new("build_speed_over_reference", over).headed(format!("× {} ↑", table.reference())))
         .told("nodes", move |row| statistic_of(of(row), NODES).map(Cell::Statistic))
         .structure(STRUCTURE, move |row| Some(of(row)))

@@ -13,6 +13,8 @@ use crate::studies::pareto::Amount;
 pub(crate) enum Cell {
     /// Nothing.
     None,
+    /// What such a row cannot have: a column of nothing else is left out.
+    Absent,
     /// Words.
     Text(String),
     /// A name that users give, in which nothing is markup.
@@ -67,7 +69,13 @@ impl Cell {
     /// The number, if it is one: of a number with an interval itself, of percentiles the median.
     pub(crate) fn value(&self) -> Option<f64> {
         match self {
-            Self::None | Self::Text(_) | Self::Name(_) | Self::Named(..) | Self::Flag(_) | Self::Shares(..) => None,
+            Self::None
+            | Self::Absent
+            | Self::Text(_)
+            | Self::Name(_)
+            | Self::Named(..)
+            | Self::Flag(_)
+            | Self::Shares(..) => None,
             Self::Count(count) => Some(*count as f64),
             Self::Bytes(value)
             | Self::Statistic(value)
@@ -87,7 +95,7 @@ impl Cell {
             [value, interval.map(|[low, _]| low), interval.map(|[_, high]| high)].map(number)
         };
         match self {
-            Self::None => one(String::new()),
+            Self::None | Self::Absent => one(String::new()),
             Self::Text(text) | Self::Name(text) => one(text.clone()),
             Self::Named(code, _) => one((*code).to_owned()),
             Self::Flag(flag) => one(flag.to_string()),
@@ -104,7 +112,7 @@ impl Cell {
     /// As people read it.
     pub(crate) fn told(&self) -> String {
         match self {
-            Self::None => NONE.to_owned(),
+            Self::None | Self::Absent => NONE.to_owned(),
             Self::Text(text) | Self::Name(text) | Self::Named(_, text) => text.clone(),
             Self::Flag(flag) => if *flag { "yes" } else { "no" }.to_owned(),
             Self::Count(count) => thousands(*count),
@@ -231,6 +239,12 @@ impl<'a, R> Column<'a, R> {
         Self { heading: Some(heading.into()), ..self }
     }
 
+    /// Whether any of some rows can have it.
+    fn is_there(&self, rows: &[R]) -> bool {
+        let cells: Vec<Cell> = rows.iter().map(|row| (self.cell)(row)).collect();
+        !cells.contains(&Cell::Absent) || cells.iter().any(|cell| !matches!(cell, Cell::None | Cell::Absent))
+    }
+
     /// With names for what else its cells have.
     pub(crate) fn beside(mut self, names: &[&str]) -> Self {
         self.names.extend(names.iter().map(|name| (*name).to_owned()));
@@ -290,7 +304,8 @@ impl<'a, R> Sheet<'a, R> {
     /// If two columns have the same name.
     pub(crate) fn csv(&self, file: &str, rows: &[R]) -> Result<Vec<u8>, ReportError> {
         let fail = |reason: String| ReportError::Made { what: file.to_owned(), reason };
-        let header: Vec<&String> = self.columns.iter().flat_map(|column| &column.names).collect();
+        let columns: Vec<_> = self.columns.iter().filter(|column| column.is_there(rows)).collect();
+        let header: Vec<&String> = columns.iter().flat_map(|column| &column.names).collect();
         let mut known = BTreeSet::new();
         if let Some(twice) = header.iter().find(|name| !known.insert(**name)) {
             return Err(fail(format!("two columns are called {twice}")));
@@ -298,7 +313,7 @@ impl<'a, R> Sheet<'a, R> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(header).map_err(|error| fail(error.to_string()))?;
         for row in rows {
-            let shown = self.columns.iter().filter(|column| !column.names.is_empty());
+            let shown = columns.iter().filter(|column| !column.names.is_empty());
             let fields = shown.flat_map(|column| (column.cell)(row).fields().into_iter().take(column.names.len()));
             writer.write_record(fields.collect::<Vec<_>>()).map_err(|error| fail(error.to_string()))?;
         }
@@ -307,7 +322,8 @@ impl<'a, R> Sheet<'a, R> {
 
     /// The table in Markdown.
     pub(crate) fn markdown(&self, rows: &[R]) -> String {
-        let shown = || self.columns.iter().filter_map(|column| Some((column.heading.as_ref()?, &column.cell)));
+        let columns: Vec<_> = self.columns.iter().filter(|column| column.is_there(rows)).collect();
+        let shown = || columns.iter().filter_map(|column| Some((column.heading.as_ref()?, &column.cell)));
         let line = |cells: &mut dyn Iterator<Item = String>| {
             cells.map(|cell| format!("| {cell} ")).collect::<String>() + "|\n"
         };
@@ -356,6 +372,13 @@ mod tests {
         assert_eq!(sheet.markdown(&rows), markdown);
         assert_eq!(sheet.below("Words:", &rows), format!("\nWords:\n\n{markdown}"));
         assert_eq!(sheet.below("Words:", &[]), "");
+        // What none of the rows can have is no column; one that some can have is, and one that all could have.
+        let absent = |row: &Option<f64>| if row.is_some() { Cell::Absent } else { Cell::None };
+        let sheet = Sheet::new().told("is there", Option::is_some).and(Column::new("absent", absent).headed("absent"));
+        assert_eq!(sheet.markdown(&rows), "| is there |\n| --- |\n| yes |\n| no |\n");
+        let csv = |rows: &[Option<f64>]| String::from_utf8(sheet.csv("a.csv", rows).unwrap()).unwrap();
+        assert!(sheet.markdown(&[None]).contains("absent") && csv(&[None]).contains("absent"));
+        assert!(!csv(&rows).contains("absent"));
         let error = sheet.column("share_low", |_| 1_u64).csv("a.csv", &rows).unwrap_err();
         assert!(error.to_string().contains("share_low"), "{error}");
     }

@@ -26,7 +26,7 @@ pub(super) fn traces(run: &Run, groups: &[Group<'_>]) -> Result<Vec<u8>, ReportE
         .query(|(.., trace)| Some(trace.query))
         .column("end", |(.., trace)| end(trace.end))
         .clock("clock", |(.., trace)| Some(&trace.times))
-        .clock("build_clock", |(_, run, _)| Some(&run.build.times))
+        .clock("build_clock", |(_, run, _)| Some(run.build.first()))
         .hits(|(.., trace)| Some(trace))
         .whole_provenance(run, Some(run.seed))
         .metrics(&run.runs, |(_, run, trace)| Some((run, trace)))

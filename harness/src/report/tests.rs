@@ -469,3 +469,39 @@ fn committed_records_keep_their_head() {
     assert!(serde_json::from_value::<Run>(without).is_err());
     assert!(paths.len() > 15 && kinds == [true; 4], "{} {kinds:?}", paths.len());
 }
+
+/// First and steady builds stand in pages and rows where a record tells them, with their own values and clock; one of before them has the
+/// time of its phases there, and no columns for what it never knew.
+#[test]
+fn builds_are_shown_as_they_were_timed() {
+    let before = of_peers();
+    let run = fixture::with_whole_builds(before.clone());
+    for (run, whole) in [(&run, true), (&before, false)] {
+        let (_folder, files) = write(run);
+        let (header, rows) = table(&files, "traces.csv");
+        let has = |name: &str| header.iter().any(|column| column == name);
+        assert_eq!(
+            ["first_build_median_ms", "steady_build_median_ms", "build_median_ms"].map(has),
+            [whole, whole, !whole]
+        );
+        let summary = text(&files, "summary.md");
+        let shown = ["first build (ms) ↓ |", "steady build (ms) ↓ |", "| build time (ms) ↓"];
+        assert_eq!(shown.map(|heading| summary.contains(heading)), [whole, whole, !whole], "{summary}");
+        let row = rows.iter().find(|row| row["tracer"] == "bvh-gpu").unwrap();
+        let one = &run.runs[1].build;
+        if let (Some(first), Some(steady)) = (&one.first, &one.steady) {
+            assert_eq!(row["first_build_median_ms"], first.median_ms.to_string());
+            assert_eq!(
+                (&*row["steady_build_low_ms"], &*row["build_clock"]),
+                (&*steady.interval_ms[0].to_string(), "host")
+            );
+            assert!(summary.contains("sort ") && (first.median_ms / steady.median_ms - 4.0).abs() < 1e-9);
+        }
+        let (header, rows) = table(&files, "table_bvh.csv");
+        assert_eq!(header.iter().any(|column| column == "steady_build_median_ms"), whole);
+        let rate = 0.156034 / (one.first().median_ms / 1e3);
+        let told: f64 =
+            rows.iter().find(|row| row["tracer"] == "bvh-gpu").unwrap()["build_mtriangles_per_s"].parse().unwrap();
+        assert!((told / rate - 1.0).abs() < 1e-12, "{told} {rate}");
+    }
+}

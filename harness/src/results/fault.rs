@@ -68,6 +68,9 @@ impl Run {
 
     fn row(&self, at: &str, row: &TracerRun) -> Result<(), String> {
         self.times(&format!("{at}.build"), &row.build.times)?;
+        for (name, times) in [("first", &row.build.first), ("steady", &row.build.steady)] {
+            times.as_ref().map_or(Ok(()), |times| self.times(&format!("{at}.build.{name}"), times))?;
+        }
         let bytes: u64 = row.memory.structure.iter().map(|part| part.allocated_bytes).fold(0, u64::saturating_add);
         all(at, [("memory.structure_bytes", row.memory.structure_bytes == bytes, "the sum of its parts")])?;
         each(&format!("{at}.traces"), &row.traces, |at, trace| {

@@ -22,7 +22,7 @@ pub const COVERAGE: f64 = 0.999;
 /// By how much the fixed kernel's time may differ between races whose times are set against one another, a share.
 pub const MOST_CHANGE: f64 = 0.1;
 
-/// Something that was timed, of one row: a build, a trace, a phase, or several of them one after the other.
+/// Something that was timed, of one row: a build, a phase of it, a trace, or several of them one after the other.
 #[derive(Clone, Debug)]
 pub struct Timed<'a> {
     row: &'a TracerRun,
@@ -32,21 +32,56 @@ pub struct Timed<'a> {
 #[derive(Clone, Copy, Debug)]
 struct Part<'a> {
     times: &'a Times,
-    /// None of a build.
-    trace: Option<&'a TraceRecord>,
+    work: Work<'a>,
     phase: Option<&'a str>,
     factor: f64,
 }
 
+/// What a row did.
+#[derive(Clone, Copy, Debug)]
+enum Work<'a> {
+    /// The phases that its builds mark.
+    Phases,
+    FirstBuild,
+    SteadyBuild,
+    Trace(&'a TraceRecord),
+}
+
+impl<'a> Work<'a> {
+    /// Its times in a row, which is the trace's own.
+    fn times(self, row: &'a TracerRun) -> &'a Times {
+        match self {
+            Self::Phases => &row.build.times,
+            Self::FirstBuild => row.build.first(),
+            Self::SteadyBuild => row.build.steady(),
+            Self::Trace(trace) => &trace.times,
+        }
+    }
+}
+
 impl<'a> Timed<'a> {
-    /// The build of a row.
-    pub fn build(row: &'a TracerRun) -> Self {
-        Self { row, parts: vec![Part { times: &row.build.times, trace: None, phase: None, factor: 1.0 }] }
+    /// The first build of a row, as [`BuildRecord::first`](super::BuildRecord::first).
+    pub fn first_build(row: &'a TracerRun) -> Self {
+        Self::work(row, Work::FirstBuild)
+    }
+
+    /// The steady build of a row, as [`BuildRecord::steady`](super::BuildRecord::steady).
+    pub fn steady_build(row: &'a TracerRun) -> Self {
+        Self::work(row, Work::SteadyBuild)
+    }
+
+    /// A phase of a row's build.
+    pub fn build_phase(row: &'a TracerRun, name: &'a str) -> Self {
+        Self::work(row, Work::Phases).phase(name)
     }
 
     /// One of the row's traces.
     pub fn trace(row: &'a TracerRun, trace: &'a TraceRecord) -> Self {
-        Self { row, parts: vec![Part { times: &trace.times, trace: Some(trace), phase: None, factor: 1.0 }] }
+        Self::work(row, Work::Trace(trace))
+    }
+
+    fn work(row: &'a TracerRun, work: Work<'a>) -> Self {
+        Self { row, parts: vec![Part { times: work.times(row), work, phase: None, factor: 1.0 }] }
     }
 
     /// A phase alone.
@@ -81,13 +116,13 @@ impl<'a> Timed<'a> {
     /// The same of the row of another tracer in the same place, whole where this is a phase.
     fn of<'b>(&self, row: &'b TracerRun) -> Option<Timed<'b>> {
         let part = |part: &Part<'_>| {
-            let trace = part.trace.map(|own| row.traces.iter().find(|other| same_rays(own, other)));
-            let trace = match trace {
-                None => None,
-                Some(found) => Some(found?),
+            let work = match part.work {
+                Work::Trace(own) => Work::Trace(row.traces.iter().find(|other| same_rays(own, other))?),
+                Work::Phases => Work::Phases,
+                Work::FirstBuild => Work::FirstBuild,
+                Work::SteadyBuild => Work::SteadyBuild,
             };
-            let times = trace.map_or(&row.build.times, |trace| &trace.times);
-            Some(Part { times, trace, phase: None, factor: part.factor })
+            Some(Part { times: work.times(row), work, phase: None, factor: part.factor })
         };
         Some(Timed { row, parts: self.parts.iter().map(part).collect::<Option<_>>()? })
     }

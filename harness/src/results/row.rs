@@ -44,7 +44,7 @@ impl TracerRun {
     #[must_use]
     pub fn with_races_after(mut self, others: u32) -> Self {
         let traces = self.traces.iter_mut().map(|trace| &mut trace.times);
-        for times in traces.chain([&mut self.build.times]) {
+        for times in traces.chain(self.build.all_mut()) {
             times.race = times.race.map(|race| race + others);
         }
         self

@@ -41,14 +41,44 @@ pub struct Times {
     pub aligned_by: Option<f64>,
 }
 
-/// Times of the builds.
+/// Times of the builds, or of the updates of a row that follows an animation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BuildRecord {
-    /// Its times.
+    /// The phases that the tracer marks, of first builds or of updates.
     #[serde(flatten)]
     pub times: Times,
+    /// First builds, from the call until the device is idle, host clock. None of updates, and in files of before rules version 3.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first: Option<Box<Times>>,
+    /// Steady builds, each a rebuild in the memory of the first one before it, or updates; in the same scope by the same clock. None in
+    /// files of before rules version 3.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub steady: Option<Box<Times>>,
     /// Creating pipelines and everything else that is made once, host clock; without the warm-up.
     pub setup_ms: f64,
+}
+
+impl BuildRecord {
+    /// What it takes to have the structure where there was none: the first build, of updates the update, and in files of before these
+    /// were told the phases.
+    pub fn first(&self) -> &Times {
+        self.first.as_deref().unwrap_or_else(|| self.steady())
+    }
+
+    /// What it takes to have it once more: the steady build or the update, and in files of before these were told the phases.
+    pub fn steady(&self) -> &Times {
+        self.steady.as_deref().unwrap_or(&self.times)
+    }
+
+    /// All its times.
+    pub fn all(&self) -> impl Iterator<Item = &Times> {
+        [Some(&self.times), self.first.as_deref(), self.steady.as_deref()].into_iter().flatten()
+    }
+
+    /// All its times, to change.
+    pub fn all_mut(&mut self) -> impl Iterator<Item = &mut Times> {
+        [Some(&mut self.times), self.first.as_deref_mut(), self.steady.as_deref_mut()].into_iter().flatten()
+    }
 }
 
 /// A phase.

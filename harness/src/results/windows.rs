@@ -24,7 +24,8 @@ impl Run {
     /// or whose anchor has none, so that nothing is made of them. The same where there is nothing of all that.
     pub fn aligned(&self) -> Cow<'_, Self> {
         let void = |row: &TracerRun| {
-            row.build.times.void.is_some() || row.traces.iter().any(|trace| trace.times.void.is_some())
+            row.build.all().any(|times| times.void.is_some())
+                || row.traces.iter().any(|trace| trace.times.void.is_some())
         };
         if self.runs.iter().all(|row| row.window == 0 && !void(row)) {
             return Cow::Borrowed(self);
@@ -36,9 +37,7 @@ impl Run {
                 trace.times.scale(None);
                 trace.mrays_per_s = 0.0;
             }
-            if row.build.times.void.is_some() {
-                row.build.times.scale(None);
-            }
+            row.build.all_mut().filter(|times| times.void.is_some()).for_each(|times| times.scale(None));
         }
         for row in run.runs.iter_mut().filter(|row| row.window > 0) {
             let in_place = |one: &&TracerRun| same_place(one, row);
@@ -56,8 +55,10 @@ impl Run {
                     if same { [first.median_ms, later.median_ms] } else { common_clock(&first, &later)? };
                 (later > 0.0 && own.void.is_none()).then_some(first / later)
             };
-            let of_build = factor(&row.build.times, &|one| Some(one.build.times.clone()));
-            row.build.times.scale(of_build);
+            for (place, times) in row.build.all_mut().enumerate() {
+                let by = factor(times, &|one| one.build.all().nth(place).cloned());
+                times.scale(by);
+            }
             for trace in &mut row.traces {
                 let of_trace = |one: &TracerRun| {
                     one.traces.iter().find(|other| same_rays(other, trace)).map(|other| other.times.clone())
@@ -106,11 +107,12 @@ mod tests {
         let quality = |speed| Quality { missed: 0.0, blur: 0.0, speed, clock: ClockKind::DeviceTimestamps };
         let sets = [("diffuse", Query::Closest)];
         let plain = fixture::run(&[("a", quality(1.0)), ("b", quality(2.0)), ("c", quality(4.0))], &sets);
+        let plain = fixture::with_whole_builds(plain);
         assert!(matches!(plain.aligned(), Cow::Borrowed(_)));
         let mut run = plain.clone();
         let slow = |row: &mut TracerRun, window: u32| {
             row.window = window;
-            row.build.times.scale(Some(2.0));
+            row.build.all_mut().for_each(|times| times.scale(Some(2.0)));
             row.traces[0].times.scale(Some(2.0));
             row.traces[0].mrays_per_s /= 2.0;
         };
@@ -123,7 +125,11 @@ mod tests {
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
         let (own, set) = (&plain.runs[1].traces[0], &aligned.runs[1].traces[0]);
         assert!(near(set.times.median_ms, own.times.median_ms) && near(set.mrays_per_s, own.mrays_per_s));
-        assert!(near(aligned.runs[1].build.times.median_ms, plain.runs[1].build.times.median_ms));
+        let (builds, own) = (&aligned.runs[1].build, &plain.runs[1].build);
+        assert!(
+            builds.all().count() == 3
+                && builds.all().zip(own.all()).all(|(one, own)| near(one.median_ms, own.median_ms))
+        );
         assert!(
             aligned.runs[2].traces[0].times.samples_ms.is_empty() && aligned.runs[2].build.times.samples_ms.is_empty()
         );

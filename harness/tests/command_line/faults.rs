@@ -25,6 +25,7 @@ fn records_that_nothing_measured() {
         ("/runs/0/build/samples_ms/0", json!(-3.0), "`runs[0].build.samples_ms[0]` is -3.0"),
         ("/runs/0/traces/0/count", json!(-3), "`runs[0].traces[0].count` is -3"),
         ("/control_names", json!([]), "`control_names` is empty and must be filled"),
+        ("/runs/0/build/steady/samples_ms/0", json!(-3.0), "`runs[0].build.steady.samples_ms[0]` is -3.0"),
     ] {
         change(path, value);
         for words in [&["report", "changed.json"][..], &["compare", "out", "changed.json"]] {

@@ -90,8 +90,8 @@ fn scenes_have_any_path() {
         let odd = OsStr::from_bytes(b"\xff,\xfe.glb");
         std::fs::write(bench.folder.path().join(odd), &wide).unwrap();
         let out = bench.text("odd");
-        let mut call: Vec<&OsStr> =
-            SMOKE.iter().chain(&PRIMARY).chain(&["--out", &out, "--scene"]).map(OsStr::new).collect();
+        let last = ["--out", out.as_str(), "--scene"];
+        let mut call: Vec<&OsStr> = SMOKE.iter().chain(&PRIMARY).chain(&last).map(OsStr::new).collect();
         call.push(odd);
         let outcome = bench.call(&call);
         assert_eq!(outcome.status, 0, "{outcome:?}");

@@ -54,7 +54,7 @@ fn lists() {
 }
 
 /// Every path to a value that scripts may rely on, from a run, a trace and a verdict.
-const RUN_FIELDS: [&str; 27] = [
+const RUN_FIELDS: [&str; 31] = [
     "/scene/name",
     "/scene/sha256",
     "/scene/triangles",
@@ -72,6 +72,10 @@ const RUN_FIELDS: [&str; 27] = [
     "/build/median_ms",
     "/build/interval_ms/1",
     "/build/phases",
+    "/build/first/samples_ms",
+    "/build/first/median_ms",
+    "/build/steady/samples_ms",
+    "/build/steady/interval_ms/1",
     "/build/setup_ms",
     "/traces/0/rays",
     "/traces/0/query",

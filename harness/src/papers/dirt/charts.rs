@@ -63,7 +63,7 @@ fn over_buckets_of(experiment: &Experiment, scene: &SceneRows<'_>) -> SeriesChar
                 Some(PAPER.bytes(run, Scope::OfPaper)? / MIB)
             }),
             panel("References stored", "references (millions)", &|run| Some(statistic(run, "references")? / 1e6)),
-            panel("Build", "build (ms)", &|run| Some(run.build.times.median_ms)),
+            panel("Build", "build (ms)", &|run| Some(run.build.steady().median_ms)),
             panel("Diffuse rays", "trace (ms)", &|run| Some(diffuse(run)?.times.median_ms)),
             panel("Tests", "triangle tests per diffuse ray", &|run| counter(run, "triangle_tests")),
             panel("Wrong rays", "wrong under tight (%)", &|run| {
@@ -109,9 +109,9 @@ fn mixes_of(experiment: &Experiment, scene: &SceneRows<'_>) -> SeriesChart {
     };
     let panels = MIXES.iter().map(|(name, mix)| {
         let lines = tracers.iter().flat_map(|tracer| {
-            let traced = |run: &TracerRun| Some(total_ms(run, mix)? - host_ms(&run.build.times)?);
+            let traced = |run: &TracerRun| Some(total_ms(run, mix)? - host_ms(run.build.steady())?);
             let line = |values, dashed| Series { label: (*tracer).to_owned(), values, dashed };
-            [line(values(tracer, &traced), false), line(values(tracer, &|run| host_ms(&run.build.times)), true)]
+            [line(values(tracer, &traced), false), line(values(tracer, &|run| host_ms(run.build.steady())), true)]
         });
         SeriesPanel {
             title: (*name).to_owned(),

@@ -104,7 +104,7 @@ pub(super) fn mixes(page: &Page<'_>) -> String {
         .told("scene", |(scene, _)| Cell::Name(scene.label.clone()))
         .told("rays from", |(_, run)| run.viewpoint.ray_image.map(|side| side.to_string()).join("x"))
         .told("tracer", |(_, run)| run.label())
-        .told("build (ms, host clock) ↓", |(_, run)| host_ms(&run.build.times))
+        .told("build (ms, host clock) ↓", |(_, run)| host_ms(run.build.steady()))
         .with(MIXES.map(at).into());
     let of_scene =
         |scene| SceneRows::by_resolution(scene).into_iter().flat_map(|at| at.runs).map(move |run| (scene, run));

@@ -18,7 +18,7 @@ pub(super) fn rows(page: &Page<'_>) -> String {
 pub(super) fn octree(page: &Page<'_>) -> String {
     // With the first of the A-buffers in its scene.
     let rows: Vec<_> = page.all().filter_map(|row| Some((row, pair(row.0)?[1]))).collect();
-    let build = |run: &TracerRun| host_ms(&run.build.times);
+    let build = |run: &TracerRun| host_ms(run.build.steady());
     let traces = |run: &TracerRun| ms_of(run, &FRAME);
     // Without an accuracy there is no time of a frame.
     let both = |run: &TracerRun| Some(build(run)? + traces(run)?);

@@ -10,7 +10,7 @@ use crate::results::{TracerRun, host_ms};
 /// Build and traces of every row, with ratios to the first of a tracer.
 pub(in crate::papers) fn beside(page: &Page<'_>, reference: &str) -> String {
     let mut text = format!("\n{TIMES} Ratios are to the first row of {reference} in a scene.\n");
-    let build = |run: &TracerRun| host_ms(&run.build.times);
+    let build = |run: &TracerRun| host_ms(run.build.steady());
     for scene in &page.rows.scenes {
         let Some(first) = scene.like_first(reference, &[]) else { continue };
         let mut sheet = Sheet::<&TracerRun>::new().told("tracer", |run| run.label());

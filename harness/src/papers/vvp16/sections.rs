@@ -188,9 +188,9 @@ pub(super) fn frames(page: &Page<'_>) -> String {
     let sheet = Sheet::<Row<'_>>::new()
         .told("scene", |(_, run)| Cell::Name(run.scene.name.clone()))
         .told("frame at (s)", |(_, run)| run.viewpoint.time_s.to_string())
-        .told("build (ms) ↓", |(_, run)| host_ms(&run.build.times))
+        .told("build (ms) ↓", |(_, run)| host_ms(run.build.steady()))
         .told("one sample a pixel (ms) ↓", |(_, run)| time_of(run, &["diffuse"]))
-        .told("four samples over build", |(_, run)| over(samples(run), host_ms(&run.build.times)))
+        .told("four samples over build", |(_, run)| over(samples(run), host_ms(run.build.steady())))
         .told("published: build / four samples (ms)", |(_, run)| {
             let [build, samples] = printed(run);
             both(Cell::number(build, 2), Cell::number(samples, 3))

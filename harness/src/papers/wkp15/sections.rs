@@ -132,7 +132,7 @@ fn visits(traced: &TraceRecord) -> Option<f64> {
 /// A table of peers: traces and frames over those of the single layer, beside the same of the paper, with what they visit.
 fn beside_peers(page: &Page<'_>, warp: &Warp) -> String {
     let Warp { rays, warps, published: [one, frame] } = *warp;
-    let frame_ms = |run: &TracerRun| Some(host_ms(&run.build.times)? + warps * ms_of(run, &[rays])?);
+    let frame_ms = |run: &TracerRun| Some(host_ms(run.build.steady())? + warps * ms_of(run, &[rays])?);
     let printed = |column: &'static str| {
         Column::told(format!("published: {column} ×"), move |row: &Row<'_>| published_over(page, row.run, column))
     };
@@ -182,7 +182,7 @@ pub(super) fn lens(page: &Page<'_>) -> String {
         .told("rays", |row| row.trace().map(|trace| trace.count))
         .told("trace (ms) ↓", Row::time)
         .told("× first row", Row::over_first)
-        .told("build and trace (ms) ↓", |row| Some(host_ms(&row.run.build.times)? + row.time()?.value))
+        .told("build and trace (ms) ↓", |row| Some(host_ms(row.run.build.steady())? + row.time()?.value))
         .told("asking layer 2 (%)", |row| row.percent(share_asking_second))
         .told("ending there (%)", |row| row.percent(share_behind_first))
         .told("published: N_pri/N_sec", |row| own(row).and_then(|_| Some(counts(row)?.join("/"))))

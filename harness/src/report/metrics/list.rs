@@ -21,11 +21,27 @@ pub(crate) const TRACE_TIME: Metric =
     metric(&["median_ms", "median_low_ms", "median_high_ms"], "median time", "ms", Lower, |trace| {
         timed(trace, (&trace.times).into())
     });
-/// Time of a build.
+/// Time of the phases of a build, which records of before rules version 3 have alone.
 pub(crate) const BUILD_TIME: Metric =
     structure(&["build_median_ms", "build_low_ms", "build_high_ms"], "build time", "ms", Lower, |run| {
-        Some((&run.build.times).into())
+        Some(if run.build.steady.is_none() { (&run.build.times).into() } else { Cell::Absent })
     });
+/// Time of a first build, host clock.
+pub(crate) const FIRST_BUILD: Metric = structure(
+    &["first_build_median_ms", "first_build_low_ms", "first_build_high_ms"],
+    "first build",
+    "ms",
+    Lower,
+    |run| Some(run.build.first.as_deref().map_or(Cell::Absent, Cell::from)),
+);
+/// Time of a steady build, host clock.
+pub(crate) const STEADY_BUILD: Metric = structure(
+    &["steady_build_median_ms", "steady_build_low_ms", "steady_build_high_ms"],
+    "steady build",
+    "ms",
+    Lower,
+    |run| Some(run.build.steady.as_deref().map_or(Cell::Absent, Cell::from)),
+);
 /// Right about hit or miss.
 pub(crate) const HIT_MISS: Metric = metric(
     &["agreement_hit_miss_share", "agreement_hit_miss_low_share", "agreement_hit_miss_high_share"],
@@ -191,6 +207,8 @@ pub(crate) const METRICS: &[Metric] = &[
     plain(&["samples"], |trace| Some((trace.times.samples_ms.len() as u64).into())),
     plain(&["per_trace_bytes"], |trace| Some(trace.per_trace_bytes.into())),
     BUILD_TIME,
+    FIRST_BUILD,
+    STEADY_BUILD,
     structure(&["setup_ms"], "", "", Neither, |run| Some(run.build.setup_ms.into())),
     STRUCTURE,
     GEOMETRY,

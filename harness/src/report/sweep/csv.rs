@@ -39,7 +39,7 @@ pub(super) fn table<'a>(run: &Run, sweep: &SweepRecord, views: &'a [View<'a>]) -
         .column("rays_sha256", |row| measured(row).map(|(_, trace)| trace.rays_sha256.clone()))
         .hits(|row| measured(row).map(|(_, trace)| trace))
         .clock("clock", |row| measured(row).map(|(_, trace)| &trace.times))
-        .clock("build_clock", |row| measured(row).map(|(run, _)| &run.build.times))
+        .clock("build_clock", |row| measured(row).map(|(run, _)| run.build.first()))
         .structure(USED, |row| measured(row).map(|(run, _)| run))
         .provenance(&run.provenance, &run.preset)
         .metrics(&run.runs, measured);

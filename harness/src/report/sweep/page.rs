@@ -76,8 +76,8 @@ fn section(view: &View<'_>) -> String {
             None => cell.point.skipped.contains_key(scene).then(|| "skipped, see below".into()),
         })
         .structure(USED, |row| row.1.measured.map(|(run, _)| run))
-        .clock("build_clock", |row| row.1.measured.map(|(run, _)| &run.build.times))
-        .structure(BUILD_TIME, |row| row.1.measured.map(|(run, _)| run))
+        .clock("build_clock", |row| row.1.measured.map(|(run, _)| run.build.first()))
+        .builds(BUILD_TIME.label, |row| row.1.measured.map(|(run, _)| run))
         .own_clock(measured)
         .taken(SPEED, measured)
         .right(set.query, measured)

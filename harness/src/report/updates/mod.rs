@@ -129,12 +129,12 @@ fn of_structures<'a, R>(
     of: impl Fn(&R) -> &TracerRun + Copy + 'a,
     fresh: impl Fn(&R) -> Option<&TracerRun> + Copy + 'a,
 ) -> Sheet<'a, R> {
-    let time = move |row: &R| over_fresh(&of(row).build.times, fresh(row).map(|fresh| &fresh.build.times));
+    let time = move |row: &R| over_fresh(of(row).build.first(), fresh(row).map(|fresh| fresh.build.first()));
     let time = move |row: &R| time(row).map(|ratio| Cell::Number(ratio, 3));
     let cost = move |row: &R| Some(sah_cost(of(row))? / sah_cost(fresh(row)?)?);
     sheet
         .and(Column::new("way", move |row| way(of(row)).to_owned()).headed("way"))
-        .then(|sheet| updated(sheet, move |row| Some(&of(row).build.times)))
+        .then(|sheet| updated(sheet, move |row| Some(of(row).build.first())))
         .and(Column::new("update_time_over_fresh", time).headed(OVER_FRESH))
         .and(Column::new("sah_cost", move |row| sah_cost(of(row))).headed("SAH cost ↓"))
         .and(Column::new("sah_cost_over_fresh", cost).headed(OVER_FRESH))

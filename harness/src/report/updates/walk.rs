@@ -8,7 +8,7 @@ use super::{head, updated, way};
 use crate::report::format::{self, NONE, clock_code, clock_of, percent, thousands};
 use crate::report::group::set_heading;
 use crate::report::markdown::literal;
-use crate::report::metrics::{Better, COUNT, SPEED, STRUCTURE, TRACE_TIME, headed};
+use crate::report::metrics::{Better, COUNT, FIRST_BUILD, SPEED, STRUCTURE, TRACE_TIME, headed};
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::{ReportError, metrics, summary};
 use crate::results::{Run, SceneFollowed, TraceRecord, TracerRun, UpdatesRecord};
@@ -142,7 +142,7 @@ fn totals(set: &Set<'_>) -> String {
             let clock = || walker.frames[0].map(|(_, trace)| clock_of(&trace.times));
             walker.total().map(|total| format::clock(total.clock).to_owned()).or_else(clock)
         })
-        .told("first build (ms) ↓", |walker| walker.update(0))
+        .told(FIRST_BUILD.heading(), |walker| walker.update(0))
         .told("update, mean of frames (ms) ↓", |walker| {
             mean(later(walker).map(|frame| walker.update(frame).map(|times| times.median_ms)))
         })

@@ -69,6 +69,34 @@ fn the_host_may_be_asked() {
     assert!(near(run.paired(&one, &other).sure().unwrap().value, 1.2));
 }
 
+/// Proves that first and steady builds are each paired with their own kind, by the host's clock, also where the other half of a sum is
+/// by the device's; and that a row of before these were told has its phases for both.
+#[test]
+fn first_and_steady_builds_are_told_apart() {
+    let mut run = run();
+    let samples = run.runs[0].build.times.samples_ms.clone();
+    for (row, [first, steady]) in run.runs.iter_mut().zip([[8.0, 1.0], [4.0, 2.0]]) {
+        let whole = |factor: f64| {
+            let samples_ms: Vec<f64> = samples.iter().map(|ms| factor * ms).collect();
+            let times = Times { clock: ClockKind::Host, samples_ms, phases: Vec::new(), ..row.build.times.clone() };
+            Some(Box::new(Times { submit_to_done_samples_ms: Vec::new(), ..times }))
+        };
+        (row.build.first, row.build.steady) = (whole(first), whole(steady));
+    }
+    let ratio = |run: &Run, of: fn(&TracerRun) -> Timed<'_>| run.paired(&of(&run.runs[1]), &of(&run.runs[0])).sure();
+    assert!(near(ratio(&run, |row| Timed::first_build(row)).unwrap().value, 0.5));
+    assert!(near(ratio(&run, |row| Timed::steady_build(row)).unwrap().value, 2.0));
+    let of_frame = |row| Timed::steady_build(&run.runs[row]).and(traced(&run, row, 0));
+    assert!(run.paired(&of_frame(1), &of_frame(0)).sure().is_ok());
+    let ours = run.runs[0].build.clone();
+    run.runs.iter_mut().for_each(|row| (row.build.first, row.build.steady) = (None, None));
+    let [before, first] = [ratio(&run, |row| Timed::steady_build(row)), ratio(&run, |row| Timed::first_build(row))];
+    assert!(before == first && !near(before.unwrap().value, 2.0));
+    // An update has no first build.
+    let update = crate::results::BuildRecord { first: None, ..ours.clone() };
+    assert!(std::ptr::eq(update.first(), update.steady()) && update.all().count() == 2 && ours.all().count() == 3);
+}
+
 /// Proves that phases, sums and multiples are taken round by round, by the clock of both.
 #[test]
 fn parts_are_paired_too() {
@@ -79,11 +107,11 @@ fn parts_are_paired_too() {
     };
     sort(&mut run.runs[0], 0.5);
     sort(&mut run.runs[1], 0.25);
-    let of = |row: usize| Timed::build(&run.runs[row]).phase("sort");
+    let of = |row: usize| Timed::build_phase(&run.runs[row], "sort");
     assert!(near(run.paired(&of(1), &of(0)).sure().unwrap().value, 0.6));
-    let none = Timed::build(&run.runs[0]).phase("no such");
+    let none = Timed::build_phase(&run.runs[0], "no such");
     assert_eq!(run.paired(&of(1), &none).answer(0.1), Answer::Undecided(Doubt::NoTimes));
-    let sum = |row: usize| Timed::build(&run.runs[row]).and(traced(&run, row, 0));
+    let sum = |row: usize| Timed::steady_build(&run.runs[row]).and(traced(&run, row, 0));
     let found = run.paired(&sum(1), &sum(0));
     assert!(near(found.sure().unwrap().value, 1.2) && found.pairing == Pairing::Rounds);
     let per_ray = run.paired(&traced(&run, 1, 0).times(0.5), &traced(&run, 0, 0));
@@ -91,7 +119,7 @@ fn parts_are_paired_too() {
     // A phase that some rounds lack belongs to no round.
     let mut gone = run.clone();
     gone.runs[0].build.times.phases[0].samples_ms.pop();
-    let of = |row: usize| Timed::build(&gone.runs[row]).phase("sort");
+    let of = |row: usize| Timed::build_phase(&gone.runs[row], "sort");
     assert_eq!(gone.paired(&of(1), &of(0)).sure(), Err(Doubt::NoTimes));
     // Of different clocks both are told by the host's.
     let mut host = run.clone();

@@ -57,7 +57,7 @@ pub fn on_host(times: &Times) -> Option<Amount> {
 pub enum Cost {
     /// Time of the trace.
     Trace,
-    /// Time of the build.
+    /// Time of the first build.
     Build,
     /// Bytes of the structure, and of the geometry that must stay to trace.
     Bytes,
@@ -285,11 +285,11 @@ impl<'a> Field<'a> {
     pub fn cost(&self, entry: &Entry<'_>, cost: Cost) -> Option<Amount> {
         match cost {
             Cost::Trace => on_host(&entry.trace.times),
-            Cost::Build => on_host(&entry.row.build.times),
+            Cost::Build => on_host(entry.row.build.first()),
             Cost::Bytes => Some(Amount::exact(bytes(entry.row) as f64)),
             Cost::Frame(rays_per_pixel) => {
                 let times = self.rays_of_frame(rays_per_pixel) / self.count.max(1) as f64;
-                Some(on_host(&entry.row.build.times)?.and(on_host(&entry.trace.times)?.times(times)))
+                Some(on_host(entry.row.build.steady())?.and(on_host(&entry.trace.times)?.times(times)))
             }
         }
     }
@@ -298,11 +298,11 @@ impl<'a> Field<'a> {
     pub fn surely_cheaper(&self, one: &Entry<'a>, other: &Entry<'a>, cost: Cost) -> bool {
         let timed = |entry: &Entry<'a>| match cost {
             Cost::Trace => Some(Timed::trace(entry.row, entry.trace)),
-            Cost::Build => Some(Timed::build(entry.row)),
+            Cost::Build => Some(Timed::first_build(entry.row)),
             Cost::Bytes => None,
             Cost::Frame(rays_per_pixel) => {
                 let times = self.rays_of_frame(rays_per_pixel) / self.count.max(1) as f64;
-                Some(Timed::build(entry.row).and(Timed::trace(entry.row, entry.trace).times(times)))
+                Some(Timed::steady_build(entry.row).and(Timed::trace(entry.row, entry.trace).times(times)))
             }
         };
         match (timed(one), timed(other)) {

@@ -53,21 +53,32 @@ fn each(run: &Run, look: &mut dyn FnMut(&Field<'_>, Cost, By)) {
 /// the rows again; that every tracer has a front of its own; and that points elsewhere, of other images and of controls are in none.
 #[test]
 fn no_point_of_a_front_is_dominated() {
-    let run = fixture::fronts(&several(), &SETS, 1.0);
+    // What is stored of a build before rules version 3 is the time from submission until done, whatever is asked.
+    fronts_hold(&fixture::fronts(&several(), &SETS, 1.0), |row| [row.build.times.submit_to_done_median_ms.unwrap(); 2]);
+}
+
+/// The same where first builds are told from steady ones: what is built once pays the first, a frame the steady one.
+#[test]
+fn fronts_pay_for_the_right_build() {
+    let run = fixture::with_whole_builds(fixture::fronts(&several(), &SETS, 1.0));
+    fronts_hold(&run, |row| [&row.build.first, &row.build.steady].map(|times| times.as_ref().unwrap().median_ms));
+}
+
+fn fronts_hold(run: &Run, build_ms: fn(&TracerRun) -> [f64; 2]) {
     let (mut looked, mut beaten) = (0, 0);
-    each(&run, &mut |field, cost, by| {
+    each(run, &mut |field, cost, by| {
         assert_eq!(field.entries.len(), several().len());
         assert_eq!(field.tracers(), ["a", "b", "c", "d"]);
         let again = |entry: &Entry<'_>| {
             let row = entry.row;
             let trace_ms = entry.trace.times.submit_to_done_median_ms.unwrap();
-            let build_ms = row.build.times.submit_to_done_median_ms.unwrap();
+            let [first_ms, steady_ms] = build_ms(row);
             let paid = match cost {
                 Cost::Trace => trace_ms,
-                Cost::Build => build_ms,
+                Cost::Build => first_ms,
                 Cost::Bytes => (row.memory.structure_bytes + row.memory.geometry_bytes) as f64,
                 // The image has a pixel a ray.
-                Cost::Frame(rays) => build_ms + rays * trace_ms,
+                Cost::Frame(rays) => steady_ms + rays * trace_ms,
             };
             (paid, Wrong::of(entry.trace, by).unwrap().drawn())
         };
@@ -182,7 +193,7 @@ fn classes_are_of_points_that_are_right_as_often() {
         planted("slow trace", 0.0001, 4.0, 50, 0.01),
         planted("often wrong", 0.4, 400.0, 50, 0.01),
     ];
-    let run = fixture::fronts(&points, &SETS[..1], 1.0);
+    let run = fixture::with_whole_builds(fixture::fronts(&points, &SETS[..1], 1.0));
     let record = run.pareto.as_ref().unwrap();
     let scene = &scene_fronts(&run, record)[0];
     let field = &scene.fields[0];
@@ -198,8 +209,11 @@ fn classes_are_of_points_that_are_right_as_often() {
         let [one, other] = &class.costs[..] else { panic!("two") };
         let at = |cost: &ClassCost<'_>, rays: f64| cost.cost.at(rays).value;
         let expected = |cost: &ClassCost<'_>| {
-            let once =
-                if class.motion == Motion::Static { 0.0 } else { on_host(&cost.entry.row.build.times).unwrap().value };
+            let once = if class.motion == Motion::Static {
+                0.0
+            } else {
+                cost.entry.row.build.steady.as_ref().unwrap().median_ms
+            };
             once + on_host(&cost.entry.trace.times).unwrap().value
         };
         for cost in [one, other] {
@@ -212,7 +226,7 @@ fn classes_are_of_points_that_are_right_as_often() {
     // Fewer rounds than a verdict needs decide nothing.
     let mut few = run.clone();
     for row in &mut few.runs {
-        row.build.times.samples_ms.truncate(5);
+        row.build.all_mut().for_each(|times| times.samples_ms.truncate(5));
     }
     let scene = &scene_fronts(&few, few.pareto.as_ref().unwrap())[0];
     let found = classes(scene, &scene.fields[0], by, 0.99);

@@ -124,11 +124,11 @@ fn class_cost<'a>(
     let structure = refitted.unwrap_or(entry.row);
     let once = match motion {
         Motion::Static => Amount::exact(0.0),
-        Motion::Refitted | Motion::Rebuilt => on_host(&structure.build.times)?,
+        Motion::Refitted | Motion::Rebuilt => on_host(structure.build.steady())?,
     };
     let mut doubt = doubt_of(fronts.run, &traces);
     if motion != Motion::Static {
-        doubt = doubt.or_else(|| doubt_of_times(fronts.run, &structure.build.times));
+        doubt = doubt.or_else(|| doubt_of_times(fronts.run, structure.build.steady()));
     }
     let cost = FrameCost { once, traces: fit };
     Some(ClassCost { entry: *entry, cost, refitted: refitted.is_some(), doubt })

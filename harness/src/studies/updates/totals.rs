@@ -72,7 +72,7 @@ impl<'a> Walker<'a> {
             let (row, trace) = (*there)?;
             // What is reused has nothing done to it.
             let done = frame == 0 || self.way != Update::Reuse.name();
-            parts.extend(done.then_some(&row.build.times));
+            parts.extend(done.then(|| row.build.first()));
             parts.push(&trace.times);
         }
         Total::of(&parts)
@@ -81,7 +81,7 @@ impl<'a> Walker<'a> {
     /// The time of what brought the structure to a frame, at the first of a build; `None` where nothing was done or timed.
     pub fn update(&self, frame: usize) -> Option<&'a Times> {
         let (row, _) = self.frames.get(frame).copied().flatten()?;
-        Some(&row.build.times).filter(|times| !times.samples_ms.is_empty())
+        Some(row.build.first()).filter(|times| !times.samples_ms.is_empty())
     }
 }
 

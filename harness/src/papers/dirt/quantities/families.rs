@@ -52,7 +52,7 @@ fn least_trend(scene: &SceneRows<'_>) -> Option<Estimate> {
         let points = families.iter().enumerate().map(|(place, run)| Some([place as f64, of(run)?]));
         rank_correlation(&points.collect::<Option<Vec<_>>>()?).map(Estimate::from)
     };
-    let builds = families.iter().enumerate().map(|(place, run)| (place as f64, Timed::build(run)));
+    let builds = families.iter().enumerate().map(|(place, run)| (place as f64, Timed::steady_build(run)));
     let builds = times::rank_correlation(scene.run, &builds.collect::<Vec<_>>())?;
     Estimate::least([builds, rank(bytes)?, rank(agreement)?])
 }

@@ -215,7 +215,7 @@ pub(crate) const MIXES: [(&str, Mix); 3] = [
 pub(in crate::papers::dirt) fn total_ms(run: &TracerRun, mix: &[(&str, f64)]) -> Option<f64> {
     let judged = |rays: &str| trace(run, rays).filter(|trace| agreement(trace).is_some());
     let times = mix.iter().map(|(rays, often)| Some(often * host_ms(&judged(rays)?.times)?));
-    Some(host_ms(&run.build.times)? + times.sum::<Option<f64>>()?)
+    Some(host_ms(run.build.steady())? + times.sum::<Option<f64>>()?)
 }
 
 /// What the hierarchy takes for build and traces over what DIRT takes, at the highest resolution over the lowest.
@@ -243,7 +243,7 @@ fn shadow_map_time_over_visibility(scene: &SceneRows<'_>) -> Option<Estimate> {
 /// Time of the build's phase direct visibility over that of diffuse rays.
 fn direct_visibility_over_diffuse(scene: &SceneRows<'_>) -> Option<Estimate> {
     let run = scene.find("dirt", &as_published(&[("tile_size", "2"), ("direct_visibility", "on")]))?;
-    ratio(scene.run, &Timed::build(run).phase("direct visibility"), &traced(run, "diffuse")?)
+    ratio(scene.run, &Timed::build_phase(run, "direct visibility"), &traced(run, "diffuse")?)
 }
 
 /// Time of diffuse rays' phase fetch over that of the first row, of all rows that which lies farthest from 1.

@@ -72,7 +72,7 @@ fn break_even_samples(scene: &SceneRows<'_>) -> Option<Estimate> {
         // All in parts of a trace in the A-buffer.
         let trace = traced(abuffer, "diffuse")?;
         let part = |timed: &Timed<'_>| ratio(scene.run, timed, &trace);
-        let owed = part(&Timed::build(bvh))? - part(&Timed::build(abuffer))?;
+        let owed = part(&Timed::steady_build(bvh))? - part(&Timed::steady_build(abuffer))?;
         let repaid = Estimate::from(1.0) - part(&traced(bvh, "diffuse")?)?;
         let nothing = owed.value <= 0.0 || repaid.value <= 0.0;
         let sure = [&owed, &repaid].iter().all(|each| each.interval[0] > 0.0);
@@ -99,5 +99,5 @@ pub(in crate::papers::vvp16) const SAMPLES: f64 = 4.0;
 /// Time of a frame's samples over that of its build.
 fn four_samples_over_build(scene: &SceneRows<'_>) -> Option<Estimate> {
     let run = row(scene, &[])?;
-    ratio(scene.run, &traced(run, "diffuse")?.times(SAMPLES), &Timed::build(run))
+    ratio(scene.run, &traced(run, "diffuse")?.times(SAMPLES), &Timed::steady_build(run))
 }

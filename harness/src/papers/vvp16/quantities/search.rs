@@ -82,7 +82,7 @@ fn rank_of_time_by_efficiency<'a>(scenes: &[SceneRows<'a>]) -> Option<Estimate> 
 fn rank_of_build_by_fragments<'a>(scenes: &[SceneRows<'a>]) -> Option<Estimate> {
     let point = |scene: &SceneRows<'a>| {
         let run = row(scene, &[])?;
-        Some((statistic(run, "fragments")?, Timed::build(run)))
+        Some((statistic(run, "fragments")?, Timed::steady_build(run)))
     };
     rank_correlation(scenes.first()?.run, &scenes.iter().filter_map(point).collect::<Vec<_>>())
 }

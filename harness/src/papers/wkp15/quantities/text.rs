@@ -81,7 +81,7 @@ fn four_layers_over_three(scene: &SceneRows<'_>) -> Option<Estimate> {
 /// Time of drawing and building four layers over that of the rays of both eyes.
 fn build_of_four_layers_over_eyes(scene: &SceneRows<'_>) -> Option<Estimate> {
     let run = row(&near(scene), &[("layers", "4")])?;
-    ratio(scene.run, &Timed::build(run), &traced(run, "stereo")?.times(2.0))
+    ratio(scene.run, &Timed::steady_build(run), &traced(run, "stereo")?.times(2.0))
 }
 
 /// The share of temporal rays that one layer misses wrongly and two do not, where the camera has moved farthest; nothing is inpainted.

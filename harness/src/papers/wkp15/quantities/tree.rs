@@ -33,7 +33,7 @@ fn phases<'a>(run: &'a TracerRun, begins: &'static [&'static str]) -> impl Itera
 }
 
 fn timed<'a>(run: &'a TracerRun, begins: &'static [&'static str]) -> Option<Timed<'a>> {
-    phases(run, begins).map(|phase| Timed::build(run).phase(&phase.name)).reduce(Timed::and)
+    phases(run, begins).map(|phase| Timed::build_phase(run, &phase.name)).reduce(Timed::and)
 }
 
 /// The construction as the paper times it.

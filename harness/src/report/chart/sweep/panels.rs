@@ -70,10 +70,10 @@ pub(super) fn memory(view: &View<'_>, values: &Values, styles: &[Style]) -> Pane
 
 pub(super) fn build(view: &View<'_>, values: &Values, styles: &[Style]) -> Panel {
     let time = |run: &TracerRun| {
-        let Times { median_ms, interval_ms, samples_ms, .. } = &run.build.times;
+        let Times { median_ms, interval_ms, samples_ms, .. } = run.build.first();
         (!samples_ms.is_empty()).then_some(Measured { value: *median_ms, interval: *interval_ms })
     };
-    let title = format!("build: {}", clock_names(view, |run, _| run.build.times.clock));
+    let title = format!("build: {}", clock_names(view, |run, _| run.build.first().clock));
     let all = curves(view, styles, false, |run, _| time(run));
     magnitudes(title, &BUILD_TIME.called("build").axis(), values, &all)
 }

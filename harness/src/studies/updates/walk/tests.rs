@@ -153,6 +153,11 @@ fn frames_are_walked_through() {
             assert_eq!(reuse[frame].way.as_ref().unwrap().stale_by, stale);
             let samples = [reuse[frame], refit[frame], rebuild[frame]].map(|row| row.build.times.samples_ms.len());
             assert_eq!(samples, [0, 2, 2]);
+            let whole = |row: &TracerRun| [&row.build.first, &row.build.steady].map(|whole| whole.is_some());
+            assert_eq!(
+                [reuse[frame], refit[frame], rebuild[frame]].map(whole),
+                [[false; 2], [false, true], [false, true]]
+            );
             assert!(agreement(rebuild[frame]) > 0.99);
             let [reused, rebuilt] = ["reuse", "rebuild"].map(|way| rows(&run, scene, "onlooker", way)[frame]);
             assert!(reused.way.as_ref().unwrap().stale_by.contains(&"viewpoint".to_owned()));
@@ -184,9 +189,9 @@ fn all_frames_are_summed_and_shown() {
     let summed = |way: &str, updated: bool| -> f64 {
         let fresh = rows(&run, "room", "bvh-cpu", "fresh build")[0];
         let later = rows(&run, "room", "bvh-cpu", way);
-        let update = |row: &TracerRun| if updated { row.build.times.median_ms } else { 0.0 };
+        let update = |row: &TracerRun| if updated { row.build.steady.as_ref().unwrap().median_ms } else { 0.0 };
         let each = later.iter().map(|row| update(row) + row.traces[0].times.median_ms);
-        fresh.build.times.median_ms + fresh.traces[0].times.median_ms + each.sum::<f64>()
+        fresh.build.first.as_ref().unwrap().median_ms + fresh.traces[0].times.median_ms + each.sum::<f64>()
     };
     let all = walkers(&run, &scene, "primary");
     assert_eq!(all.len(), 5);
