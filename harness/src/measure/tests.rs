@@ -154,7 +154,8 @@ fn coarse() -> Instant {
 #[test]
 fn times_below_twenty_ticks_are_void() {
     let tick = tick_ms(coarse).unwrap();
-    assert!((tick - 10.0).abs() < 1e-9, "{tick}");
+    // On a busy machine a step may be several.
+    assert!(tick > 9.9 && (tick / 10.0 - (tick / 10.0).round()).abs() < 1e-9, "{tick}");
     let mut by_steps = Kernels::new(None).unwrap();
     let fine = by_steps.ticks.host_ms.unwrap();
     assert!(fine > 0.0 && fine < 1.0, "{fine}");
@@ -163,7 +164,7 @@ fn times_below_twenty_ticks_are_void() {
         raced_by(session().read_by(coarse), Some(&by_steps), Instant::now, 3, Box::new(Fake(Manner::Honest)), None);
     let trace = came.trace().unwrap();
     let why = trace.times.void.as_ref().unwrap();
-    assert!(why.contains("below 20 ticks") && why.contains("10 ms"), "{why}");
+    assert!(why.contains("below 20 ticks") && why.contains(&format!("{tick} ms")), "{why}");
     assert_eq!((trace.mrays_per_s, trace.times.samples_ms.len()), (0.0, 3));
     assert_eq!(came.race.as_ref().unwrap().clock_ticks, Some(by_steps.ticks));
     let Outcome::Measured(Built { build, .. }) = &came.built else { panic!("not built") };
