@@ -104,6 +104,8 @@ impl RunError {
 }
 
 #[cfg(test)]
+mod doubled_tests;
+#[cfg(test)]
 mod replay;
 #[cfg(test)]
 mod tests;
