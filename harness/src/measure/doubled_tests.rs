@@ -210,6 +210,7 @@ fn doublings_are_measured() {
             time_s: 0.0,
             seed: 1,
             end: EndPoint::Hit,
+            wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
             table: None,
         };
         let device = Ok(gpu.clone());

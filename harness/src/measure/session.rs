@@ -104,7 +104,7 @@ pub struct RayRequest<'a> {
 
 /// Why shares of right answers to a query say nothing; as [`crate::results::Judgement::one_sided`].
 fn one_sided(query: Query, answers: &[Answer]) -> Option<&'static str> {
-    let judged = || answers.iter().filter(|answer| !answer.tie);
+    let judged = || answers.iter().filter(|answer| query == Query::Closest || !answer.is_ambiguous());
     let hits = judged().filter(|answer| answer.hit.is_some()).count();
     match judged().count() - hits {
         1.. if hits == 0 => Some(NO_RAY_HITS),

@@ -318,7 +318,7 @@ fn unmarked_work_is_in_whole_times() {
     let times = |tracer: Hidden| {
         let came = raced_by(session(), None, worked, 12, Box::new(tracer), None);
         let Outcome::Measured(Built { build, .. }) = came.built else { panic!("not built") };
-        let samples = |times: &Option<Box<crate::results::Times>>| times.clone().unwrap();
+        let samples = |times: &Option<Box<Times>>| times.clone().unwrap();
         (build.times.clone(), samples(&build.first), samples(&build.steady))
     };
     for (grows, first_ms) in [(false, 103.0), (true, 113.0)] {

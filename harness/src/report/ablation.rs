@@ -71,7 +71,7 @@ fn structures(group: &Group<'_>) -> String {
         .told("row", |row| row.label())
         .build(|row| Some(row))
         .then(|sheet| statistics(sheet, |row| row))
-        .phases("phases of the build (ms)", ", ", |row| Some(&row.build.times));
+        .build_phases("phases of the build (ms)", ", ", |row| row);
     sheet.markdown(&group.contenders)
 }
 

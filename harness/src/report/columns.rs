@@ -97,6 +97,20 @@ impl<'a, R> Sheet<'a, R> {
         self.with(metrics.map(|metric| metric.of_structure(of)).into())
     }
 
+    /// With the phases of builds and, where what stands beside them is by the host's clock, theirs.
+    pub(crate) fn build_phases(
+        self,
+        heading: &str,
+        between: &'static str,
+        of: impl Fn(&R) -> &TracerRun + Copy + 'a,
+    ) -> Self {
+        let clock = move |row: &R| {
+            let build = &of(row).build;
+            build.steady.as_ref().map_or(Cell::Absent, |_| clock_of(&build.times).into())
+        };
+        self.told("clock of phases", clock).phases(heading, between, move |row| Some(&of(row).build.times))
+    }
+
     /// With a figure of structures.
     pub(crate) fn structure(self, metric: Metric, of: impl Fn(&R) -> Option<&TracerRun> + 'a) -> Self {
         self.and(metric.of_structure(of))

@@ -89,7 +89,7 @@ fn structures(group: &Group<'_>) -> String {
     let sheet = Sheet::<(&TracerRun, String)>::new()
         .told("tracer", |(row, reads)| format!("{} reads={reads}", row.tracer.name))
         .build(|(row, _)| Some(row))
-        .phases("phases of the build (ms)", ", ", |(row, _)| Some(&row.build.times));
+        .build_phases("phases of the build (ms)", ", ", |(row, _)| row);
     sheet.markdown(&rows)
 }
 

@@ -230,7 +230,7 @@ fn build_table(group: &Group<'_>) -> String {
         .told("frame, faces (px)", |run| format!("{}, {}", size(run.viewpoint.frame), run.viewpoint.face))
         .clock("clock", |run| Some(run.build.first()))
         .builds(BUILD_TIME.label, |run| Some(run))
-        .phases("phases (ms)", "; ", |run| Some(&run.build.times))
+        .build_phases("phases (ms)", "; ", |run| run)
         .structure(STRUCTURE, |run| Some(run))
         .structure(GEOMETRY, |run| Some(run))
         .structure(BUILD_PEAK, |run| Some(run));

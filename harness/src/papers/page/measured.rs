@@ -62,7 +62,7 @@ fn structures(page: &Page<'_>, scene: &SceneRows<'_>) -> String {
         sheet = sheet
             .clock("build_clock", |run| Some(run.build.first()))
             .builds(BUILD_TIME.label, |run| Some(run))
-            .phases("phases (ms)", "; ", |run| Some(&run.build.times));
+            .build_phases("phases (ms)", "; ", |run| run);
     }
     sheet.markdown(&scene.runs)
 }
