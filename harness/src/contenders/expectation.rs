@@ -182,8 +182,8 @@ mod tests {
         let device =
             |snap_pixels, reach| Rasterizer { snap_pixels, reach, depth_error: 0.0, depth_error_beyond_view: 0.0 };
         let (fine, coarse) = (device(0.0, 100.0), device(0.03, 10.0));
-        let judge = |device, index, wrong| fails(HUGE, &[Some(0.09); 3], device, index, wrong);
-        let wrong = [0.0, 0.05, 0.07, 0.11, 0.13, 0.17, 0.19];
+        let judge = |device, index, wrong| fails(HUGE, &[Some(0.15); 3], device, index, wrong);
+        let wrong = [0.0, 0.05, 0.11, 0.19, 0.21, 0.25, 0.27];
         let (low, high) = (Some(false), Some(true));
         assert_eq!(wrong.map(|wrong| judge(None, 2, wrong)), [low, low, None, None, high, high, high]);
         assert_eq!(wrong.map(|wrong| judge(Some(&fine), 2, wrong)), [low, low, None, None, high, high, high]);
