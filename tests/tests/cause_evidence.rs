@@ -140,8 +140,8 @@ fn causes(
     hits: &[Hit],
     of: &[usize],
 ) -> BTreeMap<String, u64> {
-    fn some<T: Copy>(indices: &[usize], all: &[T]) -> Vec<T> {
-        indices.iter().map(|index| all[*index]).collect()
+    fn some<T: Clone>(indices: &[usize], all: &[T]) -> Vec<T> {
+        indices.iter().map(|index| all[*index].clone()).collect()
     }
     let (rays_of, answers, hits) = (some(of, &rays.buffer.host), some(of, &rays.answers), some(of, hits));
     let sight = session.sight(contender).unwrap();
@@ -154,6 +154,7 @@ fn causes(
         samplings: &sight.samplings,
         voxels: sight.voxels,
         names_primitives: contender.description.names_primitives,
+        wrong_rays_per_cause: 0,
     };
     let Judgement::Closest(judgement) = judge.judge(&hits).unwrap() else { panic!("closest was asked") };
     judgement.causes["footprint"].clone()

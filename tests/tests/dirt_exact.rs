@@ -38,6 +38,7 @@ fn wrong(truth: &Truth, rays: &[Ray], hits: &[Hit]) -> (Vec<usize>, usize) {
         samplings: &[],
         voxels: None,
         names_primitives: false,
+        wrong_rays_per_cause: 4,
     };
     let wrong = (0..hits.len()).filter(|index| !judge.class(Rule::Tight, *index, &hits[*index]).is_right());
     (wrong.collect(), answers.iter().filter(|answer| answer.is_ambiguous()).count())

@@ -40,6 +40,13 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {
     for (path, run) in [&a, &b] {
         sound_times(run).map_err(|what| CliError::Other(format!("{path}: {what}")))?;
     }
+    let [by_a, by_b] = [&a.1, &b.1].map(|run| run.provenance.rules_version);
+    if by_a != by_b {
+        return Err(CliError::Other(format!(
+            "{} was measured by version {by_a} of the rules, {} by version {by_b}: measure both by one",
+            a.0, b.0
+        )));
+    }
     let found = compare::compare((&a.0, &a.1), (&b.0, &b.1), arguments.threshold / 100.0);
     print(&if arguments.json {
         let json = serde_json::to_string_pretty(&found).map_err(|error| CliError::Other(error.to_string()))?;

@@ -7,7 +7,7 @@ use super::MeansRecord;
 use crate::machine::{self, Machine};
 
 /// Version of the rules of measuring, RULES.md.
-pub const RULES_VERSION: u32 = 2;
+pub const RULES_VERSION: u32 = 3;
 
 /// Where something was measured, by which program, and when; flattened into the record of what was measured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -146,6 +146,14 @@ fn wrong_comparisons() {
     bench.fails(&["compare", "old.json", "good"], 1, &["old.json", "schema 1", "reads schema 2"]);
     std::fs::write(bench.path("other.json"), "{}").unwrap();
     bench.fails(&["compare", "good", "other.json"], 1, &["other.json", "no \"schema\""]);
+    let mut earlier = bench.result("good");
+    earlier["rules_version"] = json!(2);
+    std::fs::write(bench.path("earlier.json"), earlier.to_string()).unwrap();
+    bench.fails(
+        &["compare", "good", "earlier.json"],
+        1,
+        &["good was measured by version 3", "earlier.json by version 2"],
+    );
     // Times that cannot be, none at all, and a median that is not theirs.
     for (samples, median, part) in [
         (json!([]), 0.0, "no times"),

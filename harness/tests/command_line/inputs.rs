@@ -210,7 +210,7 @@ fn views_of_nothing_say_so() {
             let out = bench.text("out");
             let tracer = match verb[0] {
                 "table" => &[][..],
-                "explain" => &["--tracer", "screen-dda"],
+                "explain" => &["--tracer", "quadtree"],
                 _ => &cpu,
             };
             let outcome = bench.call(&[verb, &common, tracer, &["--view", view, "--out", &out]].concat());
