@@ -379,7 +379,8 @@ mod tests {
         let csv = |rows: &[Option<f64>]| String::from_utf8(sheet.csv("a.csv", rows).unwrap()).unwrap();
         assert!(sheet.markdown(&[None]).contains("absent") && csv(&[None]).contains("absent"));
         assert!(!csv(&rows).contains("absent"));
-        let error = sheet.column("share_low", |_| 1_u64).csv("a.csv", &rows).unwrap_err();
+        let twice = Sheet::new().column("share_low", |_| 1_u64);
+        let error = twice.column("share_low", |_| 1_u64).csv("a.csv", &rows).unwrap_err();
         assert!(error.to_string().contains("share_low"), "{error}");
     }
 }

@@ -310,7 +310,7 @@ mod tests {
             let reason = refusal(&changed);
             assert!(reason.contains(said), "{place} {value}: {reason}");
         }
-        let twice = plain.to_string().replacen("{\"schema\":", "{\"seed\":1,\"schema\":", 1);
+        let twice = plain.to_string().replacen('{', "{\"seed\":1,", 1);
         let reason = Run::read(twice.as_bytes()).unwrap_err();
         assert!(reason.contains("`seed` is there twice"), "{reason}");
     }

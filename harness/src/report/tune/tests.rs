@@ -144,6 +144,7 @@ fn record(tuning: &Tuning) -> Run {
         }),
         controls,
         runs,
+        races: row.races,
         skipped: tuning.skipped.clone(),
         ..sample
     }
