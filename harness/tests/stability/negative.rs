@@ -230,7 +230,7 @@ fn a_case_that_shows_nothing_is_noticed() {
 fn needles_are_lost_on_edges() {
     let case = find("needles").unwrap();
     let setup = (case.make)(8192.0).unwrap();
-    let session = prepare(case, &setup, None).unwrap();
+    let session = prepare(case, &setup, None).unwrap().keeping_wrong_rays(usize::MAX);
     let contender = built(&session);
     let rays = &session.rays[0];
     let mut hits = session.hit_buffer(&contender, rays).unwrap();
