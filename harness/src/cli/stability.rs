@@ -76,7 +76,9 @@ fn expect(path: &Path, from: &[PathBuf]) -> Result<(), CliError> {
     for record in from {
         shares.take(&report::read_run(record)?).map_err(|error| fail(record, &error))?;
     }
-    files::write(path, shares.text().as_bytes()).map_err(|error| fail(path, &error))?;
+    // What is there was read as such a file: it is a document that grows.
+    let write = if path.exists() { files::edit } else { files::write };
+    write(path, shares.text().as_bytes()).map_err(|error| fail(path, &error))?;
     print(&format!("{}\n", path.display()))
 }
 

@@ -48,7 +48,7 @@ pub(in crate::report) fn tuning(values: &[&str], scenes: &[&str], views: usize, 
                             run_of(0.01 + 0.05 * index.abs_diff(best) as f64).runs.remove(0).traces.remove(place);
                         let judged = Judged {
                             hits_sha256: format!("{index:064x}"),
-                            statuses: BTreeMap::from([("hit".to_owned(), 7)]),
+                            statuses: BTreeMap::from([("hit".to_owned(), fixture::COUNT)]),
                             judgement: trace.judgement,
                         };
                         ValueTuned { value: values[index].to_owned(), judged: Some(judged), skipped: None }
