@@ -50,7 +50,9 @@ fn a_run_is_the_same_as_itself() {
     for row in json["traces"].as_array().unwrap() {
         let movement = row["speed"]["movement"].as_str();
         assert_eq!((row["same_hits"].as_bool(), movement), (Some(true), Some("undecided")), "{row}");
-        assert_eq!(row["speed"]["undecided_because"], "5 rounds, fewer than 12");
+        // What takes less than twenty ticks of the clock has no times.
+        let because = row["speed"]["undecided_because"].as_str().unwrap();
+        assert!(because == "5 rounds, fewer than 12" || because.contains("below 20 ticks"), "{row}");
     }
     assert!(json["only_in_a"].as_array().unwrap().is_empty() && json["differences"].as_array().unwrap().is_empty());
     // With samples enough it can be told.
