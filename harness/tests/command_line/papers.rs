@@ -203,7 +203,14 @@ fn storages_of_the_other_paper() {
     }
     let ruins = found("vvp16-skipping-ruins");
     assert!(ruins["verdict"] == "not measured" && ruins["reason"].as_str().unwrap().contains("Ruins"), "{ruins}");
-    assert_eq!(found("vvp16-bucketed-faster")["values"].as_array().unwrap().len(), 1);
+    // On a busy machine times may be void or by another clock: then nothing is said of them.
+    let record = bench.result("variants");
+    let of_traces = |name: &str| -> BTreeSet<String> {
+        let runs = record["runs"].as_array().unwrap().iter();
+        runs.flat_map(|run| run["traces"].as_array().unwrap()).map(|trace| trace[name].to_string()).collect()
+    };
+    let comparable = of_traces("void") == BTreeSet::from(["null".to_owned()]) && of_traces("clock").len() == 1;
+    assert_eq!(found("vvp16-bucketed-faster")["values"].as_array().unwrap().len(), usize::from(comparable));
     assert_eq!(found("vvp16-linear-buckets")["verdict"], "not measurable here");
 }
 
