@@ -166,7 +166,7 @@ pub struct TwiceRecord {
     pub clock: ClockKind,
     /// Every counted sample of the double work.
     pub samples_ms: Vec<f64>,
-    /// How many times as long as once it takes, median of paired rounds.
+    /// How many times as long as once it takes, by the lower quartiles; before rules version 3 the median of paired rounds.
     pub ratio: Option<f64>,
     /// Why it is not judged; it is, without.
     pub not_judged: Option<String>,
