@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use serde_json::json;
 use tracebench_api::{EndPoint, ParameterError, ParameterScope, Parameters, Preset, Value};
 
+use crate::hash::sha256_of;
 use crate::machine;
 use crate::rays::RaySet;
 use crate::registry::Registration;
@@ -247,8 +248,13 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Everything that it says, as data: plans of the same words mean the same work.
+    /// Everything that it says, as data, with the hashes of files: plans of the same words mean the same work. What a .gltf names beside
+    /// itself is not read here.
     pub fn describe(&self) -> serde_json::Value {
+        let file = |source: &SceneSource| match source {
+            SceneSource::Catalogue(_) => None,
+            SceneSource::File { path, .. } => std::fs::read(path).ok().map(|bytes| sha256_of(&bytes)),
+        };
         let tracer = |request: &TracerRequest| {
             let resolution = request.resolution.map(|of| (of.frame, of.face));
             json!({ "name": request.name(), "preset": request.preset.name(), "parameters": request.parameters,
@@ -257,6 +263,7 @@ impl Plan {
         let RunPreset { name, ray_image, frame, face, sampling, scene_scale } = self.preset;
         json!({
             "scenes": self.scenes.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            "files_sha256": self.scenes.iter().map(file).collect::<Vec<_>>(),
             "tracers": self.tracers.iter().map(tracer).collect::<Vec<_>>(),
             "rays": self.ray_sets.iter().map(|set| set.name).collect::<Vec<_>>(),
             "ray_parameters": self.ray_parameters,

@@ -184,6 +184,31 @@ fn only_the_same_run_is_gone_on_with() {
         bench.fails(&sweep(&words), 2, &["out holds a complete run of another plan", "leave --resume out"]);
     }
     assert!(std::fs::read(out.join("run.json")).unwrap() == whole && !out.join("races").exists());
+    // Another file under the same name is another plan, too.
+    let file = |top: f32| {
+        std::fs::write(bench.path("one.glb"), glb(&[[-1.0, -1.0, -3.0], [1.0, -1.0, -3.0], [0.0, top, -3.0]])).unwrap()
+    };
+    let words = [
+        "run",
+        "--quiet",
+        "--preset",
+        "smoke",
+        "--size",
+        "16x8",
+        "--samples",
+        "1",
+        "--scene",
+        "one.glb",
+        "--tracer",
+        "bvh-cpu",
+        "--out",
+        "file",
+    ];
+    let resumed = [&words[..], &["--resume"]].concat();
+    file(1.0);
+    assert_eq!((bench.call(&words).status, bench.call(&resumed).status), (0, 0));
+    file(0.9);
+    bench.fails(&resumed, 2, &["file holds a complete run of another plan"]);
 }
 
 /// Proves that two shards, run in turn and joined, have the keys, answers, counts and bytes of the whole, that no scene is in
