@@ -16,10 +16,11 @@ pub const EXPLAIN_PAGE: &str = "explain.md";
 pub fn explanation_page(run: &Run, found: &ExplanationRecord) -> String {
     let dirty = if run.provenance.dirty == Some(true) { ", changed tree" } else { "" };
     let mut page = format!(
-        "# Why rays of {} are wrong\n\n{}\n\nCommit {}{dirty}, {}, run preset {}, seed {}.\n\n",
+        "# Why rays of {} are wrong\n\n{}\n\nCommit {}{dirty}, rules version {}, {}, run preset {}, seed {}.\n\n",
         inline(&found.tracer.label()),
         inline(&run.provenance.machine.label()),
         run.provenance.commit,
+        run.provenance.rules_version,
         run.provenance.started,
         run.preset,
         run.seed

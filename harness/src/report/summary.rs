@@ -170,6 +170,7 @@ pub(super) fn head_of(from: &Provenance, preset: &str, seed: u64, controls: &Ver
         None => " (unknown whether the tree was changed)",
     };
     item("Commit", format!("{}{tree}", from.commit));
+    item("Rules", format!("version {}", from.rules_version));
     let preset = match preset {
         "smoke" => "smoke (smoke run: figures only show that things work)",
         other => other,

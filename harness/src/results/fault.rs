@@ -5,7 +5,7 @@ use serde_json::Deserializer;
 use tracebench_api::Query;
 
 use super::values::Checked;
-use super::{Judgement, RaceRecord, Run, Times, TraceRecord, TracerRun};
+use super::{Classes, Judgement, RaceRecord, Run, Times, TraceRecord, TracerRun};
 use crate::statistics::median;
 
 /// A field, whether its rule holds, and the rule.
@@ -148,11 +148,22 @@ fn trace_is_sound(at: &str, trace: &TraceRecord) -> Result<(), String> {
         Judgement::Closest(judged) => {
             let (share, within) = (&judged.agreement, &judged.interval);
             let curve = judged.curve.iter().all(|[_, share]| (0.0..=1.0).contains(share));
+            let of = |classes: &Classes, wrong: u64, share: Option<f64>| {
+                share.is_none_or(|share| (1.0 - share - wrong as f64 / classes.all() as f64).abs() <= ROUNDING)
+            };
+            let (tight, footprint) = (&judged.classes.tight, &judged.classes.footprint);
             let rules = [
                 ("agreement.hit_miss", holds(within.hit_miss, share.hit_miss), "in its interval"),
                 ("agreement.tight", holds(within.tight, share.tight), "in its interval"),
                 ("agreement.footprint", holds(within.footprint, share.footprint), "in its interval"),
                 ("curve", curve, "pairs of a tolerance and a share"),
+                ("agreement.tight", of(tight, tight.wrong(), share.tight), "that of its `classes`"),
+                ("agreement.footprint", of(footprint, footprint.wrong(), share.footprint), "that of its `classes`"),
+                (
+                    "agreement.hit_miss",
+                    of(tight, tight.false_hit + tight.false_miss, share.hit_miss),
+                    "that of its `classes`",
+                ),
                 ("classes", !is_any, "`occlusion`: its rays ask for any hit"),
             ];
             all(&at, rules)?;
@@ -234,7 +245,7 @@ mod tests {
             assert_eq!(refusal(whole), "");
         }
         let trace = |rest: &str| format!("/runs/0/traces/0{rest}");
-        let changes: [(&Value, &str, Value, &str); 33] = [
+        let changes: [(&Value, &str, Value, &str); 34] = [
             (&plain, "/runs", json!([]), "`runs` must be filled: it has no rows"),
             (&plain, "/control_names", json!([]), "`control_names` is empty and must be filled"),
             (&plain, &trace("/count"), json!(-3), "`runs[0].traces[0].count` is -3 and must be 0 or more"),
@@ -274,6 +285,12 @@ mod tests {
                 "`runs[0].traces[0].judgement.agreement.tight` is 1.5",
             ),
             (&plain, &trace("/judgement/agreement/tight"), json!(0.5), "agreement.tight` must be in its interval"),
+            (
+                &plain,
+                &trace("/judgement/classes/footprint/true_miss"),
+                json!(1_u64 << 40),
+                "agreement.footprint` must be that of its `classes`",
+            ),
             (&plain, &trace("/judgement/ties"), json!(9999), "`runs[0].traces[0].judgement.ties` must be no more"),
             (&plain, &trace("/judgement/ties"), json!("x"), "`runs[0].traces[0].judgement`: invalid type"),
             (&plain, "/runs/0/memory/structure_bytes", json!(1), "`runs[0].memory.structure_bytes` must be the sum"),

@@ -277,6 +277,11 @@ pub struct Classes {
 }
 
 impl Classes {
+    /// All rays that have a class.
+    pub fn all(&self) -> u64 {
+        self.true_hit + self.true_miss + self.wrong()
+    }
+
     /// Wrong rays.
     pub fn wrong(&self) -> u64 {
         self.false_hit + self.false_miss + self.early + self.late

@@ -70,6 +70,7 @@ fn head(run: &Run, title: &str) -> String {
     };
     item("Machine", &run.provenance.machine.label());
     item("Commit", &format::commit(&run.provenance.commit, run.provenance.dirty));
+    item("Rules", &format!("version {}", run.provenance.rules_version));
     let smoke = if run.preset == "smoke" { " (smoke run: figures only show that things work)" } else { "" };
     item("Preset", &format!("{}{smoke}", run.preset));
     item("Started", &run.provenance.started);
