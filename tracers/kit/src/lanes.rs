@@ -12,7 +12,10 @@ pub const LANES_OF_WORKGROUP: u32 = 64;
 pub fn rays_per_lane_parameter() -> Parameter<u32> {
     let effect = "rays that a lane answers one after the other, at the mean (persistent lanes), so that lanes with short searches need \
                   not wait for others: many suit incoherent rays and few cores, few suit coherent rays and many cores";
-    Parameter::integer(ParameterScope::Trace, 1..=256, 1, effect).unit("rays").sweep([1, 2, 4, 8, 16, 32, 64])
+    Parameter::integer(ParameterScope::Trace, 1..=256, 1)
+        .effect(effect)
+        .unit("rays")
+        .sweep([1, 2, 4, 8, 16, 32, 64])
 }
 
 /// Rounds after which Mesa's software driver ends the loops of eight lanes together, in all.
