@@ -1,4 +1,4 @@
-//! Device parts that several tracers share: structures that are rebuilt, views as uniforms, pipelines
+//! Device parts that several tracers share: structures that are rebuilt, a view's depths as one, views as uniforms, pipelines
 //! and dispatches, buffers that are kept and grow, pyramids' levels, prefix sums and sorts, rasterized eye depth and triangles,
 //! layer behind layer, pyramids over eye depth, triangles rasterized in compute, surfaces of hits, counts of rays, bits for
 //! what is touched, the unit cube of methods that sample along axes, how searches read and are launched, work that is the same
@@ -35,6 +35,7 @@ mod texture;
 mod touched;
 mod triangle_pass;
 mod unit_space;
+mod view_images;
 mod view_uniform;
 
 pub use brute_force::{Allowed, AllowedFragments, Fragment, allowed_fragments, undecided_border};
@@ -74,6 +75,7 @@ pub use texture::create_texture;
 pub use touched::{TouchedBits, bits_on};
 pub use triangle_pass::{Canvas, TrianglePass, TrianglePipelines};
 pub use unit_space::{Fit, UnitSpace, across_and_down};
+pub use view_images::{DrawnView, ImagePipelines, ImageSearch, ImageShape, Images};
 pub use view_uniform::ViewUniform;
 
 use depth_pyramid::PyramidLevel;
