@@ -21,8 +21,10 @@ use crate::truth::Cache;
 parameters! {
     /// What the counted tracer is told.
     struct CountedParameters {
-        shape: u32 = Parameter::integer(ParameterScope::Build, 1..=1000, 1, "nothing").sweep([1, 2]),
-        search: u32 = Parameter::integer(ParameterScope::Trace, 1..=1000, 1, "nothing").sweep([1, 2]),
+        /// nothing
+        shape: u32 = Parameter::integer(ParameterScope::Build, 1..=1000, 1).sweep([1, 2]),
+        /// nothing
+        search: u32 = Parameter::integer(ParameterScope::Trace, 1..=1000, 1).sweep([1, 2]),
     }
 }
 

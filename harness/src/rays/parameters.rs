@@ -16,83 +16,30 @@ choice! {
 parameters! {
     /// What ray sets are told. One value each: presets of tracers do not concern rays.
     pub struct RayParameters {
-        order: Order = Parameter::choice(
-            Trace,
-            Order::Scanline,
-            "order of every set's rays; tiles are 8x8 pixels",
-        )
-        .sweep([]),
-        visibility_target: Target =
-            Parameter::choice(Trace, Target::Both, "where `visibility` rays end").sweep([]),
-        glossy_roughness: f64 = Parameter::real(
-            Trace,
-            0.001..=1.0,
-            0.25,
-            "width of the lobe of `glossy`, `glossy2` and `glossy3`; 1 is nearly diffuse",
-        )
-        .unit("GGX alpha"),
-        refractive_index: f64 = Parameter::real(
-            Trace,
-            1.0..=4.0,
-            1.5,
-            "how much denser solids are than air, for `refraction`",
-        ),
-        pixel_random_count: u32 = Parameter::integer(
-            Trace,
-            1..=1024,
-            20,
-            "rays that `pixel-random` starts from every primary hit",
-        )
-        .unit("rays a pixel"),
-        stereo_offset: f64 = Parameter::real(
-            Trace,
-            -1e6..=1e6,
-            0.032,
-            "how far the second eye of `stereo` lies to the right: half of 6.4 cm in scenes in metres",
-        )
-        .unit("scene units"),
-        temporal_shift_s: f64 = Parameter::real(
-            Trace,
-            0.0..=1e4,
-            0.5,
-            "how much later on the camera path `temporal` starts; at most the path's end",
-        )
-        .unit("s"),
-        lens_count: u32 = Parameter::integer(
-            Trace,
-            1..=64,
-            1,
-            "rays that `lens` starts at every pixel",
-        )
-        .unit("rays a pixel"),
-        lens_aperture: f64 = Parameter::real(
-            Trace,
-            0.0..=1.0,
-            0.01,
-            "diameter of the thin lens of `lens`, in scene diagonals",
-        )
-        .unit("diagonals"),
-        lens_focus: f64 = Parameter::real(
-            Trace,
-            0.0..=1e3,
-            0.0,
-            "eye depth in focus, in scene diagonals, 0.001 or more; 0 is that of what the image's centre shows",
-        )
-        .unit("diagonals"),
-        light_field_cameras: u32 = Parameter::integer(
-            Trace,
-            1..=64,
-            4,
-            "edge of the square of cameras of `light-field`",
-        )
-        .unit("cameras a side"),
-        light_field_width: f64 = Parameter::real(
-            Trace,
-            0.0..=1.0,
-            0.05,
-            "distance between the outer cameras of `light-field`, in scene diagonals",
-        )
-        .unit("diagonals"),
+        /// order of every set's rays; tiles are 8x8 pixels
+        order: Order = Parameter::choice(Trace, Order::Scanline).sweep([]),
+        /// where `visibility` rays end
+        visibility_target: Target = Parameter::choice(Trace, Target::Both).sweep([]),
+        /// width of the lobe of `glossy`, `glossy2` and `glossy3`; 1 is nearly diffuse
+        glossy_roughness: f64 = Parameter::real(Trace, 0.001..=1.0, 0.25).unit("GGX alpha"),
+        /// how much denser solids are than air, for `refraction`
+        refractive_index: f64 = Parameter::real(Trace, 1.0..=4.0, 1.5),
+        /// rays that `pixel-random` starts from every primary hit
+        pixel_random_count: u32 = Parameter::integer(Trace, 1..=1024, 20).unit("rays a pixel"),
+        /// how far the second eye of `stereo` lies to the right: half of 6.4 cm in scenes in metres
+        stereo_offset: f64 = Parameter::real(Trace, -1e6..=1e6, 0.032).unit("scene units"),
+        /// how much later on the camera path `temporal` starts; at most the path's end
+        temporal_shift_s: f64 = Parameter::real(Trace, 0.0..=1e4, 0.5).unit("s"),
+        /// rays that `lens` starts at every pixel
+        lens_count: u32 = Parameter::integer(Trace, 1..=64, 1).unit("rays a pixel"),
+        /// diameter of the thin lens of `lens`, in scene diagonals
+        lens_aperture: f64 = Parameter::real(Trace, 0.0..=1.0, 0.01).unit("diagonals"),
+        /// eye depth in focus, in scene diagonals, 0.001 or more; 0 is that of what the image's centre shows
+        lens_focus: f64 = Parameter::real(Trace, 0.0..=1e3, 0.0).unit("diagonals"),
+        /// edge of the square of cameras of `light-field`
+        light_field_cameras: u32 = Parameter::integer(Trace, 1..=64, 4).unit("cameras a side"),
+        /// distance between the outer cameras of `light-field`, in scene diagonals
+        light_field_width: f64 = Parameter::real(Trace, 0.0..=1.0, 0.05).unit("diagonals"),
     }
 }
 

@@ -98,13 +98,20 @@ pub struct Parameter<T> {
 }
 
 impl<T: ParameterType> Parameter<T> {
-    fn new(scope: ParameterScope, domain: Domain, published: T, effect: &'static str) -> Self {
+    fn new(scope: ParameterScope, domain: Domain, published: T) -> Self {
         let published = published.to_value();
         let improved = published.clone();
-        let sweep = Vec::new();
+        let (effect, sweep) = ("", Vec::new());
         let description =
             ParameterDescription { name: "", unit: "", scope, domain, published, improved, effect, sweep };
         Self { description, of_type: PhantomData }
+    }
+
+    /// With an effect, for a parameter that several tracers declare; one's own is the doc comment of its field.
+    #[must_use]
+    pub fn effect(mut self, effect: &'static str) -> Self {
+        self.description.effect = effect;
+        self
     }
 
     /// With a unit.
@@ -128,9 +135,17 @@ impl<T: ParameterType> Parameter<T> {
         self
     }
 
-    /// As data, under its name.
+    /// As data, under the name and with the doc comment of its field.
     #[must_use]
-    pub fn described(self, name: &'static str) -> ParameterDescription {
+    pub fn documented(self, name: &'static str, comment: &'static str) -> ParameterDescription {
+        // Every line of a doc comment begins with a blank.
+        match comment.trim_start() {
+            "" => self.described(name),
+            effect => self.effect(effect).described(name),
+        }
+    }
+
+    fn described(self, name: &'static str) -> ParameterDescription {
         ParameterDescription { name, ..self.description }
     }
 
@@ -149,32 +164,32 @@ impl<T: ParameterType> Parameter<T> {
 impl Parameter<u32> {
     /// A whole number.
     #[must_use]
-    pub fn integer(scope: ParameterScope, range: RangeInclusive<u32>, published: u32, effect: &'static str) -> Self {
+    pub fn integer(scope: ParameterScope, range: RangeInclusive<u32>, published: u32) -> Self {
         let (least, greatest) = (i64::from(*range.start()), i64::from(*range.end()));
-        Self::new(scope, Domain::Integer { least, greatest }, published, effect)
+        Self::new(scope, Domain::Integer { least, greatest }, published)
     }
 }
 
 impl Parameter<f64> {
     /// A real number.
     #[must_use]
-    pub fn real(scope: ParameterScope, range: RangeInclusive<f64>, published: f64, effect: &'static str) -> Self {
-        Self::new(scope, Domain::Real { least: *range.start(), greatest: *range.end() }, published, effect)
+    pub fn real(scope: ParameterScope, range: RangeInclusive<f64>, published: f64) -> Self {
+        Self::new(scope, Domain::Real { least: *range.start(), greatest: *range.end() }, published)
     }
 }
 
 impl<C: Choice> Parameter<C> {
     /// One of named values, all of which are worth sweeping.
     #[must_use]
-    pub fn choice(scope: ParameterScope, published: C, effect: &'static str) -> Self {
-        let mut made = Self::new(scope, Domain::Choice(C::NAMES), published, effect);
+    pub fn choice(scope: ParameterScope, published: C) -> Self {
+        let mut made = Self::new(scope, Domain::Choice(C::NAMES), published);
         made.description.sweep = C::ALL.iter().map(|each| each.to_value()).collect();
         made
     }
 }
 
-/// Declares what a tracer is told: a struct with a field a parameter. `describe()` gives the parameters as data, in order;
-/// `try_from(&Parameters)` reads their values, and refuses [`Parameters`] that are not just these.
+/// Declares what a tracer is told: a struct with a field a parameter, whose doc comment says what effect its values have. `describe()`
+/// gives the parameters as data, in order; `try_from(&Parameters)` reads their values, and refuses [`Parameters`] that are not just these.
 ///
 /// ```
 /// use tracebench_api::{Parameter, ParameterScope, Parameters, Preset, parameters};
@@ -182,7 +197,8 @@ impl<C: Choice> Parameter<C> {
 /// parameters! {
 ///     /// What a tracer is told.
 ///     struct Told {
-///         stride: u32 = Parameter::integer(ParameterScope::Trace, 1..=64, 1, "pixels between samples").unit("pixels"),
+///         /// pixels between samples
+///         stride: u32 = Parameter::integer(ParameterScope::Trace, 1..=64, 1).unit("pixels"),
 ///     }
 /// }
 /// let told = Told::try_from(&Parameters::preset(&Told::describe(), Preset::Published)).unwrap();
@@ -197,7 +213,8 @@ impl<C: Choice> Parameter<C> {
 /// parameters! {
 ///     /// What a tracer is told.
 ///     struct Told {
-///         stride: u32 = Parameter::integer(ParameterScope::Trace, 1..=64, 1, "pixels between samples").unit("pixels"),
+///         /// pixels between samples
+///         stride: u32 = Parameter::integer(ParameterScope::Trace, 1..=64, 1).unit("pixels"),
 ///     }
 /// }
 /// let told = Told::try_from(&Parameters::preset(&Told::describe(), Preset::Published)).unwrap();
@@ -206,18 +223,20 @@ impl<C: Choice> Parameter<C> {
 #[macro_export]
 macro_rules! parameters {
     ($(#[$attribute:meta])* $vis:vis struct $Name:ident {
-        $($field:ident: $Type:ty = $parameter:expr),+ $(,)?
+        $($(#[doc = $effect:literal])* $field:ident: $Type:ty = $parameter:expr),+ $(,)?
     }) => {
         $(#[$attribute])*
         #[derive(Clone, Copy, Debug, PartialEq)]
         $vis struct $Name {
-            $(#[doc = concat!("The value of `", stringify!($field), "`.")] $vis $field: $Type),+
+            $(#[doc = concat!("The value of `", stringify!($field), "`:")] $(#[doc = $effect])* $vis $field: $Type),+
         }
 
         impl $Name {
             /// Every parameter as data, in the order of lists.
             $vis fn describe() -> Vec<$crate::ParameterDescription> {
-                vec![$($crate::Parameter::<$Type>::described($parameter, stringify!($field))),+]
+                vec![$(
+                    $crate::Parameter::<$Type>::documented($parameter, stringify!($field), concat!($($effect),*))
+                ),+]
             }
         }
 
@@ -247,9 +266,12 @@ mod tests {
     crate::parameters! {
         /// What is told.
         struct Told {
-            size: Size = Parameter::choice(ParameterScope::Build, Size::Large, "how large"),
-            stride: u32 = Parameter::integer(ParameterScope::Trace, 1..=64, 1, "how far").improved(2).sweep([1, 8]),
-            bias: f64 = Parameter::real(ParameterScope::Trace, 0.0..=4.0, 0.5, "how near").unit("pixels"),
+            size: Size = Parameter::choice(ParameterScope::Build, Size::Large).effect("how large"),
+            /// how far,
+            /// at the most
+            stride: u32 = Parameter::integer(ParameterScope::Trace, 1..=64, 1).improved(2).sweep([1, 8]),
+            /// how near
+            bias: f64 = Parameter::real(ParameterScope::Trace, 0.0..=4.0, 0.5).unit("pixels"),
         }
     }
 
@@ -261,11 +283,14 @@ mod tests {
         Told::try_from(&parameters).unwrap()
     }
 
-    /// What is declared is what is described, and what is set is what is read, of every type.
+    /// What is declared is what is described, and what is set is what is read, of every type. Effects are the fields' comments, in one
+    /// line, or the parameter's own where there is none.
     #[test]
     fn declared_once_described_and_read() {
         let described = Told::describe();
         assert_eq!(described.iter().map(|each| each.name).collect::<Vec<_>>(), ["size", "stride", "bias"]);
+        let effects: Vec<_> = described.iter().map(|each| each.effect).collect();
+        assert_eq!(effects, ["how large", "how far, at the most", "how near"]);
         assert_eq!(described[0].domain, Domain::Choice(&["small", "large"]));
         assert_eq!(described[0].sweep, ["small", "large"].map(|name| Value::Choice(name.to_owned())));
         assert_eq!((&described[1].published, &described[1].improved), (&Value::Integer(1), &Value::Integer(2)));

@@ -64,22 +64,15 @@ parameters! {
     /// What `bvh-cpu` is told.
     pub(crate) struct CpuParameters {
         build: BuildPreset = build_parameter(),
-        rebuild_every: u32 = Parameter::integer(
-            ParameterScope::Build,
-            0..=1_000_000,
-            0,
-            "of the refits that follow a build every so many is a rebuild, because boxes grow as triangles drift \
-             apart: 1 makes all rebuilds, 0 none",
-        )
-        .unit("frames")
-        .sweep([0, 1, 2, 4, 8, 16, 32]),
-        triangle: TriangleTest = Parameter::choice(
-            ParameterScope::Build,
-            TriangleTest::MollerTrumbore,
-            "the test of triangles: obvhs's (Moller, Trumbore 1997), which loses some rays through edges and vertices that \
-             triangles share, or one that loses none (Woop, Benthin, Wald 2013), in boxes that are wider by rounding",
-        )
-        .improved(TriangleTest::Watertight),
+        /// of the refits that follow a build every so many is a rebuild, because boxes grow as triangles drift apart: 1 makes all rebuilds,
+        /// 0 none
+        rebuild_every: u32 = Parameter::integer(ParameterScope::Build, 0..=1_000_000, 0)
+            .unit("frames")
+            .sweep([0, 1, 2, 4, 8, 16, 32]),
+        /// the test of triangles: obvhs's (Moller, Trumbore 1997), which loses some rays through edges and vertices that triangles share,
+        /// or one that loses none (Woop, Benthin, Wald 2013), in boxes that are wider by rounding
+        triangle: TriangleTest = Parameter::choice(ParameterScope::Build, TriangleTest::MollerTrumbore)
+            .improved(TriangleTest::Watertight),
     }
 }
 

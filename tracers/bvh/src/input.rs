@@ -28,7 +28,7 @@ const DIAGONAL_EXPONENT: i32 = 17;
 /// The parameter `build`.
 pub(crate) fn build_parameter() -> Parameter<BuildPreset> {
     let effect = "obvhs's build preset: slower builds trace faster; slow and very_slow split large triangles";
-    Parameter::choice(ParameterScope::Build, BuildPreset::Medium, effect).improved(BuildPreset::Slow)
+    Parameter::choice(ParameterScope::Build, BuildPreset::Medium).effect(effect).improved(BuildPreset::Slow)
 }
 
 impl BuildPreset {

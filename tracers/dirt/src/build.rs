@@ -35,6 +35,7 @@ impl Filling {
 }
 
 /// The structure's buffers.
+#[derive(Clone)]
 pub(crate) struct Buffers {
     /// Pairs of codes of the least and greatest depth, every view, every level.
     pub bounds: Buffer,

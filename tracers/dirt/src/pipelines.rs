@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use tracebench_api::wgpu::ComputePipeline;
 use tracebench_api::{Gpu, TracerError};
-use tracebench_kit::{ComputeRaster, Gather, OnDemand, PrefixSum, TrianglePipelines, check_limits, compute_pipeline};
+use tracebench_kit::{
+    ComputeRaster, Gather, OnDemand, PrefixSum, SearchPipelines, TrianglePipelines, check_limits, compute_pipeline,
+};
 use tracebench_shaders::dirt::{Fill, MIPMAP, SETUP, Trace};
 
 use crate::fetch::Fetch;
@@ -13,30 +15,9 @@ use crate::setup::SetupPipelines;
 use crate::shadow_map::ShadowMapPipelines;
 use crate::visibility::Visibility;
 
-/// Entry points of shaders/dirt/trace.wgsl and packed_trace.wgsl.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Search {
-    /// A ray a lane.
-    OneRay,
-    /// Several rays a lane. Drivers that count a lane's loops leave some unanswered.
-    InTurns,
-    /// Those that are, a ray a lane.
-    Unanswered,
-}
-
 /// Tiles of a rectangle up to which a lane draws a triangle by itself. A tile is more work than a pixel, and more rounds of loops, up to one a
 /// bucket: eight lanes together have 65,535 with Mesa's software driver.
 const SMALL_TILES: u32 = 32;
-
-impl Search {
-    pub(crate) fn entry_point(self) -> &'static str {
-        match self {
-            Self::OneRay => "trace",
-            Self::InTurns => "trace_in_turns",
-            Self::Unanswered => "trace_unanswered",
-        }
-    }
-}
 
 /// Every pipeline.
 pub(crate) struct Pipelines {
@@ -46,7 +27,7 @@ pub(crate) struct Pipelines {
     pub raster: ComputeRaster,
     pub fill: TrianglePipelines<Fill>,
     mipmap: OnDemand<(), ComputePipeline>,
-    trace: OnDemand<(Trace, Search), ComputePipeline>,
+    pub trace: SearchPipelines<Trace>,
     gather: OnDemand<(), Arc<Gather>>,
     pub fetch: Fetch,
     visibility: OnDemand<(), Arc<Visibility>>,
@@ -71,7 +52,7 @@ impl Pipelines {
             raster: ComputeRaster::of_small(SMALL_TILES),
             fill: TrianglePipelines::new(),
             mipmap: OnDemand::default(),
-            trace: OnDemand::default(),
+            trace: SearchPipelines::default(),
             gather: OnDemand::default(),
             fetch: Fetch::default(),
             visibility: OnDemand::default(),
@@ -99,10 +80,6 @@ impl Pipelines {
 
     pub(crate) fn mipmap(&self) -> Result<ComputePipeline, TracerError> {
         self.mipmap.of((), || compute_pipeline(&self.gpu, MIPMAP, "mipmap"))
-    }
-
-    pub(crate) fn trace(&self, variant: Trace, search: Search) -> Result<ComputePipeline, TracerError> {
-        self.trace.of((variant, search), || compute_pipeline(&self.gpu, variant, search.entry_point()))
     }
 
     pub(crate) fn gather(&self) -> Result<Arc<Gather>, TracerError> {

@@ -63,6 +63,7 @@ pub(crate) struct SetupPipelines {
 }
 
 /// The buffers of one scene's triangles.
+#[derive(Clone)]
 pub(crate) struct TriangleSetup {
     triangle_count: u32,
     view_count: usize,

@@ -92,12 +92,12 @@ impl ShadowMapPipelines {
         gpu: &Gpu,
         scene: NearestScene<'_>,
         end_slack: f64,
-        there: Option<ShadowMap>,
+        there: Option<&ShadowMap>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<ShadowMap, TracerError> {
         let NearestScene { drawn_by, view, triangle_count, .. } = scene;
         let target = match there.filter(|there| there.view.size == view.size) {
-            Some(there) => there.target,
+            Some(there) => there.target.clone(),
             None => EyeDepthTarget::new(gpu, view.size)?,
         };
         let pass = self.depths.prepare(gpu, scene, None)?;
@@ -142,7 +142,7 @@ impl Pipelines {
         viewpoint: &Viewpoint,
         parameters: &DirtParameters,
         scene: &Resident,
-        there: Option<ShadowMap>,
+        there: Option<&ShadowMap>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Option<ShadowMap>, TracerError> {
         let edge = viewpoint.frame.into_iter().max().unwrap_or(1);

@@ -6,7 +6,9 @@ use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection,
     Sampling, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
 };
-use tracebench_kit::{Readable, Reads, SurfaceGeometry, ViewUniform, grow, record_copies};
+use tracebench_kit::{
+    BuildJob, DeviceStructure, Readable, Reads, SurfaceGeometry, ViewUniform, grow, record_copies, untimed,
+};
 
 use crate::build::{Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, nodes_name};
 use crate::description::{Clip, Coverage, DirtParameters, Lists, NO_REFIT};
@@ -59,97 +61,6 @@ impl Dirt {
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         Ok(Self { pipelines: Arc::new(Pipelines::new(gpu)?) })
     }
-
-    /// Makes room for the triangles that views will be drawn with and the nodes that a build will take: counted by builds without
-    /// room, by no phase of the first build.
-    fn make_room_for(
-        &self,
-        buffers: &mut Buffers,
-        scene: &Resident,
-        layout: &Layout,
-        filling: Filling,
-    ) -> Result<(), TracerError> {
-        let gpu = &*self.pipelines.gpu;
-        let mut clock = PhaseClock::new(Some(gpu));
-        self.pipelines.set_up(layout, buffers, scene, &mut clock)?;
-        clock.finish()?;
-        let drawn = buffers.setup.counts(gpu)?;
-        buffers.setup.make_room(gpu, &drawn)?;
-        let nodes = self.pipelines.count_nodes(layout, buffers, scene, filling)?;
-        buffers.set_capacity(gpu, nodes)
-    }
-}
-
-impl Pipelines {
-    /// The nodes that a build takes, by one that has no room for them.
-    fn count_nodes(
-        &self,
-        layout: &Layout,
-        buffers: &Buffers,
-        scene: &Resident,
-        filling: Filling,
-    ) -> Result<u32, TracerError> {
-        let mut clock = PhaseClock::new(Some(&*self.gpu));
-        self.build(layout, buffers, scene, filling, &mut clock)?;
-        clock.finish()?;
-        taken(&self.gpu, buffers)
-    }
-}
-
-/// Nodes asked for by the last build.
-pub(crate) fn taken(gpu: &Gpu, buffers: &Buffers) -> Result<u32, TracerError> {
-    let read = gpu.read(&buffers.taken, 4)?;
-    Ok(bytemuck::pod_collect_to_vec::<u8, u32>(&read)[0])
-}
-
-fn filling(parameters: &DirtParameters) -> Filling {
-    Filling { conservative: parameters.coverage == Coverage::Conservative, by_plane: parameters.clip == Clip::Plane }
-}
-
-impl Dirt {
-    pub(crate) fn build_structure(
-        &self,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        parameters: &Parameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<DirtStructure, TracerError> {
-        let parameters = &DirtParameters::try_from(parameters)?;
-        let (layout, filling) = (Layout::new(viewpoint, parameters), filling(parameters));
-        let resident = Resident::of(geometry)?;
-        let mut buffers = Buffers::new(&self.pipelines, &layout, resident.triangle_count, 0, None)?;
-        self.make_room_for(&mut buffers, &resident, &layout, filling)?;
-        let arrays = buffers.arrays(&self.pipelines.gpu, parameters.reads, &[])?;
-        self.pipelines.build(&layout, &buffers, &resident, filling, clock)?;
-        record_copies(&arrays, clock)?;
-        let frame = self.pipelines.show(viewpoint, parameters, &resident, None, clock)?;
-        let shadow_map = self.pipelines.draw_shadow_map(geometry, viewpoint, parameters, &resident, None, clock)?;
-        let pipelines = Arc::clone(&self.pipelines);
-        Ok(DirtStructure {
-            pipelines,
-            layout,
-            filling,
-            buffers,
-            arrays,
-            geometry: resident,
-            mask_memory: MaskMemory::default(),
-            frame,
-            shadow_map,
-        })
-    }
-}
-
-impl Dirt {
-    pub(crate) fn build_packed(
-        &self,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        parameters: &Parameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<PackedStructure, TracerError> {
-        let parameters = &DirtParameters::try_from(parameters)?;
-        PackedStructure::build(&self.pipelines, geometry, viewpoint, parameters, clock)
-    }
 }
 
 impl Tracer for Dirt {
@@ -160,17 +71,101 @@ impl Tracer for Dirt {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Box<dyn Structure>, TracerError> {
+        let job = BuildJob { geometry, viewpoint, parameters };
         if DirtParameters::try_from(parameters)?.lists == Lists::Linked {
-            return Ok(Box::new(self.build_structure(geometry, viewpoint, parameters, clock)?));
+            return Ok(Box::new(DirtStructure::build(&self.pipelines, job, None, clock)?));
         }
-        Ok(Box::new(self.build_packed(geometry, viewpoint, parameters, clock)?))
+        Ok(Box::new(PackedStructure::build(&self.pipelines, job, None, clock)?))
     }
+}
+
+impl Pipelines {
+    /// Buffers with room for the triangles that views will be drawn with and the nodes that a build will take: counted by builds without
+    /// room, by no phase of the first build.
+    fn counted_buffers(&self, layout: &Layout, scene: &Resident, filling: Filling) -> Result<Buffers, TracerError> {
+        let gpu = &*self.gpu;
+        let mut buffers = Buffers::new(self, layout, scene.triangle_count, 0, None)?;
+        untimed(gpu, |clock| self.set_up(layout, &buffers, scene, clock))?;
+        let drawn = buffers.setup.counts(gpu)?;
+        buffers.setup.make_room(gpu, &drawn)?;
+        let nodes = self.count_nodes(layout, &buffers, scene, filling)?;
+        buffers.set_capacity(gpu, nodes)?;
+        Ok(buffers)
+    }
+
+    /// The nodes that a build takes, by one that has no room for them.
+    fn count_nodes(
+        &self,
+        layout: &Layout,
+        buffers: &Buffers,
+        scene: &Resident,
+        filling: Filling,
+    ) -> Result<u32, TracerError> {
+        untimed(&self.gpu, |clock| self.build(layout, buffers, scene, filling, clock))?;
+        taken(&self.gpu, buffers)
+    }
+}
+
+/// Nodes asked for by the last build.
+pub(crate) fn taken(gpu: &Gpu, buffers: &Buffers) -> Result<u32, TracerError> {
+    let read = gpu.read(&buffers.taken, 4)?;
+    Ok(bytemuck::pod_collect_to_vec::<u8, u32>(&read)[0])
 }
 
 impl DirtStructure {
     /// What searches read from.
     pub(crate) fn reads(&self) -> Reads {
         self.arrays[0].reads()
+    }
+}
+
+impl DeviceStructure for DirtStructure {
+    type Pipelines = Pipelines;
+
+    const NO_REFIT: &'static str = NO_REFIT;
+
+    fn pipelines(gpu: Arc<Gpu>) -> Result<Pipelines, TracerError> {
+        Pipelines::new(gpu)
+    }
+
+    fn build(
+        pipelines: &Arc<Pipelines>,
+        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
+        before: Option<&Self>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Self, TracerError> {
+        let parameters = &DirtParameters::try_from(parameters)?;
+        let (layout, scene) = (Layout::new(viewpoint, parameters), Resident::of(geometry)?);
+        let (views, triangles) = (layout.views.len(), scene.triangle_count);
+        let filling = Filling {
+            conservative: parameters.coverage == Coverage::Conservative,
+            by_plane: parameters.clip == Clip::Plane,
+        };
+        let sizes = |layout: &Layout| (layout.tiles, layout.buckets, layout.views.len(), layout.drawn_by);
+        let buffers = match before.map(|before| (&before.buffers, sizes(&before.layout) == sizes(&layout))) {
+            None => pipelines.counted_buffers(&layout, &scene, filling)?,
+            Some((there, false)) => {
+                Buffers::new(pipelines, &layout, triangles, there.node_capacity, Some(&there.setup))?
+            }
+            Some((there, true)) if there.setup.serves(views, triangles) => there.clone(),
+            Some((there, true)) => {
+                let sums = pipelines.prefix_sum()?;
+                let mut buffers = there.clone();
+                buffers.setup = TriangleSetup::new(&pipelines.gpu, &sums, views, triangles, Some(&there.setup))?;
+                buffers
+            }
+        };
+        let there = before.map_or(&[][..], |before| &before.arrays);
+        let arrays = buffers.arrays(&pipelines.gpu, parameters.reads, there)?;
+        pipelines.build(&layout, &buffers, &scene, filling, clock)?;
+        record_copies(&arrays, clock)?;
+        let frame = before.and_then(|before| before.frame.as_ref());
+        let frame = pipelines.show(viewpoint, parameters, &scene, frame, clock)?;
+        let shadow_map = before.and_then(|before| before.shadow_map.as_ref());
+        let shadow_map = pipelines.draw_shadow_map(geometry, viewpoint, parameters, &scene, shadow_map, clock)?;
+        let mask_memory = before.map_or_else(MaskMemory::default, |before| before.mask_memory.clone());
+        let (pipelines, geometry) = (Arc::clone(pipelines), scene);
+        Ok(Self { pipelines, layout, filling, buffers, arrays, geometry, mask_memory, frame, shadow_map })
     }
 }
 
@@ -183,38 +178,8 @@ impl Structure for DirtStructure {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        match update {
-            Update::Rebuild => {
-                let parameters = &DirtParameters::try_from(parameters)?;
-                let layout = Layout::new(viewpoint, parameters);
-                let resident = Resident::of(geometry)?;
-                let same_size = layout.tiles == self.layout.tiles
-                    && layout.buckets == self.layout.buckets
-                    && layout.views.len() == self.layout.views.len()
-                    && layout.drawn_by == self.layout.drawn_by;
-                let (pipelines, triangles) = (&self.pipelines, resident.triangle_count);
-                if !same_size {
-                    let there = Some(&self.buffers.setup);
-                    self.buffers = Buffers::new(pipelines, &layout, triangles, self.buffers.node_capacity, there)?;
-                } else if !self.buffers.setup.serves(layout.views.len(), triangles) {
-                    let there = Some(&self.buffers.setup);
-                    let sums = pipelines.prefix_sum()?;
-                    self.buffers.setup =
-                        TriangleSetup::new(&pipelines.gpu, &sums, layout.views.len(), triangles, there)?;
-                }
-                self.arrays = self.buffers.arrays(&pipelines.gpu, parameters.reads, &self.arrays)?;
-                self.pipelines.build(&layout, &self.buffers, &resident, self.filling, clock)?;
-                record_copies(&self.arrays, clock)?;
-                self.frame = self.pipelines.show(viewpoint, parameters, &resident, self.frame.as_ref(), clock)?;
-                let drawn = self.shadow_map.take();
-                self.shadow_map =
-                    self.pipelines.draw_shadow_map(geometry, viewpoint, parameters, &resident, drawn, clock)?;
-                (self.layout, self.geometry) = (layout, resident);
-                Ok(())
-            }
-            Update::Refit => Err(TracerError::Unsupported(NO_REFIT.to_owned())),
-            Update::Reuse => Ok(()),
-        }
+        let job = BuildJob { geometry, viewpoint, parameters };
+        self.follow(&Arc::clone(&self.pipelines), update, job, clock)
     }
 
     fn make_room(&mut self) -> Result<bool, TracerError> {
@@ -238,7 +203,7 @@ impl Structure for DirtStructure {
     }
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        self.trace_hits(&job, hits, clock)
+        self.record(&job, hits, None, clock)
     }
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {

@@ -8,7 +8,7 @@ use tracebench_api::{
     AdapterChoice, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Query, Ray, RayBuffer, Residency,
     Structure, TraceJob, TracerError, Update, Viewpoint,
 };
-use tracebench_kit::Reads;
+use tracebench_kit::{DeviceTracer, Reads};
 use tracebench_tests::{Numbers, answers, gpu, gpu_that_binds, ray, soup};
 
 use super::build::NODE_BYTES;
@@ -34,7 +34,7 @@ pub(crate) fn parameters(settings: &[(&str, &str)]) -> Parameters {
 }
 
 pub(crate) fn built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> DirtStructure {
-    let tracer = Dirt::new(Arc::clone(gpu)).unwrap();
+    let tracer = DeviceTracer::<DirtStructure>::new(Arc::clone(gpu)).unwrap();
     let mut clock = PhaseClock::new(Some(gpu));
     let structure = tracer.build_structure(geometry, &viewpoint(), &parameters(settings), &mut clock).unwrap();
     clock.finish().unwrap();
@@ -169,7 +169,7 @@ fn what_a_binding_does_not_hold_is_split() {
         assert_eq!(hits, answer(&small, &copied, &rays));
     }
     let tiny = gpu_that_binds(layout.heads_part_bytes());
-    let tracer = Dirt::new(Arc::clone(&tiny)).unwrap();
+    let tracer = DeviceTracer::<DirtStructure>::new(Arc::clone(&tiny)).unwrap();
     let geometry = soup(&hostile().repeat(2), Some(&tiny));
     let refused =
         tracer.build_structure(&geometry, &viewpoint(), &parameters(&settings), &mut PhaseClock::new(Some(&tiny)));
@@ -207,7 +207,7 @@ fn eight_storage_buffers_a_stage_suffice_where_nothing_is_split() {
     });
     assert_eq!(expected, found);
     let split = of_stage_limit(8, found.3 / 2 / 8 * 8);
-    let tracer = Dirt::new(Arc::clone(&split)).unwrap();
+    let tracer = DeviceTracer::<DirtStructure>::new(Arc::clone(&split)).unwrap();
     let mut clock = PhaseClock::new(Some(&split));
     let refused =
         tracer.build_structure(&soup(&hostile(), Some(&split)), &viewpoint(), &parameters(&[]), &mut clock).err();

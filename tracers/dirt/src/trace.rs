@@ -1,20 +1,20 @@
 //! Tracing on the device.
 
-use tracebench_api::wgpu::{BindGroup, ComputePipeline};
+use tracebench_api::wgpu::ComputePipeline;
 use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, Query, TraceJob, TracerError};
 use tracebench_kit::{
-    RayCounts, Reads, TouchedBits, ViewUniform, bind_arrays, bind_group, bind_group_at, dispatch_rays, uniform_buffer,
+    RayCounts, Reads, TouchedBits, ViewUniform, bind_arrays, bind_group, bind_group_at, record_searches,
+    uniform_buffer, untimed,
 };
 use tracebench_shaders::dirt::Trace;
 
 use crate::description::{Accept, CentreRays, DirtParameters, March, Searched};
 use crate::fetch::lost;
 use crate::layout::{MOST_VIEWS, TraceSettings};
-use crate::pipelines::Search;
 use crate::structure::DirtStructure;
 
 /// The buffers of a trace that counts.
-struct Counting {
+pub(crate) struct Counting {
     counts: RayCounts<4>,
     /// A bit a node.
     touched: TouchedBits,
@@ -41,7 +41,7 @@ impl DirtStructure {
     }
 
     /// Records a trace, by the counting variant where there is something to count into.
-    fn record(
+    pub(crate) fn record(
         &self,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
@@ -75,39 +75,17 @@ impl DirtStructure {
             resources.extend([(4, self.buffers.bounds_of(0)), (5, self.buffers.heads_of(0))]);
             resources.push((6, self.buffers.nodes[0].as_entire_binding()));
         }
-        let bind = |pipeline: ComputePipeline| {
+        let bind = |pipeline: &ComputePipeline| {
             let mut groups = vec![bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &resources)];
-            groups.push(bind_arrays(gpu, &pipeline, &self.arrays));
+            groups.push(bind_arrays(gpu, pipeline, &self.arrays));
             if split {
                 groups.push(bind_group(gpu, &pipeline.get_bind_group_layout(2), &self.buffers.further_parts()));
             }
-            (pipeline, groups)
+            groups
         };
-        let bound = |search| self.pipelines.trace(variant, search).map(bind);
-        let turns = match search.rays_per_lane {
-            1 => vec![(bound(Search::OneRay)?, 1)],
-            many => vec![(bound(Search::InTurns)?, many), (bound(Search::Unanswered)?, 1)],
-        };
-        clock.device_phase("trace", |encoder| {
-            if turns.len() > 1 {
-                // No status is 0.
-                encoder.clear_buffer(hits_on_device, 0, None);
-            }
-            for ((pipeline, groups), rays_per_lane) in &turns {
-                let groups: Vec<&BindGroup> = groups.iter().collect();
-                dispatch_rays(encoder, pipeline, &groups, search.ray_count, *rays_per_lane);
-            }
-        })?;
+        let searches = self.pipelines.trace.searches(gpu, variant, search.rays_per_lane, bind)?;
+        record_searches(&searches, search.ray_count, hits_on_device, clock)?;
         self.record_surfaces(job, parameters.fetch, hits, clock)
-    }
-
-    pub(crate) fn trace_hits(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
-        self.record(job, hits, None, clock)
     }
 
     pub(crate) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
@@ -116,9 +94,7 @@ impl DirtStructure {
             counts: RayCounts::new(gpu, "counts", job.rays.host.len())?,
             touched: TouchedBits::new(gpu, "nodes touched", u64::from(self.buffers.node_capacity), "--size")?,
         };
-        let mut clock = PhaseClock::new(Some(gpu));
-        self.record(job, hits, Some(&counting), &mut clock)?;
-        clock.finish()?;
+        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
         // A set that the shadow map answers searches nothing: a texel a ray is looked at.
         let mut counters = counting.counts.counters(gpu, COUNTERS)?;
         if self.shadow_map.as_ref().is_some_and(|map| map.answers(job)) {

@@ -30,9 +30,9 @@ pub(crate) const MOST_ALONE: u32 = 128;
 const MOST_LONG_PIECES: u32 = 65_535;
 
 /// Every pipeline; those of traces, and of builds without the rasterizer, are made when they are first asked for.
-pub(crate) struct Pipelines {
-    pub gpu: Arc<Gpu>,
-    pub sums: PrefixSum,
+pub struct Pipelines {
+    pub(crate) gpu: Arc<Gpu>,
+    pub(crate) sums: PrefixSum,
     raster: ComputeRaster,
     boxes: TrianglePipelines<Boxes>,
     boxes_bound: ComputePipeline,

@@ -7,7 +7,6 @@
 mod arrays;
 mod build;
 mod clipped;
-mod counting;
 mod description;
 mod layout;
 mod objects;

@@ -19,6 +19,7 @@ const PYRAMID: &str = "depth pyramid";
 const TARGETS: [&str; 2] = ["attachment of the camera's view", "attachment of the faces"];
 
 /// The buffers of some views.
+#[derive(Clone)]
 pub(crate) struct Part {
     /// The views.
     pub views: Range<usize>,
@@ -50,6 +51,7 @@ pub(crate) struct Taken {
 }
 
 /// All buffers.
+#[derive(Clone)]
 pub(crate) struct Parts {
     pub parts: Vec<Part>,
     /// Depth bounds above the pixels', every view; none without Hi-Z.

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection,
-    Sampling, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
+    Sampling, Structure, TraceJob, TracerError, Update, View, Viewpoint,
 };
-use tracebench_kit::{Reads, check_limits, grow};
+use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, Reads, check_limits, grow, untimed};
 use tracebench_shaders::fragment_abuffer::Trace;
 
 use crate::arrays::Arrays;
@@ -18,145 +18,98 @@ use crate::parts::{Parts, Taken};
 use crate::trace::MarchSettings;
 
 /// The tracer.
-pub struct FragmentAbuffer {
-    pipelines: Arc<Pipelines>,
-}
+pub type FragmentAbuffer = DeviceTracer<FragmentStructure>;
 
 /// The fragments of all views.
-pub(crate) struct FragmentStructure {
-    pub pipelines: Arc<Pipelines>,
-    pub layout: Layout,
-    pub parts: Parts,
-    pub arrays: Arrays,
+pub struct FragmentStructure {
+    pub(crate) pipelines: Arc<Pipelines>,
+    pub(crate) layout: Layout,
+    pub(crate) parts: Parts,
+    pub(crate) arrays: Arrays,
     /// Of the scene's bounds, scene units.
-    pub diagonal: f64,
+    pub(crate) diagonal: f64,
     triangle_count: u32,
     objects: Option<Objects>,
 }
 
-impl FragmentAbuffer {
-    /// Creates the pipelines.
-    ///
-    /// # Errors
-    /// [`TracerError::Failed`] if the device refuses one.
-    pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        Ok(Self { pipelines: Arc::new(Pipelines::new(gpu)?) })
-    }
-
+impl Pipelines {
     /// The fragments of every view: counted by passes that store none, by no phase of the build.
     fn count(&self, geometry: &Geometry, layout: &Layout) -> Result<Vec<u32>, TracerError> {
         if !layout.one_layer {
-            return self.pipelines.tally(layout, geometry);
+            return self.tally(layout, geometry);
         }
         // Which fragments are the nearest the depth bounds must tell first.
-        let gpu = &*self.pipelines.gpu;
-        let parts = Parts::new(gpu, &self.pipelines.sums, layout, true)?;
-        let mut clock = PhaseClock::new(Some(gpu));
-        self.pipelines.fill(layout, &parts, geometry, None, &mut clock)?;
-        clock.finish()?;
+        let gpu = &*self.gpu;
+        let parts = Parts::new(gpu, &self.sums, layout, true)?;
+        untimed(gpu, |clock| self.fill(layout, &parts, geometry, None, clock))?;
         Ok(parts.taken(gpu)?.into_iter().map(|taken| taken.fragments).collect())
     }
 
-    /// Buffers with room for the fragments of every view, one of a kind or one a view.
-    fn parts_for(&self, layout: &Layout, counts: &[u32], by_view: bool) -> Result<Parts, TracerError> {
-        let gpu = &*self.pipelines.gpu;
-        let mut parts = Parts::new(gpu, &self.pipelines.sums, layout, by_view)?;
-        let whole = counts.iter().fold(0, |sum: u32, count| sum.saturating_add(*count));
-        parts.set_capacities(gpu, layout, if by_view { counts } else { std::slice::from_ref(&whole) })?;
+    /// Buffers with room for so many fragments, one of a kind or one a view.
+    fn parts(&self, layout: &Layout, counts: &[u32], by_view: bool) -> Result<Parts, TracerError> {
+        let mut parts = Parts::new(&self.gpu, &self.sums, layout, by_view)?;
+        parts.set_capacities(&self.gpu, layout, counts)?;
         Ok(parts)
+    }
+
+    /// Buffers with room for the fragments of every view: one of a kind where the device can bind it, else one a view if it can bind all
+    /// of these at once or reads from textures.
+    fn counted_parts(&self, layout: &Layout, geometry: &Geometry, reads: Reads) -> Result<Parts, TracerError> {
+        let counts = self.count(geometry, layout)?;
+        let whole = counts.iter().fold(0, |sum: u32, count| sum.saturating_add(*count));
+        match self.parts(layout, &[whole], false) {
+            Err(TracerError::TooLarge { .. })
+                if layout.views.len() > 1 && (reads == Reads::Texture || self.binds_every_view(layout)) =>
+            {
+                self.parts(layout, &counts, true)
+            }
+            made => made,
+        }
     }
 
     /// Whether the device can bind a buffer of a kind for every view at once.
     fn binds_every_view(&self, layout: &Layout) -> bool {
         let (contiguous, planes) = (layout.kind.is_contiguous(), layout.planes);
         let least = Trace::Split { contiguous, planes, surfaces: false, counters: false };
-        check_limits(&self.pipelines.gpu, least.into()).is_ok()
+        check_limits(&self.gpu, least.into()).is_ok()
+    }
+}
+
+impl DeviceStructure for FragmentStructure {
+    type Pipelines = Pipelines;
+
+    const NO_REFIT: &'static str = NO_REFIT;
+
+    fn pipelines(gpu: Arc<Gpu>) -> Result<Pipelines, TracerError> {
+        Pipelines::new(gpu)
     }
 
-    pub(crate) fn build_structure(
-        &self,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        parameters: &Parameters,
+    fn build(
+        pipelines: &Arc<Pipelines>,
+        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
+        before: Option<&Self>,
         clock: &mut PhaseClock<'_>,
-    ) -> Result<FragmentStructure, TracerError> {
+    ) -> Result<Self, TracerError> {
+        let gpu = &*pipelines.gpu;
         let parameters = FragmentParameters::try_from(parameters)?;
         let layout = Layout::new(viewpoint, &parameters);
-        let objects = objects_for(&self.pipelines.gpu, &layout, geometry, None)?;
-        // One buffer of a kind where the device can bind it, else one a view if it can bind all of these at once or reads from textures.
-        let counts = self.count(geometry, &layout)?;
-        let parts = match self.parts_for(&layout, &counts, false) {
-            Err(TracerError::TooLarge { .. })
-                if layout.views.len() > 1 && (parameters.reads == Reads::Texture || self.binds_every_view(&layout)) =>
-            {
-                self.parts_for(&layout, &counts, true)?
-            }
-            made => made?,
-        };
-        let arrays = Arrays::new(&self.pipelines.gpu, parameters.reads, &parts, None)?;
-        self.pipelines.fill(&layout, &parts, geometry, objects.as_ref(), clock)?;
-        arrays.record_copies(clock)?;
-        Ok(FragmentStructure {
-            pipelines: Arc::clone(&self.pipelines),
-            layout,
-            parts,
-            arrays,
-            diagonal: geometry.diagonal(),
-            triangle_count: geometry.triangles.len() as u32,
-            objects,
-        })
-    }
-}
-
-fn objects_for(
-    gpu: &Gpu,
-    layout: &Layout,
-    geometry: &Geometry,
-    there: Option<&Objects>,
-) -> Result<Option<Objects>, TracerError> {
-    let wanted = layout.by_boxes && layout.has_bounds();
-    if wanted { Objects::new(gpu, geometry, there).map(Some) } else { Ok(None) }
-}
-
-impl Tracer for FragmentAbuffer {
-    fn build(
-        &self,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        parameters: &Parameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Box<dyn Structure>, TracerError> {
-        Ok(Box::new(self.build_structure(geometry, viewpoint, parameters, clock)?))
-    }
-}
-
-impl FragmentStructure {
-    fn rebuild(&mut self, geometry: &Geometry, layout: Layout, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        let gpu = &*self.pipelines.gpu;
-        let objects = objects_for(gpu, &layout, geometry, self.objects.as_ref())?;
+        let there = before.and_then(|before| before.objects.as_ref());
+        let has_objects = layout.by_boxes && layout.has_bounds();
+        let objects = has_objects.then(|| Objects::new(gpu, geometry, there)).transpose()?;
         let sizes = |layout: &Layout| (layout.drawn_by, layout.views.iter().map(|view| view.size).collect::<Vec<_>>());
-        let new_parts = match sizes(&layout) == sizes(&self.layout) {
-            true => None,
-            false => {
-                let by_view = self.parts.is_by_view();
-                let mut parts = Parts::new(gpu, &self.pipelines.sums, &layout, by_view)?;
-                let capacities: Vec<u32> = self.parts.parts.iter().map(|part| part.capacity).collect();
-                parts.set_capacities(gpu, &layout, &capacities)?;
-                Some(parts)
+        let parts = match before {
+            Some(before) if sizes(&layout) == sizes(&before.layout) => before.parts.clone(),
+            Some(Self { parts: Parts { parts, .. }, .. }) => {
+                let capacities: Vec<u32> = parts.iter().map(|part| part.capacity).collect();
+                pipelines.parts(&layout, &capacities, parts.len() > 1)?
             }
+            None => pipelines.counted_parts(&layout, geometry, parameters.reads)?,
         };
-        let parts = new_parts.as_ref().unwrap_or(&self.parts);
-        let arrays = Arrays::new(gpu, self.arrays.reads(), parts, Some(&self.arrays))?;
-        self.pipelines.fill(&layout, parts, geometry, objects.as_ref(), clock)?;
+        let arrays = Arrays::new(gpu, parameters.reads, &parts, before.map(|before| &before.arrays))?;
+        pipelines.fill(&layout, &parts, geometry, objects.as_ref(), clock)?;
         arrays.record_copies(clock)?;
-        self.arrays = arrays;
-        if let Some(parts) = new_parts {
-            self.parts = parts;
-        }
-        self.objects = objects;
-        (self.layout, self.diagonal) = (layout, geometry.diagonal());
-        self.triangle_count = geometry.triangles.len() as u32;
-        Ok(())
+        let (diagonal, triangle_count) = (geometry.diagonal(), geometry.triangles.len() as u32);
+        Ok(Self { pipelines: Arc::clone(pipelines), layout, parts, arrays, diagonal, triangle_count, objects })
     }
 }
 
@@ -169,14 +122,8 @@ impl Structure for FragmentStructure {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        match update {
-            Update::Rebuild => {
-                let layout = Layout::new(viewpoint, &FragmentParameters::try_from(parameters)?);
-                self.rebuild(geometry, layout, clock)
-            }
-            Update::Refit => Err(TracerError::Unsupported(NO_REFIT.to_owned())),
-            Update::Reuse => Ok(()),
-        }
+        let job = BuildJob { geometry, viewpoint, parameters };
+        self.follow(&Arc::clone(&self.pipelines), update, job, clock)
     }
 
     fn make_room(&mut self) -> Result<bool, TracerError> {

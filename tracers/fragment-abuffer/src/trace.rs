@@ -1,15 +1,20 @@
 //! Tracing on the device.
 
 use bytemuck::{Pod, Zeroable};
-use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer};
+use tracebench_api::wgpu::{BindingResource, Buffer};
 use tracebench_api::{Counter, EndPoint, HitBuffer, ImageMarch, MarchSteps, PhaseClock, Ray, TraceJob, TracerError};
-use tracebench_kit::{Reads, bind_arrays, bind_group, bind_group_at, dispatch_rays, uniform_buffer};
+use tracebench_kit::{
+    Reads, Search, TraceCounts, bind_arrays, bind_group, bind_group_at, record_searches, uniform_buffer, untimed,
+};
 use tracebench_shaders::fragment_abuffer::Trace;
 
-use crate::counting::Counting;
 use crate::description::{Coverage, FragmentParameters, Fragments, March, Span, Switch, ThicknessUnit};
 use crate::layout::MOST_VIEWS;
 use crate::structure::FragmentStructure;
+
+/// What is counted of every ray, as `COUNTS` in shaders/fragment-abuffer/trace.wgsl.
+const COUNTERS: [&str; 6] =
+    ["pixels_visited", "pixels_opened", "fragments_tested", "views_entered", "views_tested", "lists_visited"];
 
 /// `MarchSettings` of shaders/fragment-abuffer/store.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -94,7 +99,7 @@ impl FragmentStructure {
         &self,
         job: &TraceJob<'_>,
         parameters: &FragmentParameters,
-        counting: Option<&Counting>,
+        counting: Option<&TraceCounts>,
     ) -> MarchSettings {
         let by_pixels = parameters.thickness_in == ThicknessUnit::Pixels;
         let thickness = parameters.thickness;
@@ -115,7 +120,7 @@ impl FragmentStructure {
             skip_lists: u32::from(parameters.skip_lists == Switch::On),
             rays_per_lane: parameters.rays_per_lane,
             unanswered_only: 0,
-            touched_words: counting.map_or(0, |counting| counting.touched_words),
+            touched_words: counting.map_or(0, |counting| counting.bit_words[0]),
             padding_a: 0,
             padding_b: 0,
             padding_c: 0,
@@ -127,7 +132,7 @@ impl FragmentStructure {
         &self,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
-        counting: Option<&Counting>,
+        counting: Option<&TraceCounts>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let pipelines = &*self.pipelines;
@@ -154,31 +159,24 @@ impl FragmentStructure {
             bound.push((5, hits.surfaces_on_device(count)?));
         }
         bound.extend(counting.map(|counting| (6, &counting.buffer)));
-        let bind = |search: &MarchSettings| -> Result<BindGroup, TracerError> {
-            let settings = uniform_buffer(gpu, "search", search)?;
-            let numbered = bound.iter().copied().chain([(1, &settings)]);
-            let numbered: Vec<_> = numbered.map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
-            Ok(bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &numbered))
-        };
-        let mut searches = vec![(bind(&search)?, search.rays_per_lane)];
-        // A driver that ends loops after some rounds may leave lanes' last rays without an answer.
-        let may_leave_rays = search.rays_per_lane > 1;
-        if may_leave_rays {
-            searches.push((bind(&MarchSettings { rays_per_lane: 1, unanswered_only: 1, ..search })?, 1));
-        }
         let mut shared = vec![bind_arrays(gpu, &pipeline, &self.arrays.bound(surfaces))];
         if split {
             shared.push(bind_group(gpu, &pipeline.get_bind_group_layout(2), &self.further_views(surfaces)));
         }
-        clock.device_phase("trace", |encoder| {
-            if may_leave_rays {
-                encoder.clear_buffer(hit_buffer, 0, None);
-            }
-            for (own, rays_per_lane) in &searches {
-                let bindings: Vec<_> = std::iter::once(own).chain(&shared).collect();
-                dispatch_rays(encoder, &pipeline, &bindings, search.ray_count, *rays_per_lane);
-            }
-        })
+        let bind = |search: MarchSettings| -> Result<Search, TracerError> {
+            let settings = uniform_buffer(gpu, "search", &search)?;
+            let numbered = bound.iter().copied().chain([(1, &settings)]);
+            let numbered: Vec<_> = numbered.map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
+            let own = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &numbered);
+            let groups = std::iter::once(own).chain(shared.iter().cloned()).collect();
+            Ok(Search { pipeline: pipeline.clone(), groups, rays_per_lane: search.rays_per_lane })
+        };
+        let mut searches = vec![bind(search)?];
+        // A driver that ends loops after some rounds may leave lanes' last rays without an answer.
+        if search.rays_per_lane > 1 {
+            searches.push(bind(MarchSettings { rays_per_lane: 1, unanswered_only: 1, ..search })?);
+        }
+        record_searches(&searches, search.ray_count, hit_buffer, clock)
     }
 
     /// The buffers of all views but the first, for variants that bind each view's; places of views that do not exist are taken by
@@ -192,10 +190,12 @@ impl FragmentStructure {
 
     pub(crate) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = &*self.pipelines.gpu;
-        let counting = Counting::new(gpu, self.parts.capacity(), job.rays.host.len())?;
-        let mut clock = PhaseClock::new(Some(gpu));
-        self.record(job, hits, Some(&counting), &mut clock)?;
-        clock.finish()?;
-        counting.counters(gpu, job.end == EndPoint::Surface)
+        // Of nodes and of their data.
+        let things = [self.parts.capacity(); 2];
+        let counting = TraceCounts::new(gpu, things, &COUNTERS, job.rays.host.len(), "--size, --face or --frame")?;
+        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
+        let mut counters = counting.counters(gpu, ["fragments_touched", "payloads_touched"])?;
+        counters.retain(|counter| job.end == EndPoint::Surface || counter.name != "payloads_touched");
+        Ok(counters)
     }
 }

@@ -14,29 +14,14 @@ choice! {
 parameters! {
     /// What `height-field` is told.
     pub(crate) struct HeightParameters {
-        pyramid: Pyramid = Parameter::choice(
-            Build,
-            Pyramid::MinMax,
-            "what is kept of a cell: both of its depth bounds, or the greatest height alone (the nearest depth), half as much memory; \
-             the hits are the same",
-        ),
-        refinement: u32 = Parameter::integer(
-            Trace,
-            0..=32,
-            24,
-            "halvings of a ray's part in the pixel where it comes behind the surface: fewer place hits farther behind it",
-        )
-        .unit("halvings")
-        .sweep([0, 4, 8, 16, 24]),
-        start_bias: f64 = Parameter::real(
-            Trace,
-            0.0..=64.0,
-            0.0,
-            "pixels along the major axis skipped by rays that start in the view: with none a ray that starts behind the stored depth \
-             of its pixel hits at its start",
-        )
-        .unit("pixels")
-        .sweep([0.0, 0.5, 1.0, 2.0, 4.0]),
+        /// what is kept of a cell: both of its depth bounds, or the greatest height alone (the nearest depth), half as much memory; the
+        /// hits are the same
+        pyramid: Pyramid = Parameter::choice(Build, Pyramid::MinMax),
+        /// halvings of a ray's part in the pixel where it comes behind the surface: fewer place hits farther behind it
+        refinement: u32 = Parameter::integer(Trace, 0..=32, 24).unit("halvings").sweep([0, 4, 8, 16, 24]),
+        /// pixels along the major axis skipped by rays that start in the view: with none a ray that starts behind the stored depth of its
+        /// pixel hits at its start
+        start_bias: f64 = Parameter::real(Trace, 0.0..=64.0, 0.0).unit("pixels").sweep([0.0, 0.5, 1.0, 2.0, 4.0]),
         build: DrawnBy = build_parameter(),
         reads: Reads = reads_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),

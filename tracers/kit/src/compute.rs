@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use tracebench_api::wgpu::{self, BindGroupEntry, BindingResource};
-use tracebench_api::{DeviceLimits, Gpu, TracerError};
+use tracebench_api::{DeviceLimits, Gpu, PhaseClock, TracerError};
 use tracebench_shaders::{Shader, Variant};
 
 use crate::OnDemand;
@@ -126,6 +126,20 @@ impl<V: Variant> PipelinesOnDemand<V> {
     pub fn of(&self, gpu: &Gpu, variant: V) -> Result<wgpu::ComputePipeline, TracerError> {
         self.made.of(variant, || compute_pipeline(gpu, variant, self.entry_point))
     }
+}
+
+/// Does work of whose time nobody is told: what is recorded is complete afterwards.
+///
+/// # Errors
+/// Those of `record`, or [`TracerError::Failed`] if the device fails.
+pub fn untimed<Made>(
+    gpu: &Gpu,
+    record: impl FnOnce(&mut PhaseClock<'_>) -> Result<Made, TracerError>,
+) -> Result<Made, TracerError> {
+    let mut clock = PhaseClock::new(Some(gpu));
+    let made = record(&mut clock)?;
+    clock.finish()?;
+    Ok(made)
 }
 
 /// Binds resources to bindings 0, 1, 2, ... of group 0.

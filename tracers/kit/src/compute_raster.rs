@@ -74,7 +74,7 @@ impl DrawnBy {
 pub fn build_parameter() -> Parameter<DrawnBy> {
     let effect = "what rasterizes triangles: the device's own rasterizer, which on data-centre GPUs is a small part of the chip, or \
                   compute shaders, by a rule of coverage that is the same on every device";
-    Parameter::choice(ParameterScope::Build, DrawnBy::Raster, effect)
+    Parameter::choice(ParameterScope::Build, DrawnBy::Raster).effect(effect)
 }
 
 /// `RasterPass` of shaders/shared/raster_work.wgsl.

@@ -225,7 +225,7 @@ impl PyramidBuilder {
 }
 
 /// The cells of a pyramid.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct DepthPyramid {
     shape: PyramidShape,
     room: Room,

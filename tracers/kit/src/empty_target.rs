@@ -11,7 +11,7 @@ use crate::{RasterTargets, create_texture, raster_pipeline, shader_module};
 const FORMAT: TextureFormat = TextureFormat::R8Unorm;
 
 /// The attachment of passes over an image of one size.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct EmptyTarget {
     name: String,
     texture: wgpu::Texture,

@@ -18,7 +18,7 @@ const DEPTH_TEST: &str = "depth test buffer";
 const DEPTH_COPY: &str = "eye depths in a buffer";
 
 /// The textures of one view: one image of eye depths, or several of the same size.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct EyeDepthTarget {
     /// One f32 a pixel: linear eye depth at the pixel's centre, or [`NO_SURFACE`]. The first image.
     pub eye_depth: TextureView,
@@ -136,7 +136,7 @@ fn row_bytes(width: u32) -> u32 {
 
 /// A copy of all images of eye depths in a buffer, row by row, image after image: for searches that read buffers. Those that read
 /// textures read the images themselves.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct DepthCopy {
     room: Room,
     array: Readable,

@@ -1,9 +1,10 @@
 //! How a search is launched: rays that a lane answers one after the other (shaders/shared/lanes.wgsl).
 
 use tracebench_api::wgpu::{BindGroup, Buffer, CommandEncoder, ComputePipeline};
-use tracebench_api::{Parameter, ParameterScope};
+use tracebench_api::{Gpu, Parameter, ParameterScope, PhaseClock, TracerError};
+use tracebench_shaders::Variant;
 
-use crate::dispatch_linear_groups;
+use crate::{OnDemand, compute_pipeline, dispatch_linear_groups};
 
 /// Lanes of a workgroup: `WORKGROUP_SIZE` of shaders/shared/lanes.wgsl.
 pub const LANES_OF_WORKGROUP: u32 = 64;
@@ -12,7 +13,7 @@ pub const LANES_OF_WORKGROUP: u32 = 64;
 pub fn rays_per_lane_parameter() -> Parameter<u32> {
     let effect = "rays that a lane answers one after the other, at the mean (persistent lanes), so that lanes with short searches need \
                   not wait for others: many suit incoherent rays and few cores, few suit coherent rays and many cores";
-    Parameter::integer(ParameterScope::Trace, 1..=256, 1, effect).unit("rays").sweep([1, 2, 4, 8, 16, 32, 64])
+    Parameter::integer(ParameterScope::Trace, 1..=256, 1).effect(effect).unit("rays").sweep([1, 2, 4, 8, 16, 32, 64])
 }
 
 /// Rounds after which Mesa's software driver ends the loops of eight lanes together, in all.
@@ -48,6 +49,96 @@ pub fn dispatch_indirect(
         pass.set_bind_group(group, *bindings, &[]);
     }
     pass.dispatch_workgroups_indirect(workgroups, 0);
+}
+
+/// Entry points of a search that drivers may cut off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SearchEntry {
+    /// A ray a lane.
+    OneRay,
+    /// Several rays a lane. Drivers that count a lane's loops leave some unanswered.
+    InTurns,
+    /// Those that are, a ray a lane.
+    Unanswered,
+}
+
+/// Pipelines of a search that has every [`SearchEntry`]: each is made when it is first asked for.
+#[derive(Debug)]
+pub struct SearchPipelines<V>(OnDemand<(V, SearchEntry), ComputePipeline>);
+
+impl<V> Default for SearchPipelines<V> {
+    fn default() -> Self {
+        Self(OnDemand::default())
+    }
+}
+
+impl<V: Variant> SearchPipelines<V> {
+    /// That of a variant and an entry point.
+    ///
+    /// # Errors
+    /// [`TracerError::Unavailable`] if the device's limits forbid it, [`TracerError::Failed`] if it refuses it.
+    pub fn of(&self, gpu: &Gpu, variant: V, entry: SearchEntry) -> Result<ComputePipeline, TracerError> {
+        let entry_point = match entry {
+            SearchEntry::OneRay => "trace",
+            SearchEntry::InTurns => "trace_in_turns",
+            SearchEntry::Unanswered => "trace_unanswered",
+        };
+        self.0.of((variant, entry), || compute_pipeline(gpu, variant, entry_point))
+    }
+
+    /// The searches that answer every ray, with what `bind` binds to each.
+    ///
+    /// # Errors
+    /// As [`SearchPipelines::of`].
+    pub fn searches(
+        &self,
+        gpu: &Gpu,
+        variant: V,
+        rays_per_lane: u32,
+        bind: impl Fn(&ComputePipeline) -> Vec<BindGroup>,
+    ) -> Result<Vec<Search>, TracerError> {
+        let entries = match rays_per_lane {
+            1 => vec![(SearchEntry::OneRay, 1)],
+            many => vec![(SearchEntry::InTurns, many), (SearchEntry::Unanswered, 1)],
+        };
+        let search = |(entry, rays_per_lane)| {
+            let pipeline = self.of(gpu, variant, entry)?;
+            Ok(Search { groups: bind(&pipeline), pipeline, rays_per_lane })
+        };
+        entries.into_iter().map(search).collect()
+    }
+}
+
+/// A search with what it binds, group by group, and how many rays a lane of it answers.
+pub struct Search {
+    /// The search.
+    pub pipeline: ComputePipeline,
+    /// What it binds.
+    pub groups: Vec<BindGroup>,
+    /// Rays that a lane answers.
+    pub rays_per_lane: u32,
+}
+
+/// Records the phase "trace": a search and, where there are more, those that answer which rays it has left.
+///
+/// # Errors
+/// As [`PhaseClock::device_phase`].
+pub fn record_searches(
+    searches: &[Search],
+    ray_count: u32,
+    hits: &Buffer,
+    clock: &mut PhaseClock<'_>,
+) -> Result<(), TracerError> {
+    clock.device_phase("trace", |encoder| {
+        if searches.len() > 1 {
+            // No status is 0.
+            encoder.clear_buffer(hits, 0, None);
+        }
+        for Search { pipeline, groups, rays_per_lane } in searches {
+            let groups: Vec<&BindGroup> = groups.iter().collect();
+            dispatch_rays(encoder, pipeline, &groups, ray_count, *rays_per_lane);
+        }
+    })
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
-//! Device parts that several tracers share: views as uniforms, pipelines and dispatches, buffers that are kept and grow,
-//! pyramids' levels, prefix sums and sorts, rasterized eye depth and triangles, layer behind layer, pyramids over eye depth,
-//! triangles rasterized in compute, surfaces of hits, counts of rays, bits for what is touched, the unit cube of methods that sample
-//! along axes, how searches read and are launched, work that is the same every time; and clipping, coverage and drawing on the host,
-//! which what they rasterize is held against.
+//! Device parts that several tracers share: structures that are rebuilt, a view's depths as one, views as uniforms, pipelines
+//! and dispatches, buffers that are kept and grow, pyramids' levels, prefix sums and sorts, rasterized eye depth and triangles,
+//! layer behind layer, pyramids over eye depth, triangles rasterized in compute, surfaces of hits, counts of rays, bits for
+//! what is touched, the unit cube of methods that sample along axes, how searches read and are launched, work that is the same
+//! every time; and clipping, coverage and drawing on the host, which what they rasterize is held against.
 
 mod brute_force;
 mod clip;
@@ -11,6 +11,7 @@ mod compute_raster;
 mod counts;
 mod coverage;
 mod depth_pyramid;
+mod device_tracer;
 mod empty_target;
 mod eye_depth;
 mod fixed_work;
@@ -34,23 +35,28 @@ mod texture;
 mod touched;
 mod triangle_pass;
 mod unit_space;
+mod view_images;
 mod view_uniform;
 
 pub use brute_force::{Allowed, AllowedFragments, Fragment, allowed_fragments, undecided_border};
 pub use clip::{TileBounds, clipped_depths, clipped_polygon, eye_space, touched_tiles};
 pub use compute::{
     PipelinesOnDemand, bind_group, bind_group_at, check_limits, compute_pipeline, dispatch_linear,
-    dispatch_linear_groups, every_variant, shader_module, shader_module_testing_early,
+    dispatch_linear_groups, every_variant, shader_module, shader_module_testing_early, untimed,
 };
 pub use compute_raster::{ComputeRaster, DrawnBy, RasterAxis, RasterImage, RasterPass, RasterWork, build_parameter};
-pub use counts::{RayCounts, counters_of};
+pub use counts::{RayCounts, TraceCounts};
 pub use coverage::{SUBPIXELS, covers_centre};
 pub use depth_pyramid::{CellDepths, DepthPyramid, PyramidBuilder, PyramidLayout, PyramidShape};
+pub use device_tracer::{BuildJob, DeviceStructure, DeviceTracer};
 pub use empty_target::EmptyTarget;
 pub use eye_depth::{DepthCopy, EyeDepthTarget, NO_SURFACE};
 pub use fixed_work::{FixedWork, FixedWorkPlan, fixed_task};
 pub use gather::{Gather, SurfaceGeometry};
-pub use lanes::{LANES_OF_WORKGROUP, dispatch_indirect, dispatch_rays, rays_per_lane_parameter, rays_within_rounds};
+pub use lanes::{
+    LANES_OF_WORKGROUP, Search, SearchEntry, SearchPipelines, dispatch_indirect, dispatch_rays,
+    rays_per_lane_parameter, rays_within_rounds, record_searches,
+};
 pub use means_probe::{MANY_RAYS, ProbeTimes, probe_means};
 pub use nearest_compute::{NearestImage, NearestOf, ResolvedImage};
 pub use nearest_layers::{LayerTarget, NearestLayers, NearestPass, NearestScene};
@@ -69,6 +75,7 @@ pub use texture::create_texture;
 pub use touched::{TouchedBits, bits_on};
 pub use triangle_pass::{Canvas, TrianglePass, TrianglePipelines};
 pub use unit_space::{Fit, UnitSpace, across_and_down};
+pub use view_images::{DrawnView, ImagePipelines, ImageSearch, ImageShape, Images};
 pub use view_uniform::ViewUniform;
 
 use depth_pyramid::PyramidLevel;

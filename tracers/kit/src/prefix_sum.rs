@@ -27,7 +27,7 @@ pub struct PrefixSum {
 }
 
 /// Prefix sums over one buffer, ready to be recorded any number of times.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct PrefixSumPlan {
     /// Which of a structure's plans it is: ledgers have no name twice.
     number: usize,
@@ -38,7 +38,7 @@ pub struct PrefixSumPlan {
     counts: Vec<Buffer>,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Level {
     count: u32,
     reduce: wgpu::BindGroup,

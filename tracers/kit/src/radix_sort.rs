@@ -39,7 +39,7 @@ pub struct RadixSort {
 }
 
 /// A sort of one pair of buffers, ready to be recorded any number of times.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct RadixSortPlan {
     blocks: u32,
     passes: Vec<Pass>,
@@ -48,7 +48,7 @@ pub struct RadixSortPlan {
     rooms: [Room; 3],
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Pass {
     uniform_bytes: u64,
     count: wgpu::BindGroup,

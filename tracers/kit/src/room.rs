@@ -33,7 +33,7 @@ pub fn grow(needed: &[u32], mut set: impl FnMut(&[u32]) -> Result<(), TracerErro
 }
 
 /// A storage buffer with a name, and how much of it is in use. Usable as source and target of copies.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Room {
     /// What ledgers and messages call it.
     pub name: &'static str,

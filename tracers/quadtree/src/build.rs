@@ -15,8 +15,8 @@ use crate::layout::{Forest, MOST_VIEWS, Shape};
 pub(crate) const WORKGROUP_SIZE: u32 = 64;
 
 /// Every pipeline; those of traces and merges are made when they are first asked for.
-pub(crate) struct Pipelines {
-    pub gpu: Arc<Gpu>,
+pub struct Pipelines {
+    pub(crate) gpu: Arc<Gpu>,
     layers: LayerPipelines,
     surfaces: ComputePipeline,
     bottom: ComputePipeline,

@@ -65,189 +65,86 @@ choice! {
 parameters! {
     /// What `quadtree` is told.
     pub(crate) struct QuadtreeParameters {
-        layers: u32 = Parameter::integer(
-            Build,
-            1..=MOST_LAYERS,
-            2,
-            "depth layers of a view: more know more of what is hidden, take as much more memory, and with one holes are inpainted",
-        )
-        .unit("layers")
-        .improved(4)
-        .sweep([1, 2, 3, 4]),
-        capture: Capture = Parameter::choice(
-            Build,
-            Capture::KBuffer,
-            "how layers are caught: in one pass by a k-buffer of cascaded atomic minima (section 3.1), or by peeling, a pass a layer; \
-             without a minimum separation both catch the same",
-        ),
-        back_faces: BackFaces = Parameter::choice(
-            Build,
-            BackFaces::Kept,
-            "whether surfaces that face away from the eye are layers: the back of a thing fills the layer behind its front",
-        ),
-        minimum_separation: f64 = Parameter::real(
-            Build,
-            0.0..=1.0,
-            0.0,
-            "how far a layer lies behind the one before at least: more leaves out what is close behind, so that the next layer shows \
-             what is farther; peeling finds it, a k-buffer has caught twice as many depths as there are layers and keeps what it can",
-        )
-        .unit("scene diagonals")
-        .sweep([0.0, 0.001, 0.005, 0.02, 0.05]),
-        views: Views = Parameter::choice(
-            Build,
-            Views::Frame,
-            "the camera's view, or six faces of a cube round the eye (section 5.4)",
-        ),
-        normals: Normals = Parameter::choice(
-            Build,
-            Normals::Depth,
-            "where the bottom level's normals come from (section 3.2): from the depths round a pixel, or from the triangles",
-        )
-        .improved(Normals::Geometry),
-        discontinuity: f64 = Parameter::real(
-            Build,
-            0.0..=1e4,
-            2.0,
-            "by how much a neighbour's depth differs from what a pixel's plane foretells before the pixel is flagged as lying near a \
-             discontinuity, and its normal not taken from that side",
-        )
-        .unit("pixel heights at that depth")
-        .improved(0.5)
-        .sweep([0.5, 1.0, 2.0, 4.0, 8.0]),
-        levels: u32 = Parameter::integer(
-            Build,
-            0..=MOST_TREE_LEVELS,
-            MOST_TREE_LEVELS,
-            "levels above the pixels at most (section 3.2); where they do not reach one root there is a grid of roots",
-        )
-        .unit("levels")
-        .sweep([0, 3, 6, 8, 9]),
-        gamma_norm: f64 = Parameter::real(
-            Build,
-            0.0..=90.0,
-            3.0,
-            "angle in the unit cube by which a child's normal may be off the plane that stands for it (section 3.3); with 0 nothing is \
-             merged",
-        )
-        .unit("degrees")
-        .sweep([0.0, 1.0, 3.0, 8.0, 15.0, 25.0]),
-        gamma_dist: f64 = Parameter::real(
-            Build,
-            0.0..=1e3,
-            1e-5,
-            "distance by which a child's corners may be off the plane that stands for it (section 3.3); with 0 nothing is merged",
-        )
-        .unit("unit cubes, or pixel heights at that depth")
-        .improved(0.25)
-        .sweep([0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1]),
-        gamma_dist_in: DistanceIn = Parameter::choice(
-            Build,
-            DistanceIn::Cube,
-            "the unit of gamma_dist: edges of the unit cube, as in the paper, or heights of a pixel at the plane's depth",
-        )
-        .improved(DistanceIn::Pixels),
-        gamma_growth: f64 = Parameter::real(
-            Build,
-            0.0..=1e4,
-            0.0,
-            "by how many times themselves both gammas grow from the eye to far, linear in a node's mean depth (section 6); 0 for \
-             fixed ones",
-        )
-        .sweep([0.0, 1.0, 4.0, 16.0, 64.0]),
-        dilation: f64 = Parameter::real(
-            Build,
-            0.0..=16.0,
-            0.5,
-            "how far planes reach beyond their nodes, so that rays do not slip through cracks between planes of different \
-             orientation (section 3.2)",
-        )
-        .unit("pixels")
-        .sweep([0.0, 0.25, 0.5, 1.0, 2.0]),
-        dilated: Dilated = Parameter::choice(
-            Build,
-            Dilated::Continuous,
-            "which planes reach beyond their nodes: those that no discontinuity lies near, those that one does, all, or none",
-        ),
-        patches: Patches = Parameter::choice(
-            Build,
-            Patches::Squares,
-            "where a flagged pixel's plane ends: at the pixel's sides, as the others, or where it meets that of a pixel beside it at an \
-             edge towards the eye, behind which the neighbour's goes on; flagged pixels are then not merged and reach beyond nothing, and \
-             a trace reads the four nodes beside every such pixel whose plane it gets behind",
-        )
-        .improved(Patches::Joined),
-        traversal: Traversal = Parameter::choice(
-            Trace,
-            Traversal::Xor,
-            "how the next node on a ray's way is found: from the highest bit in which the nodes' places differ (section 4), or from a \
-             stack of the nodes above; the hits are the same",
-        ),
-        next_layer: NextLayer = Parameter::choice(
-            Trace,
-            NextLayer::Volumes,
-            "when the next layer is asked: where a ray passed an occlusion volume before its hit (section 4.1), where it hit nothing \
-             (section 2.3), or always",
-        ),
-        inpainting: Inpainting = Parameter::choice(
-            Trace,
-            Inpainting::OneLayer,
-            "whether a ray ends with a hit where it enters an occlusion volume of the last layer (section 4.1): where there is one \
-             layer alone, never, or always",
-        ),
-        occlusion_bias: f64 = Parameter::real(
-            Trace,
-            0.0..=64.0,
-            1.0,
-            "how far a ray must lie behind a plane to lie in its occlusion volume; nearer it hits the plane if it comes from as near before \
-             the one beside it",
-        )
-        .unit("pixel heights at that depth")
-        .improved(0.25)
-        .sweep([0.0, 0.25, 0.5, 1.0, 2.0, 4.0]),
-        start_bias: f64 = Parameter::real(
-            Trace,
-            0.0..=64.0,
-            1.0,
-            "how far from its start a ray that starts in a view begins to look: small finds the surface that a ray starts on, large \
-             misses what lies close to it",
-        )
-        .unit("pixel heights at that depth")
-        .improved(0.1)
-        .sweep([0.0, 0.5, 1.0, 2.0, 4.0]),
-        secondary_samples: u32 = Parameter::integer(
-            Trace,
-            0..=64,
-            0,
-            "rays beside every ray that are not traced but tested against the plane that it hit, weighed by the depth buffer (section \
-             5.2); the sum of their weights is written",
-        )
-        .unit("samples a ray")
-        .sweep([0, 3, 4, 7, 8]),
-        secondary_jitter: f64 = Parameter::real(
-            Trace,
-            0.0..=64.0,
-            1.0,
-            "the radius of the disk round a ray in which its secondary samples lie",
-        )
-        .unit("pixels")
-        .sweep([0.5, 1.0, 2.0, 4.0]),
-        secondary_sigma: f64 = Parameter::real(
-            Trace,
-            1e-9..=1.0,
-            1e-4,
-            "sigma of the weight of a secondary sample, by the difference between its depth and the depth buffer's in the unit cube",
-        )
-        .unit("unit cubes")
-        .sweep([1e-5, 1e-4, 1e-3]),
-        max_steps: u32 = Parameter::integer(
-            Trace,
-            1..=1 << 20,
-            1 << 14,
-            "nodes after which a ray is given up with status step_cap, as one is that the driver's own limit of loops cuts off",
-        )
-        .unit("nodes")
-        .sweep([64, 256, 1024, 4096, 16_384]),
+        /// depth layers of a view: more know more of what is hidden, take as much more memory, and with one holes are inpainted
+        layers: u32 = Parameter::integer(Build, 1..=MOST_LAYERS, 2).unit("layers").improved(4).sweep([1, 2, 3, 4]),
+        /// how layers are caught: in one pass by a k-buffer of cascaded atomic minima (section 3.1), or by peeling, a pass a layer; without
+        /// a minimum separation both catch the same
+        capture: Capture = Parameter::choice(Build, Capture::KBuffer),
+        /// whether surfaces that face away from the eye are layers: the back of a thing fills the layer behind its front
+        back_faces: BackFaces = Parameter::choice(Build, BackFaces::Kept),
+        /// how far a layer lies behind the one before at least: more leaves out what is close behind, so that the next layer shows what is
+        /// farther; peeling finds it, a k-buffer has caught twice as many depths as there are layers and keeps what it can
+        minimum_separation: f64 = Parameter::real(Build, 0.0..=1.0, 0.0)
+            .unit("scene diagonals")
+            .sweep([0.0, 0.001, 0.005, 0.02, 0.05]),
+        /// the camera's view, or six faces of a cube round the eye (section 5.4)
+        views: Views = Parameter::choice(Build, Views::Frame),
+        /// where the bottom level's normals come from (section 3.2): from the depths round a pixel, or from the triangles
+        normals: Normals = Parameter::choice(Build, Normals::Depth).improved(Normals::Geometry),
+        /// by how much a neighbour's depth differs from what a pixel's plane foretells before the pixel is flagged as lying near a
+        /// discontinuity, and its normal not taken from that side
+        discontinuity: f64 = Parameter::real(Build, 0.0..=1e4, 2.0)
+            .unit("pixel heights at that depth")
+            .improved(0.5)
+            .sweep([0.5, 1.0, 2.0, 4.0, 8.0]),
+        /// levels above the pixels at most (section 3.2); where they do not reach one root there is a grid of roots
+        levels: u32 = Parameter::integer(Build, 0..=MOST_TREE_LEVELS, MOST_TREE_LEVELS)
+            .unit("levels")
+            .sweep([0, 3, 6, 8, 9]),
+        /// angle in the unit cube by which a child's normal may be off the plane that stands for it (section 3.3); with 0 nothing is merged
+        gamma_norm: f64 = Parameter::real(Build, 0.0..=90.0, 3.0)
+            .unit("degrees")
+            .sweep([0.0, 1.0, 3.0, 8.0, 15.0, 25.0]),
+        /// distance by which a child's corners may be off the plane that stands for it (section 3.3); with 0 nothing is merged
+        gamma_dist: f64 = Parameter::real(Build, 0.0..=1e3, 1e-5)
+            .unit("unit cubes, or pixel heights at that depth")
+            .improved(0.25)
+            .sweep([0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1]),
+        /// the unit of gamma_dist: edges of the unit cube, as in the paper, or heights of a pixel at the plane's depth
+        gamma_dist_in: DistanceIn = Parameter::choice(Build, DistanceIn::Cube).improved(DistanceIn::Pixels),
+        /// by how many times themselves both gammas grow from the eye to far, linear in a node's mean depth (section 6); 0 for fixed ones
+        gamma_growth: f64 = Parameter::real(Build, 0.0..=1e4, 0.0).sweep([0.0, 1.0, 4.0, 16.0, 64.0]),
+        /// how far planes reach beyond their nodes, so that rays do not slip through cracks between planes of different orientation
+        /// (section 3.2)
+        dilation: f64 = Parameter::real(Build, 0.0..=16.0, 0.5).unit("pixels").sweep([0.0, 0.25, 0.5, 1.0, 2.0]),
+        /// which planes reach beyond their nodes: those that no discontinuity lies near, those that one does, all, or none
+        dilated: Dilated = Parameter::choice(Build, Dilated::Continuous),
+        /// where a flagged pixel's plane ends: at the pixel's sides, as the others, or where it meets that of a pixel beside it at an edge
+        /// towards the eye, behind which the neighbour's goes on; flagged pixels are then not merged and reach beyond nothing, and a trace
+        /// reads the four nodes beside every such pixel whose plane it gets behind
+        patches: Patches = Parameter::choice(Build, Patches::Squares).improved(Patches::Joined),
+        /// how the next node on a ray's way is found: from the highest bit in which the nodes' places differ (section 4), or from a stack
+        /// of the nodes above; the hits are the same
+        traversal: Traversal = Parameter::choice(Trace, Traversal::Xor),
+        /// when the next layer is asked: where a ray passed an occlusion volume before its hit (section 4.1), where it hit nothing (section
+        /// 2.3), or always
+        next_layer: NextLayer = Parameter::choice(Trace, NextLayer::Volumes),
+        /// whether a ray ends with a hit where it enters an occlusion volume of the last layer (section 4.1): where there is one layer
+        /// alone, never, or always
+        inpainting: Inpainting = Parameter::choice(Trace, Inpainting::OneLayer),
+        /// how far a ray must lie behind a plane to lie in its occlusion volume; nearer it hits the plane if it comes from as near before
+        /// the one beside it
+        occlusion_bias: f64 = Parameter::real(Trace, 0.0..=64.0, 1.0)
+            .unit("pixel heights at that depth")
+            .improved(0.25)
+            .sweep([0.0, 0.25, 0.5, 1.0, 2.0, 4.0]),
+        /// how far from its start a ray that starts in a view begins to look: small finds the surface that a ray starts on, large misses
+        /// what lies close to it
+        start_bias: f64 = Parameter::real(Trace, 0.0..=64.0, 1.0)
+            .unit("pixel heights at that depth")
+            .improved(0.1)
+            .sweep([0.0, 0.5, 1.0, 2.0, 4.0]),
+        /// rays beside every ray that are not traced but tested against the plane that it hit, weighed by the depth buffer (section 5.2);
+        /// the sum of their weights is written
+        secondary_samples: u32 = Parameter::integer(Trace, 0..=64, 0).unit("samples a ray").sweep([0, 3, 4, 7, 8]),
+        /// the radius of the disk round a ray in which its secondary samples lie
+        secondary_jitter: f64 = Parameter::real(Trace, 0.0..=64.0, 1.0).unit("pixels").sweep([0.5, 1.0, 2.0, 4.0]),
+        /// sigma of the weight of a secondary sample, by the difference between its depth and the depth buffer's in the unit cube
+        secondary_sigma: f64 = Parameter::real(Trace, 1e-9..=1.0, 1e-4).unit("unit cubes").sweep([1e-5, 1e-4, 1e-3]),
+        /// nodes after which a ray is given up with status step_cap, as one is that the driver's own limit of loops cuts off
+        max_steps: u32 = Parameter::integer(Trace, 1..=1 << 20, 1 << 14)
+            .unit("nodes")
+            .sweep([64, 256, 1024, 4096, 16_384]),
         build: DrawnBy = build_parameter(),
         reads: Reads = reads_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),

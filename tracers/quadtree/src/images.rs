@@ -25,6 +25,7 @@ pub(crate) const NODE_BYTES: u64 = 8;
 const PAYLOAD_BYTES: u64 = 16;
 
 /// All that a build fills.
+#[derive(Clone)]
 pub(crate) struct Images {
     /// Complemented bits of eye depths, a word a pixel a layer; 0 for nothing.
     pub codes: Room,

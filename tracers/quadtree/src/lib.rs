@@ -6,7 +6,6 @@
 //! stack; the next layer is asked where a ray passes behind what the one before shows.
 
 mod build;
-mod counting;
 mod description;
 mod images;
 mod layers;

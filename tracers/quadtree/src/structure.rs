@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection,
-    Sampling, Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
+    Sampling, Structure, TraceJob, TracerError, Update, Viewpoint,
 };
+use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer};
 
 use crate::build::{Pipelines, build_bytes};
 use crate::description::{NO_REFIT, QuadtreeParameters};
@@ -13,52 +14,42 @@ use crate::images::Images;
 use crate::layout::Shape;
 
 /// The tracer.
-pub struct Quadtree {
-    pipelines: Arc<Pipelines>,
-}
+pub type Quadtree = DeviceTracer<QuadtreeStructure>;
 
 /// The quad-trees of all layers of all views.
-pub(crate) struct QuadtreeStructure {
-    pub pipelines: Arc<Pipelines>,
-    pub shape: Shape,
-    pub images: Images,
+pub struct QuadtreeStructure {
+    pub(crate) pipelines: Arc<Pipelines>,
+    pub(crate) shape: Shape,
+    pub(crate) images: Images,
     triangle_count: u32,
 }
 
-impl Quadtree {
-    /// Creates the pipelines.
-    ///
-    /// # Errors
-    /// [`TracerError::Failed`] if the device refuses one.
-    pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        Ok(Self { pipelines: Arc::new(Pipelines::new(gpu)?) })
+impl DeviceStructure for QuadtreeStructure {
+    type Pipelines = Pipelines;
+
+    const NO_REFIT: &'static str = NO_REFIT;
+
+    fn pipelines(gpu: Arc<Gpu>) -> Result<Pipelines, TracerError> {
+        Pipelines::new(gpu)
     }
 
-    pub(crate) fn build_structure(
-        &self,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        parameters: &Parameters,
+    fn build(
+        pipelines: &Arc<Pipelines>,
+        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
+        before: Option<&Self>,
         clock: &mut PhaseClock<'_>,
-    ) -> Result<QuadtreeStructure, TracerError> {
+    ) -> Result<Self, TracerError> {
         let parameters = QuadtreeParameters::try_from(parameters)?;
         let shape = Shape::new(viewpoint, geometry.diagonal(), &parameters)?;
-        let images = Images::new(&self.pipelines.gpu, &shape, parameters.reads, None)?;
-        self.pipelines.fill(&shape, &images, geometry, clock)?;
+        // Images of the same size are drawn into what is there.
+        let sizes = |shape: &Shape| (shape.size(), shape.images(), shape.thins(), shape.drawn_by);
+        let images = match before {
+            Some(before) if sizes(&shape) == sizes(&before.shape) => before.images.clone(),
+            _ => Images::new(&pipelines.gpu, &shape, parameters.reads, before.map(|before| &before.images))?,
+        };
+        pipelines.fill(&shape, &images, geometry, clock)?;
         let triangle_count = geometry.triangles.len() as u32;
-        Ok(QuadtreeStructure { pipelines: Arc::clone(&self.pipelines), shape, images, triangle_count })
-    }
-}
-
-impl Tracer for Quadtree {
-    fn build(
-        &self,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        parameters: &Parameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Box<dyn Structure>, TracerError> {
-        Ok(Box::new(self.build_structure(geometry, viewpoint, parameters, clock)?))
+        Ok(Self { pipelines: Arc::clone(pipelines), shape, images, triangle_count })
     }
 }
 
@@ -71,26 +62,8 @@ impl Structure for QuadtreeStructure {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        match update {
-            Update::Rebuild => {
-                let parameters = QuadtreeParameters::try_from(parameters)?;
-                let shape = Shape::new(viewpoint, geometry.diagonal(), &parameters)?;
-                // Images of the same size are drawn into what is there.
-                let sizes = |shape: &Shape| (shape.size(), shape.images(), shape.thins(), shape.drawn_by);
-                if sizes(&shape) == sizes(&self.shape) {
-                    self.pipelines.fill(&shape, &self.images, geometry, clock)?;
-                } else {
-                    let gpu = &self.pipelines.gpu;
-                    let images = Images::new(gpu, &shape, parameters.reads, Some(&self.images))?;
-                    self.pipelines.fill(&shape, &images, geometry, clock)?;
-                    self.images = images;
-                }
-                (self.shape, self.triangle_count) = (shape, geometry.triangles.len() as u32);
-                Ok(())
-            }
-            Update::Refit => Err(TracerError::Unsupported(NO_REFIT.to_owned())),
-            Update::Reuse => Ok(()),
-        }
+        let job = BuildJob { geometry, viewpoint, parameters };
+        self.follow(&Arc::clone(&self.pipelines), update, job, clock)
     }
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {

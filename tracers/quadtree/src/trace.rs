@@ -1,18 +1,34 @@
 //! Tracing on the device.
 
 use bytemuck::{Pod, Zeroable};
-use tracebench_api::wgpu::{BindGroup, Buffer, BufferUsages};
+use tracebench_api::wgpu::{Buffer, BufferUsages};
 use tracebench_api::{Counter, EndPoint, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
-use tracebench_kit::{Reads, bind_arrays, bind_group_at, dispatch_rays, uniform_buffer};
+use tracebench_kit::{
+    Reads, Search, TraceCounts, bind_arrays, bind_group_at, record_searches, uniform_buffer, untimed,
+};
 use tracebench_shaders::quadtree::Trace;
 
-use crate::counting::Counting;
 use crate::description::{Inpainting, QuadtreeParameters, Traversal};
 use crate::layout::{Forest, MOST_VIEWS, TreeView};
 use crate::structure::QuadtreeStructure;
 
 /// Name of the secondary samples' weights, a number a ray.
 const WEIGHTS: &str = "weights of secondary samples";
+
+/// What is counted of every ray, as `COUNTS` in shaders/quadtree/trace.wgsl; the last where planes are joined alone.
+const COUNTERS: [&str; 8] = [
+    "nodes_visited",
+    "plane_tests",
+    "box_tests",
+    "layers_asked",
+    "views_entered",
+    "rays_asking_layer_2",
+    "hits_behind_layer_1",
+    "neighbours_read",
+];
+
+/// Those that a structure of one layer has none of.
+const OF_FURTHER_LAYERS: [&str; 2] = ["rays_asking_layer_2", "hits_behind_layer_1"];
 
 /// `QuadtreeSettings` of shaders/quadtree/store.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -66,7 +82,7 @@ impl QuadtreeStructure {
         &self,
         job: &TraceJob<'_>,
         parameters: &QuadtreeParameters,
-        counting: Option<&Counting>,
+        counting: Option<&TraceCounts>,
     ) -> QuadtreeSettings {
         QuadtreeSettings {
             ray_count: job.rays.host.len() as u32,
@@ -83,7 +99,7 @@ impl QuadtreeStructure {
             samples: parameters.secondary_samples,
             jitter: parameters.secondary_jitter as f32,
             inverse_sigma: (1.0 / parameters.secondary_sigma) as f32,
-            touched_words: counting.map_or(0, |counting| counting.touched_words),
+            touched_words: counting.map_or(0, |counting| counting.bit_words[0]),
             padding: 0,
         }
     }
@@ -93,7 +109,7 @@ impl QuadtreeStructure {
         &self,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
-        counting: Option<&Counting>,
+        counting: Option<&TraceCounts>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         self.record_weighing(job, hits, counting, clock).map(drop)
@@ -105,7 +121,7 @@ impl QuadtreeStructure {
         &self,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
-        counting: Option<&Counting>,
+        counting: Option<&TraceCounts>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Option<Buffer>, TracerError> {
         let gpu = self.gpu();
@@ -139,38 +155,35 @@ impl QuadtreeStructure {
         }
         bound.extend(counting.map(|counting| (6, &counting.buffer)));
         bound.extend(weights.as_ref().map(|weights| (7, weights)));
-        let bind = |settings: &QuadtreeSettings| -> Result<BindGroup, TracerError> {
-            let settings = uniform_buffer(gpu, "search", settings)?;
+        let arrays = bind_arrays(gpu, &pipeline, self.images.bound(surfaces));
+        let bind = |search: QuadtreeSettings| -> Result<Search, TracerError> {
+            let settings = uniform_buffer(gpu, "search", &search)?;
             let numbered = bound.iter().copied().chain([(1, &settings)]);
             let numbered: Vec<_> = numbered.map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
-            Ok(bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &numbered))
+            let own = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &numbered);
+            let (pipeline, groups) = (pipeline.clone(), vec![own, arrays.clone()]);
+            Ok(Search { pipeline, groups, rays_per_lane: search.rays_per_lane })
         };
-        let mut searches = vec![(bind(&settings)?, settings.rays_per_lane)];
+        let mut searches = vec![bind(settings)?];
         // A driver that ends loops after some rounds may leave lanes' last rays without an answer.
-        let may_leave_rays = settings.rays_per_lane > 1;
-        if may_leave_rays {
-            searches.push((bind(&QuadtreeSettings { rays_per_lane: 1, unanswered_only: 1, ..settings })?, 1));
+        if settings.rays_per_lane > 1 {
+            searches.push(bind(QuadtreeSettings { rays_per_lane: 1, unanswered_only: 1, ..settings })?);
         }
-        let arrays = bind_arrays(gpu, &pipeline, self.images.bound(surfaces));
-        clock.device_phase("trace", |encoder| {
-            if may_leave_rays {
-                encoder.clear_buffer(hit_buffer, 0, None);
-            }
-            for (own, rays_per_lane) in &searches {
-                dispatch_rays(encoder, &pipeline, &[own, &arrays], settings.ray_count, *rays_per_lane);
-            }
-        })?;
+        record_searches(&searches, settings.ray_count, hit_buffer, clock)?;
         Ok(weights)
     }
 
     pub(crate) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = self.gpu();
-        let nodes = self.shape.level_offsets().1 * self.shape.images();
-        let counting = Counting::new(gpu, nodes, job.rays.host.len(), self.shape.is_joined)?;
-        let mut clock = PhaseClock::new(Some(gpu));
-        self.record(job, hits, Some(&counting), &mut clock)?;
-        clock.finish()?;
-        counting.counters(gpu, job.end == EndPoint::Surface, self.shape.layers)
+        // Of nodes and, no more than these, of pixels.
+        let things = [self.shape.level_offsets().1 * self.shape.images(); 2];
+        let names = if self.shape.is_joined { &COUNTERS[..] } else { &COUNTERS[..COUNTERS.len() - 1] };
+        let counting = TraceCounts::new(gpu, things, names, job.rays.host.len(), "--size, --face or --frame")?;
+        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
+        let mut counters = counting.counters(gpu, ["nodes_touched", "payloads_touched"])?;
+        counters.retain(|counter| self.shape.layers > 1 || !OF_FURTHER_LAYERS.contains(&counter.name));
+        counters.retain(|counter| job.end == EndPoint::Surface || counter.name != "payloads_touched");
+        Ok(counters)
     }
 
     pub(crate) fn memory_of_trace(&self, job: &TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {

@@ -27,75 +27,34 @@ pub(crate) const MOST_LAYERS: u32 = 4;
 parameters! {
     /// What `screen-dda` is told.
     pub(crate) struct DdaParameters {
-        stride: u32 = Parameter::integer(
-            Trace,
-            1..=256,
-            1,
-            "pixels along the major axis between depth samples: larger is faster and skips thin things",
-        )
-        .unit("pixels")
-        .sweep([1, 2, 4, 8, 16]),
-        max_steps: u32 = Parameter::integer(
-            Trace,
-            1..=65_536,
-            4096,
-            "depth samples of its way after which a ray is given up with status step_cap, those that march=hi-z skips among them; \
-             WKP15 set 200 for stereo, 500 for temporal and 25 for lens rays",
-        )
-        .unit("samples")
-        .sweep([16, 25, 64, 200, 256, 500, 1024, 4096]),
-        thickness: f64 = Parameter::real(
-            Trace,
-            0.0..=10.0,
-            0.005,
-            "depth that every stored surface is taken to have: small loses hits, large invents them",
-        )
-        .unit("scene diagonals")
-        .sweep([0.0, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05]),
-        start_bias: f64 = Parameter::real(
-            Trace,
-            0.0..=64.0,
-            1.0,
-            "pixels along the major axis skipped by rays that start in the view: small finds the surface that a \
-             ray starts on, large misses what lies close to it",
-        )
-        .unit("pixels")
-        .sweep([0.0, 0.5, 1.0, 2.0, 4.0]),
-        hit_point: HitPoint = Parameter::choice(
-            Trace,
-            HitPoint::Step,
-            "where in its step a hit is placed: at the step's position (listing 1), or at the stored eye depth; rays that \
-             fall on one pixel always at the stored depth",
-        ),
-        layers: u32 = Parameter::integer(
-            Build,
-            1..=MOST_LAYERS,
-            1,
-            "depths stored at a pixel, the nearest and those behind it: more find what is hidden, for more to draw and to look at",
-        )
-        .unit("layers")
-        .sweep([1, 2, 4]),
-        layer_separation: f64 = Parameter::real(
-            Build,
-            0.0..=1.0,
-            0.0,
-            "least distance in eye depth of a layer from the one before: more keeps close surfaces from filling all layers, and loses \
-             them",
-        )
-        .unit("scene diagonals")
-        .sweep([0.0, 0.002, 0.01, 0.05]),
-        thickness_from: ThicknessFrom = Parameter::choice(
-            Build,
-            ThicknessFrom::Assumed,
-            "what says how thick a stored surface is: thickness alone, or the nearest back face behind it and thickness where there \
-             is none",
-        ),
-        march: March = Parameter::choice(
-            Build,
-            March::Pixels,
-            "how a ray goes over its samples: one after the other, or up and down a pyramid of depth bounds, built for it, which \
-             skips samples that cannot hit; the hits are the same",
-        ),
+        /// pixels along the major axis between depth samples: larger is faster and skips thin things
+        stride: u32 = Parameter::integer(Trace, 1..=256, 1).unit("pixels").sweep([1, 2, 4, 8, 16]),
+        /// depth samples of its way after which a ray is given up with status step_cap, those that march=hi-z skips among them; WKP15 set
+        /// 200 for stereo, 500 for temporal and 25 for lens rays
+        max_steps: u32 = Parameter::integer(Trace, 1..=65_536, 4096)
+            .unit("samples")
+            .sweep([16, 25, 64, 200, 256, 500, 1024, 4096]),
+        /// depth that every stored surface is taken to have: small loses hits, large invents them
+        thickness: f64 = Parameter::real(Trace, 0.0..=10.0, 0.005)
+            .unit("scene diagonals")
+            .sweep([0.0, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05]),
+        /// pixels along the major axis skipped by rays that start in the view: small finds the surface that a ray starts on, large misses
+        /// what lies close to it
+        start_bias: f64 = Parameter::real(Trace, 0.0..=64.0, 1.0).unit("pixels").sweep([0.0, 0.5, 1.0, 2.0, 4.0]),
+        /// where in its step a hit is placed: at the step's position (listing 1), or at the stored eye depth; rays that fall on one pixel
+        /// always at the stored depth
+        hit_point: HitPoint = Parameter::choice(Trace, HitPoint::Step),
+        /// depths stored at a pixel, the nearest and those behind it: more find what is hidden, for more to draw and to look at
+        layers: u32 = Parameter::integer(Build, 1..=MOST_LAYERS, 1).unit("layers").sweep([1, 2, 4]),
+        /// least distance in eye depth of a layer from the one before: more keeps close surfaces from filling all layers, and loses them
+        layer_separation: f64 = Parameter::real(Build, 0.0..=1.0, 0.0)
+            .unit("scene diagonals")
+            .sweep([0.0, 0.002, 0.01, 0.05]),
+        /// what says how thick a stored surface is: thickness alone, or the nearest back face behind it and thickness where there is none
+        thickness_from: ThicknessFrom = Parameter::choice(Build, ThicknessFrom::Assumed),
+        /// how a ray goes over its samples: one after the other, or up and down a pyramid of depth bounds, built for it, which skips
+        /// samples that cannot hit; the hits are the same
+        march: March = Parameter::choice(Build, March::Pixels),
         build: DrawnBy = build_parameter(),
         reads: Reads = reads_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),

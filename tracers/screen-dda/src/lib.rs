@@ -31,7 +31,6 @@
 //!   descriptions; thickness is told in scene diagonals, so that it means the same in every scene.
 
 mod description;
-mod images;
 mod structure;
 mod trace;
 

@@ -33,7 +33,7 @@ pub(crate) struct Taken {
 pub(crate) const TAKEN_WORDS: u64 = 6;
 
 /// The A-buffers.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Lists {
     pub heads: Buffer,
     pub taken: Buffer,
@@ -44,7 +44,7 @@ pub(crate) struct Lists {
 }
 
 /// What averages are made of.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Summed {
     /// Sums of normals, a component each.
     pub sums: [Buffer; AXES],
@@ -53,7 +53,7 @@ pub(crate) struct Summed {
 }
 
 /// All buffers.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Buffers {
     /// None where there is no rasterizer.
     pub target: Option<EmptyTarget>,

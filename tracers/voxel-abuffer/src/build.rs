@@ -5,8 +5,9 @@ use std::sync::Arc;
 use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, ComputePipeline};
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
 use tracebench_kit::{
-    Canvas, ComputeRaster, DrawnBy, EmptyTarget, OnDemand, PipelinesOnDemand, RasterImage, RasterWork, TrianglePass,
-    TrianglePipelines, bind_group, check_limits, compute_pipeline, dispatch_linear, storage_buffer, uniform_buffer,
+    Canvas, ComputeRaster, DrawnBy, EmptyTarget, OnDemand, PipelinesOnDemand, RasterImage, RasterWork, SearchPipelines,
+    TrianglePass, TrianglePipelines, bind_group, check_limits, compute_pipeline, dispatch_linear, storage_buffer,
+    uniform_buffer,
 };
 use tracebench_shaders::Variant;
 use tracebench_shaders::voxel_abuffer::{AVERAGE, Fill, Order, Planes, Trace, Voxels};
@@ -21,28 +22,17 @@ pub(crate) const WORKGROUP_SIZE: u32 = 64;
 /// software driver ends the loops of eight lanes together after 65,535 rounds in all.
 const SMALL_OF_PLANES: u32 = 128;
 
-/// Entry points of shaders/voxel-abuffer/trace.wgsl.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Entry {
-    /// A ray a lane.
-    OneRay,
-    /// Several rays a lane. Drivers that count a lane's loops leave some unanswered.
-    InTurns,
-    /// Those that are, a ray a lane.
-    Unanswered,
-}
-
 /// Every pipeline, each made when it is first needed.
-pub(crate) struct Pipelines {
-    pub gpu: Arc<Gpu>,
+pub struct Pipelines {
+    pub(crate) gpu: Arc<Gpu>,
     raster: ComputeRaster,
     raster_of_planes: ComputeRaster,
     fill: TrianglePipelines<Fill>,
     planes: TrianglePipelines<Planes>,
     average: OnDemand<(), ComputePipeline>,
     order: PipelinesOnDemand<Order>,
-    trace: OnDemand<(Trace, Entry), ComputePipeline>,
-    pub voxels: PipelinesOnDemand<Voxels>,
+    pub(crate) trace: SearchPipelines<Trace>,
+    pub(crate) voxels: PipelinesOnDemand<Voxels>,
 }
 
 impl Pipelines {
@@ -62,7 +52,7 @@ impl Pipelines {
             planes: TrianglePipelines::new(),
             average: OnDemand::default(),
             order: PipelinesOnDemand::new("order"),
-            trace: OnDemand::default(),
+            trace: SearchPipelines::default(),
             voxels: PipelinesOnDemand::new("trace"),
         })
     }
@@ -73,15 +63,6 @@ impl Pipelines {
         let (device, triangles) = (geometry.on_device()?, geometry.triangles.len() as u32);
         let raster = if layout.planes { &self.raster_of_planes } else { &self.raster };
         raster.prepare_all(&self.gpu, layout.drawn_by, (0..AXES).map(image), device, triangles)
-    }
-
-    pub(crate) fn trace(&self, variant: Trace, entry: Entry) -> Result<ComputePipeline, TracerError> {
-        let entry_point = match entry {
-            Entry::OneRay => "trace",
-            Entry::InTurns => "trace_in_turns",
-            Entry::Unanswered => "trace_unanswered",
-        };
-        self.trace.of((variant, entry), || compute_pipeline(&self.gpu, variant, entry_point))
     }
 
     /// The number of fragments along every axis; drawn in the first build, by no phase of it.

@@ -10,7 +10,6 @@ mod brute_force;
 mod brute_planes;
 mod buffers;
 mod build;
-mod counting;
 mod description;
 mod layout;
 mod nodes;

@@ -24,7 +24,7 @@ const NODES: &str = "nodes";
 const DATA: &str = "data";
 
 /// The nodes of all axes.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Nodes {
     /// One buffer, or one an axis.
     nodes: Vec<(String, Buffer)>,

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, Structure,
-    TraceJob, Tracer, TracerError, Update, Viewpoint, VoxelGrid,
+    TraceJob, TracerError, Update, Viewpoint, VoxelGrid,
 };
-use tracebench_kit::grow;
+use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, grow};
 
 use crate::arrays::Arrays;
 use crate::buffers::{Buffers, Taken};
@@ -17,85 +17,49 @@ use crate::nodes::Nodes;
 use crate::search::VoxelSearch;
 
 /// The tracer.
-pub struct VoxelAbuffer {
-    pipelines: Arc<Pipelines>,
-}
+pub type VoxelAbuffer = DeviceTracer<VoxelStructure>;
 
-/// Grid and A-buffers.
-pub(crate) struct VoxelStructure {
-    pub pipelines: Arc<Pipelines>,
-    pub layout: Layout,
-    pub buffers: Buffers,
-    pub arrays: Arrays,
+/// Grid and A-buffers. Nothing of them hangs on the eye.
+pub struct VoxelStructure {
+    pub(crate) pipelines: Arc<Pipelines>,
+    pub(crate) layout: Layout,
+    pub(crate) buffers: Buffers,
+    pub(crate) arrays: Arrays,
     triangle_count: u32,
 }
 
-impl VoxelAbuffer {
-    /// Makes it for a device.
-    ///
-    /// # Errors
-    /// [`TracerError::Unavailable`] if the device's limits forbid it.
-    pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        Ok(Self { pipelines: Arc::new(Pipelines::new(gpu)?) })
+impl DeviceStructure for VoxelStructure {
+    type Pipelines = Pipelines;
+
+    const NO_REFIT: &'static str = NO_REFIT;
+
+    fn pipelines(gpu: Arc<Gpu>) -> Result<Pipelines, TracerError> {
+        Pipelines::new(gpu)
     }
 
-    pub(crate) fn build_structure(
-        &self,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        parameters: &Parameters,
+    fn build(
+        pipelines: &Arc<Pipelines>,
+        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
+        before: Option<&Self>,
         clock: &mut PhaseClock<'_>,
-    ) -> Result<VoxelStructure, TracerError> {
-        let gpu = &*self.pipelines.gpu;
+    ) -> Result<Self, TracerError> {
+        let gpu = &*pipelines.gpu;
         let parameters = VoxelParameters::try_from(parameters)?;
         let layout = Layout::new(geometry, viewpoint, &parameters);
-        let nodes = match layout.voxels_only {
-            true => [0; AXES],
-            false => self.pipelines.tally(&layout, geometry)?,
-        };
-        let buffers = Buffers::new(gpu, &layout, nodes)?;
-        let arrays = Arrays::new(gpu, parameters.reads, &buffers, None)?;
-        self.pipelines.build(&layout, &buffers, geometry, clock)?;
-        arrays.record_copies(clock)?;
-        let triangle_count = geometry.triangles.len() as u32;
-        Ok(VoxelStructure { pipelines: Arc::clone(&self.pipelines), layout, buffers, arrays, triangle_count })
-    }
-}
-
-impl Tracer for VoxelAbuffer {
-    fn build(
-        &self,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        parameters: &Parameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Box<dyn Structure>, TracerError> {
-        Ok(Box::new(self.build_structure(geometry, viewpoint, parameters, clock)?))
-    }
-}
-
-impl VoxelStructure {
-    fn rebuild(&mut self, geometry: &Geometry, layout: Layout, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        let gpu = &*self.pipelines.gpu;
         let sizes =
             |layout: &Layout| (layout.voxels_only, layout.planes, layout.image(), layout.space.grid, layout.drawn_by);
-        let new = match sizes(&layout) == sizes(&self.layout) {
-            true => None,
-            false => {
-                let capacities = self.buffers.lists.as_ref().map_or([0; AXES], |lists| lists.nodes.capacities);
-                Some(Buffers::new(gpu, &layout, capacities)?)
-            }
+        let nodes_before = |before: &Self| before.buffers.lists.as_ref().map(|lists| lists.nodes.capacities);
+        let buffers = match before {
+            Some(before) if sizes(&layout) == sizes(&before.layout) => before.buffers.clone(),
+            Some(before) => Buffers::new(gpu, &layout, nodes_before(before).unwrap_or_default())?,
+            None if layout.voxels_only => Buffers::new(gpu, &layout, [0; AXES])?,
+            None => Buffers::new(gpu, &layout, pipelines.tally(&layout, geometry)?)?,
         };
-        let buffers = new.as_ref().unwrap_or(&self.buffers);
-        let arrays = Arrays::new(gpu, self.arrays.reads(), buffers, Some(&self.arrays))?;
-        self.pipelines.build(&layout, buffers, geometry, clock)?;
+        let arrays = Arrays::new(gpu, parameters.reads, &buffers, before.map(|before| &before.arrays))?;
+        pipelines.build(&layout, &buffers, geometry, clock)?;
         arrays.record_copies(clock)?;
-        (self.arrays, self.layout) = (arrays, layout);
-        self.triangle_count = geometry.triangles.len() as u32;
-        if let Some(buffers) = new {
-            self.buffers = buffers;
-        }
-        Ok(())
+        let triangle_count = geometry.triangles.len() as u32;
+        Ok(Self { pipelines: Arc::clone(pipelines), layout, buffers, arrays, triangle_count })
     }
 }
 
@@ -108,15 +72,8 @@ impl Structure for VoxelStructure {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        match update {
-            Update::Rebuild => {
-                let layout = Layout::new(geometry, viewpoint, &VoxelParameters::try_from(parameters)?);
-                self.rebuild(geometry, layout, clock)
-            }
-            Update::Refit => Err(TracerError::Unsupported(NO_REFIT.to_owned())),
-            // Nothing of it hangs on the eye.
-            Update::Reuse => Ok(()),
-        }
+        let job = BuildJob { geometry, viewpoint, parameters };
+        self.follow(&Arc::clone(&self.pipelines), update, job, clock)
     }
 
     fn make_room(&mut self) -> Result<bool, TracerError> {

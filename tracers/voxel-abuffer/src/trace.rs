@@ -1,36 +1,36 @@
 //! Tracing on the device.
 
-use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, ComputePipeline};
+use tracebench_api::wgpu::{BindingResource, Buffer, ComputePipeline};
 use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, TraceJob, TracerError};
 use tracebench_kit::{
-    RayCounts, Reads, bind_arrays, bind_group, bind_group_at, dispatch_rays, rays_within_rounds, uniform_buffer,
+    RayCounts, Reads, TraceCounts, bind_arrays, bind_group, bind_group_at, dispatch_rays, rays_within_rounds,
+    record_searches, uniform_buffer, untimed,
 };
 use tracebench_shaders::voxel_abuffer::{Trace, Voxels};
 
 use crate::buffers::Lists;
-use crate::build::Entry;
-use crate::counting::Counting;
 use crate::description::{Depths, VoxelParameters};
 use crate::layout::AXES;
 use crate::search::VoxelSearch;
 use crate::structure::VoxelStructure;
 
+/// What is counted of every ray, as `COUNTS` in shaders/voxel-abuffer/store.wgsl.
+const COUNTERS: [&str; 6] =
+    ["voxels_stepped", "voxels_opened", "searches", "depth_comparisons", "layers_tested", "starts_inside"];
+
 /// Why voxels alone have no surfaces.
 const NO_SURFACES: &str =
     "voxels alone have no normals and materials to give: choose voxel-abuffer.structure=two-level, or --end hit";
-
-/// A search with its groups, and how many rays a lane of it answers.
-type Dispatch = (ComputePipeline, Vec<BindGroup>, u32);
 
 impl VoxelStructure {
     fn search(
         &self,
         job: &TraceJob<'_>,
         parameters: &VoxelParameters,
-        counting: Option<&Counting>,
+        counting: Option<&TraceCounts>,
     ) -> Result<VoxelSearch, TracerError> {
         let mut search = VoxelSearch::of(&self.layout, job, parameters);
-        search.touched_words = counting.map_or(0, |counting| counting.touched_words);
+        search.touched_words = counting.map_or(0, |counting| counting.bit_words[0]);
         let Some(lists) = &self.buffers.lists else { return Ok(search) };
         search.half_nodes = lists.nodes.half_nodes;
         for (axis, placed) in self.arrays.placed(&self.buffers).into_iter().enumerate() {
@@ -52,7 +52,7 @@ impl VoxelStructure {
         &self,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
-        counting: Option<&Counting>,
+        counting: Option<&TraceCounts>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let Some(lists) = &self.buffers.lists else { return self.record_voxels(job, hits, None, clock) };
@@ -80,29 +80,16 @@ impl VoxelStructure {
         }
         bound.extend(counting.map(|counting| (4, &counting.buffer)));
         let bound: Vec<_> = bound.into_iter().map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
-        let dispatch = |entry, rays_per_lane| -> Result<Dispatch, TracerError> {
-            let pipeline = pipelines.trace(variant, entry)?;
+        let bind = |pipeline: &ComputePipeline| {
             let mut groups = vec![bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &bound)];
-            groups.push(bind_arrays(gpu, &pipeline, &self.arrays.bound(reads_data)));
+            groups.push(bind_arrays(gpu, pipeline, &self.arrays.bound(reads_data)));
             if split {
                 groups.push(bind_group(gpu, &pipeline.get_bind_group_layout(2), &further_axes(lists, reads_data)));
             }
-            Ok((pipeline, groups, rays_per_lane))
+            groups
         };
-        let turns = match search.rays_per_lane {
-            1 => vec![dispatch(Entry::OneRay, 1)?],
-            many => vec![dispatch(Entry::InTurns, many)?, dispatch(Entry::Unanswered, 1)?],
-        };
-        clock.device_phase("trace", |encoder| {
-            if turns.len() > 1 {
-                // No status is 0.
-                encoder.clear_buffer(hit_buffer, 0, None);
-            }
-            for (pipeline, groups, rays_per_lane) in &turns {
-                let groups: Vec<&BindGroup> = groups.iter().collect();
-                dispatch_rays(encoder, pipeline, &groups, search.ray_count, *rays_per_lane);
-            }
-        })
+        let searches = pipelines.trace.searches(gpu, variant, search.rays_per_lane, bind)?;
+        record_searches(&searches, search.ray_count, hit_buffer, clock)
     }
 
     /// The same through voxels alone.
@@ -136,18 +123,22 @@ impl VoxelStructure {
 
     pub(crate) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = &*self.pipelines.gpu;
-        let mut clock = PhaseClock::new(Some(gpu));
+        let count = job.rays.host.len();
         let Some(lists) = &self.buffers.lists else {
-            let counts = RayCounts::new(gpu, "counts", job.rays.host.len())?;
-            self.record_voxels(job, hits, Some(counts.buffer()), &mut clock)?;
-            clock.finish()?;
+            let counts = RayCounts::new(gpu, "counts", count)?;
+            untimed(gpu, |clock| self.record_voxels(job, hits, Some(counts.buffer()), clock))?;
             return counts.counters(gpu, ["voxels_stepped"]);
         };
-        let counting = Counting::new(gpu, lists.nodes.capacity(), job.rays.host.len())?;
-        self.record(job, hits, Some(&counting), &mut clock)?;
-        clock.finish()?;
+        // Of nodes and of their data.
+        let things = [u64::from(lists.nodes.capacity()); 2];
+        let counting = TraceCounts::new(gpu, things, &COUNTERS, count, "--size or voxel-abuffer.abuffer")?;
+        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
         let reads_data = self.reads_data(job.end, &VoxelParameters::try_from(job.parameters)?);
-        counting.counters(gpu, reads_data, !self.layout.planes)
+        let mut counters = counting.counters(gpu, ["fragments_touched", "payloads_touched"])?;
+        counters.retain(|counter| reads_data || counter.name != "payloads_touched");
+        // Planes tell nothing inside from outside.
+        counters.retain(|counter| !self.layout.planes || counter.name != "starts_inside");
+        Ok(counters)
     }
 }
 

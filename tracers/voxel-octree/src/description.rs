@@ -19,26 +19,15 @@ choice! {
 parameters! {
     /// What `voxel-octree` is told.
     pub(crate) struct OctreeParameters {
-        levels: u32 = Parameter::integer(
-            Build,
-            0..=MOST_LEVELS,
-            0,
-            "levels of the tree, by which the grid has two to the power of it voxels an edge: each halves the error, and takes four times the \
-             memory; 0: two voxels a texel of a face at least, which is 10 (1024 an edge, as the peer of HHZ14's Table 1 has) at faces of 512",
-        )
-        .unit("levels")
-        .sweep([6, 7, 8, 9]),
-        traversal: Traversal = Parameter::choice(
-            Trace,
-            Traversal::Restart,
-            "how the node that holds the next voxel is found: from the root every time, or from the deepest node that holds both, off a stack; \
-             the hits are the same",
-        ),
-        hit: HitPlace = Parameter::choice(
-            Trace,
-            HitPlace::Entry,
-            "where a ray hits a voxel: where it enters it, always too early, or where it is nearest to its centre, too early as often as too late",
-        ),
+        /// levels of the tree, by which the grid has two to the power of it voxels an edge: each halves the error, and takes four times the
+        /// memory; 0: two voxels a texel of a face at least, which is 10 (1024 an edge, as the peer of HHZ14's Table 1 has) at faces of 512
+        levels: u32 = Parameter::integer(Build, 0..=MOST_LEVELS, 0).unit("levels").sweep([6, 7, 8, 9]),
+        /// how the node that holds the next voxel is found: from the root every time, or from the deepest node that holds both, off a
+        /// stack; the hits are the same
+        traversal: Traversal = Parameter::choice(Trace, Traversal::Restart),
+        /// where a ray hits a voxel: where it enters it, always too early, or where it is nearest to its centre, too early as often as too
+        /// late
+        hit: HitPlace = Parameter::choice(Trace, HitPlace::Entry),
         reads: Reads = reads_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),
     }

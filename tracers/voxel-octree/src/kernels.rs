@@ -11,21 +11,21 @@ use tracebench_shaders::voxel_octree::{LEAVES, LEVELS, Trace, VOXELIZE};
 pub(crate) const WORKGROUP_SIZE: u32 = 64;
 
 /// Every pipeline; those of traces are made when they are first needed.
-pub(crate) struct Kernels {
-    pub gpu: Arc<Gpu>,
-    pub sort: RadixSort,
-    pub prefix_sum: PrefixSum,
-    pub measure: ComputePipeline,
-    pub count: ComputePipeline,
-    pub emit: ComputePipeline,
-    pub pad: ComputePipeline,
-    pub mark_leaves: ComputePipeline,
-    pub gather: ComputePipeline,
-    pub sum: ComputePipeline,
-    pub finish: ComputePipeline,
-    pub mark_nodes: ComputePipeline,
-    pub join: ComputePipeline,
-    pub trace: PipelinesOnDemand<Trace>,
+pub struct Kernels {
+    pub(crate) gpu: Arc<Gpu>,
+    pub(crate) sort: RadixSort,
+    pub(crate) prefix_sum: PrefixSum,
+    pub(crate) measure: ComputePipeline,
+    pub(crate) count: ComputePipeline,
+    pub(crate) emit: ComputePipeline,
+    pub(crate) pad: ComputePipeline,
+    pub(crate) mark_leaves: ComputePipeline,
+    pub(crate) gather: ComputePipeline,
+    pub(crate) sum: ComputePipeline,
+    pub(crate) finish: ComputePipeline,
+    pub(crate) mark_nodes: ComputePipeline,
+    pub(crate) join: ComputePipeline,
+    pub(crate) trace: PipelinesOnDemand<Trace>,
 }
 
 impl Kernels {

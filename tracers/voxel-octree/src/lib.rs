@@ -7,7 +7,6 @@
 //! answer is as precise as a voxel. Nothing of it hangs on a viewpoint but the number of levels, where that is left to it.
 
 mod build;
-mod counting;
 mod counts;
 mod description;
 mod kernels;

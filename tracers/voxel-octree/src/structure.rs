@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, Structure,
-    TraceJob, Tracer, TracerError, Update, Viewpoint, VoxelGrid,
+    TraceJob, TracerError, Update, Viewpoint, VoxelGrid,
 };
-use tracebench_kit::{ReadSlot, Readable, Reads, grow, record_copies};
+use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, ReadSlot, Readable, Reads, grow, record_copies};
 
 use crate::build::{LEAF_BYTES, LEAVES, NODE_BYTES, NODES, Scene, TAKEN, Tree};
 use crate::counts::{Counts, Taken};
@@ -15,18 +15,16 @@ use crate::kernels::Kernels;
 use crate::layout::{Layout, OctreeSearch, TURN_DOWN};
 
 /// The tracer.
-pub struct VoxelOctree {
-    kernels: Arc<Kernels>,
-}
+pub type VoxelOctree = DeviceTracer<OctreeStructure>;
 
-/// A tree.
-pub(crate) struct OctreeStructure {
-    pub kernels: Arc<Kernels>,
-    pub layout: Layout,
-    pub scene: Scene,
-    pub tree: Tree,
+/// A tree. Nothing of it hangs on the eye.
+pub struct OctreeStructure {
+    pub(crate) kernels: Arc<Kernels>,
+    pub(crate) layout: Layout,
+    pub(crate) scene: Scene,
+    pub(crate) tree: Tree,
     /// Nodes and leaves as searches read them.
-    pub arrays: [Readable; 2],
+    pub(crate) arrays: [Readable; 2],
     /// Bytes that the last build needed beside.
     scratch_bytes: u64,
 }
@@ -48,60 +46,33 @@ fn readable(
     ])
 }
 
-impl VoxelOctree {
-    /// Makes it for a device.
-    ///
-    /// # Errors
-    /// [`TracerError::Unavailable`] if the device's limits forbid it.
-    pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        Ok(Self { kernels: Arc::new(Kernels::new(gpu)?) })
+impl DeviceStructure for OctreeStructure {
+    type Pipelines = Kernels;
+
+    const NO_REFIT: &'static str = NO_REFIT;
+
+    fn pipelines(gpu: Arc<Gpu>) -> Result<Kernels, TracerError> {
+        Kernels::new(gpu)
     }
 
-    pub(crate) fn build_structure(
-        &self,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        parameters: &Parameters,
+    fn build(
+        pipelines: &Arc<Kernels>,
+        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
+        before: Option<&Self>,
         clock: &mut PhaseClock<'_>,
-    ) -> Result<OctreeStructure, TracerError> {
-        let kernels = &self.kernels;
+    ) -> Result<Self, TracerError> {
         let parameters = OctreeParameters::try_from(parameters)?;
         let layout = Layout::new(geometry, viewpoint, &parameters);
-        let scene = Scene::of(kernels, geometry)?;
-        let tree = Tree::new(kernels, &layout, kernels.tally(&layout, &scene)?)?;
-        let arrays = readable(kernels, parameters.reads, &tree, None)?;
-        let scratch_bytes = kernels.build(&layout, &scene, &tree, clock)?;
-        record_copies(&arrays, clock)?;
-        Ok(OctreeStructure { kernels: Arc::clone(kernels), layout, scene, tree, arrays, scratch_bytes })
-    }
-}
-
-impl Tracer for VoxelOctree {
-    fn build(
-        &self,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        parameters: &Parameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Box<dyn Structure>, TracerError> {
-        Ok(Box::new(self.build_structure(geometry, viewpoint, parameters, clock)?))
-    }
-}
-
-impl OctreeStructure {
-    fn rebuild(&mut self, geometry: &Geometry, layout: Layout, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        let kernels = Arc::clone(&self.kernels);
-        let scene = Scene::of(&kernels, geometry)?;
+        let scene = Scene::of(pipelines, geometry)?;
         // Of another grid nothing is known; of moved triangles what there is may do.
-        let tree = match layout.levels == self.layout.levels {
-            true => self.tree.clone(),
-            false => Tree::new(&kernels, &layout, kernels.tally(&layout, &scene)?)?,
+        let tree = match before {
+            Some(before) if layout.levels == before.layout.levels => before.tree.clone(),
+            _ => Tree::new(pipelines, &layout, pipelines.tally(&layout, &scene)?)?,
         };
-        let arrays = readable(&kernels, self.arrays[0].reads(), &tree, Some(&self.arrays))?;
-        let scratch_bytes = kernels.build(&layout, &scene, &tree, clock)?;
+        let arrays = readable(pipelines, parameters.reads, &tree, before.map(|before| &before.arrays))?;
+        let scratch_bytes = pipelines.build(&layout, &scene, &tree, clock)?;
         record_copies(&arrays, clock)?;
-        *self = Self { kernels, layout, scene, tree, arrays, scratch_bytes };
-        Ok(())
+        Ok(Self { kernels: Arc::clone(pipelines), layout, scene, tree, arrays, scratch_bytes })
     }
 }
 
@@ -114,15 +85,8 @@ impl Structure for OctreeStructure {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        match update {
-            Update::Rebuild => {
-                let layout = Layout::new(geometry, viewpoint, &OctreeParameters::try_from(parameters)?);
-                self.rebuild(geometry, layout, clock)
-            }
-            Update::Refit => Err(TracerError::Unsupported(NO_REFIT.to_owned())),
-            // Nothing of it hangs on the eye.
-            Update::Reuse => Ok(()),
-        }
+        let job = BuildJob { geometry, viewpoint, parameters };
+        self.follow(&Arc::clone(&self.kernels), update, job, clock)
     }
 
     fn make_room(&mut self) -> Result<bool, TracerError> {

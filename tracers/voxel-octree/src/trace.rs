@@ -1,13 +1,17 @@
 //! Tracing on the device.
 
 use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, TraceJob, TracerError};
-use tracebench_kit::{Reads, bind_arrays, bind_group_at, dispatch_rays, rays_within_rounds, uniform_buffer};
+use tracebench_kit::{
+    Reads, TraceCounts, bind_arrays, bind_group_at, dispatch_rays, rays_within_rounds, uniform_buffer, untimed,
+};
 use tracebench_shaders::voxel_octree::Trace;
 
-use crate::counting::Counting;
 use crate::description::{OctreeParameters, Traversal};
 use crate::layout::Layout;
 use crate::structure::OctreeStructure;
+
+/// What is counted of every ray, as `COUNTS` in shaders/voxel-octree/trace.wgsl.
+const COUNTERS: [&str; 2] = ["nodes_visited", "steps"];
 
 /// Rounds of the loop that a ray takes at most.
 fn most_rounds(layout: &Layout, traversal: Traversal) -> u64 {
@@ -27,7 +31,7 @@ impl OctreeStructure {
         &self,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
-        counting: Option<&Counting>,
+        counting: Option<&TraceCounts>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let gpu = &*self.kernels.gpu;
@@ -43,8 +47,8 @@ impl OctreeStructure {
         let rays_per_lane =
             rays_within_rounds(parameters.rays_per_lane, most_rounds(&self.layout, parameters.traversal));
         let mut search = self.layout.search(job, &parameters, rays_per_lane);
-        if let Some(counting) = counting {
-            (search.touched_words, search.first_leaf_bit) = (counting.touched_words, counting.first_leaf_bit);
+        if let Some(TraceCounts { bit_words: [nodes, leaves], .. }) = counting {
+            (search.touched_words, search.first_leaf_bit) = (nodes + leaves, nodes * 32);
         }
         let settings = uniform_buffer(gpu, "search", &search)?;
         let mut bound = vec![(0, &settings), (1, job.rays.on_device()?), (2, hits.on_device(count)?)];
@@ -64,12 +68,10 @@ impl OctreeStructure {
 
     pub(crate) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = &*self.kernels.gpu;
-        let (nodes, leaves) =
-            (self.tree.room.nodes_before(self.layout.levels), self.tree.room.leaves(self.layout.levels));
-        let counting = Counting::new(gpu, nodes, leaves, job.rays.host.len())?;
-        let mut clock = PhaseClock::new(Some(gpu));
-        self.record(job, hits, Some(&counting), &mut clock)?;
-        clock.finish()?;
-        counting.counters(gpu)
+        let (room, levels) = (&self.tree.room, self.layout.levels);
+        let things = [room.nodes_before(levels), room.leaves(levels)].map(u64::from);
+        let counting = TraceCounts::new(gpu, things, &COUNTERS, job.rays.host.len(), "--size or voxel-octree.levels")?;
+        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
+        counting.counters(gpu, ["nodes_touched", "leaves_touched"])
     }
 }

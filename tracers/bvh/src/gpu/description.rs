@@ -44,5 +44,5 @@ pub fn description() -> Description {
 /// The parameter `node`.
 pub(crate) fn node_parameter() -> Parameter<NodeKind> {
     let effect = "kind of node: compressed with eight children, or binary";
-    Parameter::choice(ParameterScope::Build, NodeKind::Wide, effect)
+    Parameter::choice(ParameterScope::Build, NodeKind::Wide).effect(effect)
 }

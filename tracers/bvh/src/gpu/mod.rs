@@ -192,15 +192,6 @@ impl Structure for BvhGpuStructure {
     fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
         let (tree, ordered) = self.resident.read(&self.searches.gpu)?;
         tree.check(&ordered, self.triangle_count, self.fitted.is_some())?;
-        let depth = tree.depth()?;
-        if depth > self.resident.depth {
-            return Err(TracerError::Failed(format!("{depth} levels, stacks are for {}", self.resident.depth)));
-        }
-        Ok(vec![
-            ("nodes", tree.node_count() as f64),
-            ("depth", depth as f64),
-            ("references", ordered.len() as f64),
-            ("sah_cost", tree.sah_cost()),
-        ])
+        self.resident.statistics(&tree, ordered.len())
     }
 }

@@ -110,6 +110,23 @@ impl Resident {
         }
     }
 
+    /// What is to be said of the hierarchy as it was read back.
+    ///
+    /// # Errors
+    /// [`TracerError::Failed`] if it has more levels than stacks are for.
+    pub(crate) fn statistics(&self, tree: &Tree, references: usize) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        let depth = tree.depth()?;
+        if depth > self.depth {
+            return Err(TracerError::Failed(format!("{depth} levels, stacks are for {}", self.depth)));
+        }
+        Ok(vec![
+            ("nodes", tree.node_count() as f64),
+            ("depth", depth as f64),
+            ("references", references as f64),
+            ("sah_cost", tree.sah_cost()),
+        ])
+    }
+
     /// Reads the hierarchy back.
     ///
     /// # Errors

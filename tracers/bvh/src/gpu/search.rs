@@ -7,7 +7,7 @@ use tracebench_api::wgpu::Buffer;
 use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
 use tracebench_kit::{
     Gather, PipelinesOnDemand, RayCounts, Reads, SurfaceGeometry, TouchedBits, bind_arrays, bind_group, dispatch_rays,
-    uniform_buffer,
+    uniform_buffer, untimed,
 };
 use tracebench_shaders::bvh::{Binary, Cwbvh};
 
@@ -208,9 +208,7 @@ impl Searches {
     ) -> Result<Vec<Counter>, TracerError> {
         let gpu = &self.gpu;
         let counting = Counting::new(gpu, searched.resident, job.rays.host.len())?;
-        let mut clock = PhaseClock::new(Some(gpu));
-        self.record(searched, job, hits, Some(&counting), &mut clock)?;
-        clock.finish()?;
+        untimed(gpu, |clock| self.record(searched, job, hits, Some(&counting), clock))?;
         let mut counters = counting.counts.counters(gpu, ["nodes_visited", "triangle_tests", "search_rounds"])?;
         counters.push(Counter::of_set("nodes_touched", counting.nodes.count(gpu)?));
         counters.push(Counter::of_set("references_touched", counting.references.count(gpu)?));

@@ -15,25 +15,14 @@ parameters! {
     /// What `lbvh-gpu` is told.
     pub(crate) struct LbvhParameters {
         node: NodeKind = node_parameter(),
-        search_radius: u32 = Parameter::integer(
-            Build,
-            1..=MOST_NEIGHBOURS,
-            8,
-            "neighbours along the Morton curve on each side among which a cluster seeks its nearest: more build \
-             slower and trace faster",
-        )
-        .unit("clusters")
-        .sweep([1, 2, 4, 8, 16]),
-        early_search_radius: u32 = Parameter::integer(
-            Build,
-            1..=MOST_NEIGHBOURS,
-            8,
-            "the same in the first two iterations, which have the most clusters, of scenes of more than 2,048 \
-             triangles: few build faster, and often trace faster, too",
-        )
-        .unit("clusters")
-        .improved(2)
-        .sweep([1, 2, 4, 8]),
+        /// neighbours along the Morton curve on each side among which a cluster seeks its nearest: more build slower and trace faster
+        search_radius: u32 = Parameter::integer(Build, 1..=MOST_NEIGHBOURS, 8).unit("clusters").sweep([1, 2, 4, 8, 16]),
+        /// the same in the first two iterations, which have the most clusters, of scenes of more than 2,048 triangles: few build faster,
+        /// and often trace faster, too
+        early_search_radius: u32 = Parameter::integer(Build, 1..=MOST_NEIGHBOURS, 8)
+            .unit("clusters")
+            .improved(2)
+            .sweep([1, 2, 4, 8]),
         reads: Reads = reads_parameter(),
         rays_per_lane: u32 = rays_per_lane_parameter(),
     }

@@ -213,21 +213,13 @@ impl Structure for LbvhStructure {
     fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
         let (tree, ordered) = self.read()?;
         tree.check(&ordered, self.plan.triangle_count as usize, true)?;
-        let depth = tree.depth()?;
-        if depth > self.resident.depth {
-            return Err(TracerError::Failed(format!("{depth} levels, stacks are for {}", self.resident.depth)));
-        }
+        let mut statistics = self.resident.statistics(&tree, ordered.len())?;
         let progress = self.progress()?;
         // Iterations that began with fewer clusters than the one before.
         let counts = progress[..FINISHED].iter().chain(&progress[FINISHED..TAKEN_SLOTS]).filter(|count| **count > 0);
         let counts: Vec<u32> = counts.copied().collect();
         let iterations = counts.windows(2).filter(|pair| pair[1] < pair[0]).count();
-        Ok(vec![
-            ("nodes", tree.node_count() as f64),
-            ("depth", depth as f64),
-            ("references", ordered.len() as f64),
-            ("sah_cost", tree.sah_cost()),
-            ("cluster_iterations", iterations as f64),
-        ])
+        statistics.push(("cluster_iterations", iterations as f64));
+        Ok(statistics)
     }
 }

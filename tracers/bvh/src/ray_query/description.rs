@@ -19,17 +19,11 @@ choice! {
 parameters! {
     /// What `ray-query` is told.
     pub(crate) struct QueryParameters {
-        prefer: Preference = Parameter::choice(
-            ParameterScope::Build,
-            Preference::FastTrace,
-            "what the driver is asked to favour; it may build the same either way",
-        ),
-        equal_t: EqualT = Parameter::choice(
-            ParameterScope::Trace,
-            EqualT::Lowest,
-            "which of the triangles at equal t a closest hit names: the lowest, as every tracer here, by a second \
-             query close round the hit, or the first that the driver meets, without it",
-        ),
+        /// what the driver is asked to favour; it may build the same either way
+        prefer: Preference = Parameter::choice(ParameterScope::Build, Preference::FastTrace),
+        /// which of the triangles at equal t a closest hit names: the lowest, as every tracer here, by a second query close round the hit,
+        /// or the first that the driver meets, without it
+        equal_t: EqualT = Parameter::choice(ParameterScope::Trace, EqualT::Lowest),
     }
 }
 

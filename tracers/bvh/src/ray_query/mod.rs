@@ -25,7 +25,7 @@ use tracebench_api::{
     RayBuffer, Residency, Structure, TraceJob, Tracer, TracerError, Update, Viewpoint,
 };
 
-use tracebench_kit::{Gather, RayCounts, SurfaceGeometry, TouchedBits};
+use tracebench_kit::{Gather, RayCounts, SurfaceGeometry, TouchedBits, untimed};
 
 use acceleration::Acceleration;
 pub use description::description;
@@ -126,9 +126,8 @@ impl RayQueryStructure {
         let rays = RayBuffer::new(Arc::new(rays), Query::Closest, Some(gpu));
         let mut hits = HitBuffer::new(fat.len(), Residency::Device, Some(gpu))?;
         hits.poison(Some(gpu))?;
-        let mut clock = PhaseClock::new(Some(gpu));
-        self.queries.record(Question::FindOwnTriangle, &self.acceleration, &rays, &hits, &mut clock)?;
-        clock.finish()?;
+        let find = Question::FindOwnTriangle;
+        untimed(gpu, |clock| self.queries.record(find, &self.acceleration, &rays, &hits, clock))?;
         let lost = |(index, (hit, fat)): (usize, (&Hit, &bool))| (*fat && !hit.is_hit()).then_some(index);
         match hits.read(Some(gpu))?.iter().zip(&fat).enumerate().find_map(lost) {
             Some(index) => {
@@ -173,13 +172,13 @@ impl Structure for RayQueryStructure {
         let lowest_of_equal = wants_lowest(&job)?;
         let gpu = &self.queries.gpu;
         let counts = RayCounts::new(gpu, "counts", job.rays.host.len())?;
-        let mut clock = PhaseClock::new(Some(gpu));
         let triangles = self.triangle_count as u64;
         let offered = TouchedBits::new(gpu, "triangles offered", triangles, "the scene's triangle count")?;
         let question = Question::TraceCounted { lowest_of_equal, counts: counts.buffer(), offered: offered.buffer() };
-        self.queries.record(question, &self.acceleration, job.rays, hits, &mut clock)?;
-        self.gather(&job, hits, &mut clock)?;
-        clock.finish()?;
+        untimed(gpu, |clock| {
+            self.queries.record(question, &self.acceleration, job.rays, hits, clock)?;
+            self.gather(&job, hits, clock)
+        })?;
         let mut counters = counts.counters(gpu, ["proceed_calls"])?;
         // Of the nodes and triangles that it touches the driver tells nothing.
         counters.push(Counter::of_set("triangles_offered", offered.count(gpu)?));

@@ -4,12 +4,11 @@ use std::sync::Arc;
 
 use tracebench_api::wgpu::ComputePipeline;
 use tracebench_api::{Gpu, TracerError};
-use tracebench_kit::{OnDemand, PrefixSum, RadixSort, compute_pipeline};
+use tracebench_kit::{OnDemand, PrefixSum, RadixSort, SearchPipelines, compute_pipeline};
 use tracebench_shaders::dirt::{PackedTrace, PartLists, PartTrees};
 
 use super::rooms::Sorting;
 use crate::description::Lists;
-use crate::pipelines::Search;
 
 /// Those of a build.
 #[derive(Clone, Debug)]
@@ -48,7 +47,7 @@ impl SortKernels {
 pub(crate) struct PackedKernels {
     build: OnDemand<bool, BuildKernels>,
     sort: OnDemand<(), Arc<SortKernels>>,
-    trace: OnDemand<(PackedTrace, Search), ComputePipeline>,
+    pub(super) trace: SearchPipelines<PackedTrace>,
 }
 
 impl PackedKernels {
@@ -78,14 +77,5 @@ impl PackedKernels {
 
     pub(super) fn sort(&self, gpu: &Gpu) -> Result<Arc<SortKernels>, TracerError> {
         self.sort.of((), || Ok(Arc::new(SortKernels { sums: PrefixSum::new(gpu)?, sort: RadixSort::new(gpu)? })))
-    }
-
-    pub(super) fn trace(
-        &self,
-        gpu: &Gpu,
-        variant: PackedTrace,
-        search: Search,
-    ) -> Result<ComputePipeline, TracerError> {
-        self.trace.of((variant, search), || compute_pipeline(gpu, variant, search.entry_point()))
     }
 }

@@ -26,10 +26,10 @@ mod trace_tests;
 use std::sync::Arc;
 
 use tracebench_api::{
-    Counter, EndPoint, Geometry, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock,
+    Counter, EndPoint, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock,
     Projection, Sampling, Structure, TraceJob, TracerError, Update, View, Viewpoint,
 };
-use tracebench_kit::{Gather, Readable, Reads, record_copies};
+use tracebench_kit::{BuildJob, DeviceStructure, Gather, Readable, Reads, record_copies, untimed};
 
 use self::build::{Extent, Work};
 use self::layout::PackedLayout;
@@ -78,9 +78,7 @@ impl Pipelines {
         let sorting = sorts.sorting();
         let room = |capacities| Rooms::new(gpu, &sorting, layout, scene.triangle_count, capacities, None);
         let built = |rooms: &Rooms, extent| {
-            let mut clock = PhaseClock::new(Some(gpu));
-            self.build_packed(layout, rooms, scene, extent, &mut clock)?;
-            clock.finish()?;
+            untimed(gpu, |clock| self.build_packed(layout, rooms, scene, extent, clock))?;
             rooms.needed(gpu)
         };
         let [parts, _] = built(&room([1, 1])?, Extent::Counted)?;
@@ -90,27 +88,49 @@ impl Pipelines {
 }
 
 impl PackedStructure {
-    pub(crate) fn build(
-        pipelines: &Arc<Pipelines>,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        parameters: &DirtParameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
-        let layout = PackedLayout::new(viewpoint, parameters);
-        let scene = Resident::of(geometry)?;
-        let rooms = pipelines.packed_rooms(&layout, &scene)?;
-        let arrays = rooms.arrays(&pipelines.gpu, &layout, parameters.reads, &[])?;
-        pipelines.build_packed(&layout, &rooms, &scene, Extent::Whole, clock)?;
-        record_copies(&arrays, clock)?;
-        let frame = pipelines.show(viewpoint, parameters, &scene, None, clock)?;
-        let shadow_map = pipelines.draw_shadow_map(geometry, viewpoint, parameters, &scene, None, clock)?;
-        let pipelines = Arc::clone(pipelines);
-        Ok(Self { pipelines, layout, geometry: scene, rooms, arrays, frame, shadow_map })
-    }
-
     fn reads(&self) -> Reads {
         self.arrays[0].reads()
+    }
+}
+
+impl DeviceStructure for PackedStructure {
+    type Pipelines = Pipelines;
+
+    const NO_REFIT: &'static str = NO_REFIT;
+
+    fn pipelines(gpu: Arc<Gpu>) -> Result<Pipelines, TracerError> {
+        Pipelines::new(gpu)
+    }
+
+    fn build(
+        pipelines: &Arc<Pipelines>,
+        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
+        before: Option<&Self>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Self, TracerError> {
+        let parameters = &DirtParameters::try_from(parameters)?;
+        let (layout, scene) = (PackedLayout::new(viewpoint, parameters), Resident::of(geometry)?);
+        let gpu = &*pipelines.gpu;
+        let rooms = match before.map(|before| (&before.rooms, &before.layout)) {
+            None => pipelines.packed_rooms(&layout, &scene)?,
+            Some((there, of)) if layout.is_shaped_like(of) && scene.triangle_count == there.triangle_count => {
+                there.clone()
+            }
+            Some((there, of)) => {
+                let (sorts, capacities) = (pipelines.packed.sort(gpu)?, there.capacities);
+                let there = (layout.lists == of.lists).then_some(there);
+                Rooms::new(gpu, &sorts.sorting(), &layout, scene.triangle_count, capacities, there)?
+            }
+        };
+        let there = before.map_or(&[][..], |before| &before.arrays);
+        let arrays = rooms.arrays(gpu, &layout, parameters.reads, there)?;
+        pipelines.build_packed(&layout, &rooms, &scene, Extent::Whole, clock)?;
+        record_copies(&arrays, clock)?;
+        let frame = before.and_then(|before| before.frame.as_ref());
+        let frame = pipelines.show(viewpoint, parameters, &scene, frame, clock)?;
+        let shadow_map = before.and_then(|before| before.shadow_map.as_ref());
+        let shadow_map = pipelines.draw_shadow_map(geometry, viewpoint, parameters, &scene, shadow_map, clock)?;
+        Ok(Self { pipelines: Arc::clone(pipelines), layout, geometry: scene, rooms, arrays, frame, shadow_map })
     }
 }
 
@@ -123,30 +143,8 @@ impl Structure for PackedStructure {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        match update {
-            Update::Rebuild => {
-                let parameters = &DirtParameters::try_from(parameters)?;
-                let layout = PackedLayout::new(viewpoint, parameters);
-                let scene = Resident::of(geometry)?;
-                let pipelines = Arc::clone(&self.pipelines);
-                let gpu = &*pipelines.gpu;
-                if !layout.is_shaped_like(&self.layout) || scene.triangle_count != self.rooms.triangle_count {
-                    let (sorts, capacities) = (pipelines.packed.sort(gpu)?, self.rooms.capacities);
-                    let there = (layout.lists == self.layout.lists).then_some(&self.rooms);
-                    self.rooms = Rooms::new(gpu, &sorts.sorting(), &layout, scene.triangle_count, capacities, there)?;
-                }
-                self.arrays = self.rooms.arrays(gpu, &layout, parameters.reads, &self.arrays)?;
-                pipelines.build_packed(&layout, &self.rooms, &scene, Extent::Whole, clock)?;
-                record_copies(&self.arrays, clock)?;
-                self.frame = pipelines.show(viewpoint, parameters, &scene, self.frame.as_ref(), clock)?;
-                let drawn = self.shadow_map.take();
-                self.shadow_map = pipelines.draw_shadow_map(geometry, viewpoint, parameters, &scene, drawn, clock)?;
-                (self.layout, self.geometry) = (layout, scene);
-                Ok(())
-            }
-            Update::Refit => Err(TracerError::Unsupported(NO_REFIT.to_owned())),
-            Update::Reuse => Ok(()),
-        }
+        let job = BuildJob { geometry, viewpoint, parameters };
+        self.follow(&Arc::clone(&self.pipelines), update, job, clock)
     }
 
     fn make_room(&mut self) -> Result<bool, TracerError> {
@@ -161,9 +159,8 @@ impl Structure for PackedStructure {
             // Parts that were not stored have no nodes yet.
             let capacities = [needed[0], self.rooms.capacities[1]];
             let rooms = self.rooms.grown(gpu, &sorts.sorting(), &self.layout, capacities)?;
-            let mut clock = PhaseClock::new(Some(gpu));
-            pipelines.build_packed(&self.layout, &rooms, &self.geometry, Extent::Whole, &mut clock)?;
-            clock.finish()?;
+            let (layout, scene) = (&self.layout, &self.geometry);
+            untimed(gpu, |clock| pipelines.build_packed(layout, &rooms, scene, Extent::Whole, clock))?;
             needed = rooms.needed(gpu)?;
             self.rooms = rooms;
         }
@@ -173,7 +170,7 @@ impl Structure for PackedStructure {
     }
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        self.trace_hits(&job, hits, clock)
+        self.record(&job, hits, None, clock)
     }
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {

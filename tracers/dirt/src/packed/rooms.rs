@@ -24,6 +24,7 @@ const NODES: &str = "tree nodes";
 const LISTS: &str = "lists";
 
 /// Every buffer.
+#[derive(Clone)]
 pub(super) struct Rooms {
     pub triangle_count: u32,
     /// Tiles, then corners of triangles.

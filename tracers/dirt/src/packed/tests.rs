@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use tracebench_api::glam::Vec3;
 use tracebench_api::{Geometry, Gpu, PhaseClock, Structure, TracerError, Update, Viewpoint};
+use tracebench_kit::DeviceTracer;
 use tracebench_shaders::constants;
 use tracebench_tests::{Numbers, gpu, gpu_that_binds, soup};
 
@@ -13,7 +14,6 @@ use super::PackedStructure;
 use super::build::{LARGE_WORKGROUPS, WORKGROUP_SIZE};
 use super::layout::{FACES, FIRST_NEAR, MISPLACED};
 use super::rooms::MOST_PARTS;
-use crate::structure::Dirt;
 use crate::tests::{hostile, parameters, viewpoint};
 
 /// A way to store what is in the view of tests; further settings after it.
@@ -43,15 +43,17 @@ fn constants_are_those_of_the_shaders() {
     }
 }
 
+type PackedTracer = DeviceTracer<PackedStructure>;
+
 /// One of each device, so that drivers compile its pipelines once.
-fn tracer(gpu: &Arc<Gpu>) -> Result<Rc<Dirt>, TracerError> {
+fn tracer(gpu: &Arc<Gpu>) -> Result<Rc<PackedTracer>, TracerError> {
     thread_local! {
-        static LAST: RefCell<Option<(Arc<Gpu>, Rc<Dirt>)>> = const { RefCell::new(None) };
+        static LAST: RefCell<Option<(Arc<Gpu>, Rc<PackedTracer>)>> = const { RefCell::new(None) };
     }
     LAST.with_borrow_mut(|last| match last {
         Some((of, tracer)) if Arc::ptr_eq(of, gpu) => Ok(Rc::clone(tracer)),
         _ => {
-            let tracer = Rc::new(Dirt::new(Arc::clone(gpu))?);
+            let tracer = Rc::new(PackedTracer::new(Arc::clone(gpu))?);
             *last = Some((Arc::clone(gpu), Rc::clone(&tracer)));
             Ok(tracer)
         }
@@ -66,7 +68,7 @@ pub(super) fn built_at(
 ) -> Result<PackedStructure, TracerError> {
     let tracer = tracer(gpu)?;
     let mut clock = PhaseClock::new(Some(gpu));
-    let structure = tracer.build_packed(geometry, viewpoint, &parameters(settings), &mut clock)?;
+    let structure = tracer.build_structure(geometry, viewpoint, &parameters(settings), &mut clock)?;
     clock.finish()?;
     Ok(structure)
 }

@@ -3,17 +3,17 @@
 use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline};
 use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
 use tracebench_kit::{
-    RayCounts, Reads, TouchedBits, bind_arrays, bind_group_at, dispatch_indirect, dispatch_rays, uniform_buffer,
+    RayCounts, Reads, SearchEntry, TouchedBits, bind_arrays, bind_group_at, dispatch_indirect, dispatch_rays,
+    uniform_buffer, untimed,
 };
 use tracebench_shaders::dirt::PackedTrace;
 
 use super::PackedStructure;
 use super::layout::{PackedGrid, PackedSearch};
 use crate::description::{CentreRays, DirtParameters, Lists, March, Order};
-use crate::pipelines::Search;
 
 /// The buffers of a trace that counts.
-struct Counting {
+pub(super) struct Counting {
     counts: RayCounts<5>,
     /// A bit a reference.
     touched: TouchedBits,
@@ -65,7 +65,7 @@ impl PackedStructure {
     }
 
     /// Records a trace, by the counting variant where there is something to count into.
-    fn record(
+    pub(super) fn record(
         &self,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
@@ -96,10 +96,10 @@ impl PackedStructure {
         // Workgroups that answer what the first search leaves, of which it tells by itself where it does not count.
         let left = left_buffer(gpu)?;
         let told = counting.is_none().then(|| (11, left.as_entire_binding()));
-        let search_first = if search.rays_per_lane == 1 { Search::OneRay } else { Search::InTurns };
-        let first = self.pipelines.packed.trace(gpu, variant, search_first)?;
+        let search_first = if search.rays_per_lane == 1 { SearchEntry::OneRay } else { SearchEntry::InTurns };
+        let first = self.pipelines.packed.trace.of(gpu, variant, search_first)?;
         let first_groups = bind(&first, &resources.iter().cloned().chain(told).collect::<Vec<_>>());
-        let second = self.pipelines.packed.trace(gpu, variant, Search::Unanswered)?;
+        let second = self.pipelines.packed.trace.of(gpu, variant, SearchEntry::Unanswered)?;
         let second_groups = bind(&second, &resources);
         clock.device_phase("trace", |encoder| {
             // No status is 0.
@@ -118,24 +118,13 @@ impl PackedStructure {
         }
     }
 
-    pub(super) fn trace_hits(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
-        self.record(job, hits, None, clock)
-    }
-
     pub(super) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = &*self.pipelines.gpu;
         let counting = Counting {
             counts: RayCounts::new(gpu, "counts", job.rays.host.len())?,
             touched: TouchedBits::new(gpu, "references touched", u64::from(self.rooms.capacities[0]), "--size")?,
         };
-        let mut clock = PhaseClock::new(Some(gpu));
-        self.record(job, hits, Some(&counting), &mut clock)?;
-        clock.finish()?;
+        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
         // A set that the shadow map answers searches nothing: a texel a ray is looked at.
         let mut counters = counting.counts.counters(gpu, COUNTERS)?;
         counters.retain(|counter| counter.name != ROUNDS || self.layout.lists == Lists::Trees);

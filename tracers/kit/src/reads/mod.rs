@@ -19,7 +19,7 @@ choice! {
 pub fn reads_parameter() -> Parameter<Reads> {
     let effect = "what the search reads the structure from: buffers, or textures that the build fills or copies it to: more \
                   memory and longer builds, for drivers that gather from textures faster";
-    Parameter::choice(ParameterScope::Build, Reads::Buffer, effect)
+    Parameter::choice(ParameterScope::Build, Reads::Buffer).effect(effect)
 }
 
 /// Bytes of a row are two to the power of it, as in shaders/shared/reads.wgsl. Every device can create textures of that
