@@ -287,8 +287,8 @@ mod tests {
             (&plain, &trace("/judgement/agreement/tight"), json!(0.5), "agreement.tight` must be in its interval"),
             (
                 &plain,
-                &trace("/judgement/classes/footprint/true_miss"),
-                json!(1_u64 << 40),
+                &trace("/judgement/classes/footprint/false_hit"),
+                json!(7),
                 "agreement.footprint` must be that of its `classes`",
             ),
             (&plain, &trace("/judgement/ties"), json!(9999), "`runs[0].traces[0].judgement.ties` must be no more"),
