@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use itertools::Itertools as _;
 use tracebench_api::Query;
 
 use super::{Errors, chart_stems, labels_of, score_at, score_name, trials};
@@ -53,22 +54,10 @@ pub(super) fn head(tuning: &Tuning) -> String {
         tuning.rule.name(),
         metrics::of_ambiguous(judged.map(|judged| &judged.judgement))
     );
-    for (rays, query) in ray_sets(tuning) {
-        text += &overview(tuning, &rays, query);
+    for (rays, query) in all_sets(tuning).map(|(_, _, set)| (&set.rays, set.query)).unique() {
+        text += &overview(tuning, rays, query);
     }
     text
-}
-
-/// Names of the ray sets, in order of first appearance.
-fn ray_sets(tuning: &Tuning) -> Vec<(String, Query)> {
-    let mut sets = Vec::new();
-    for set in all_sets(tuning).map(|(_, _, set)| set) {
-        let set = (set.rays.clone(), set.query);
-        if !sets.contains(&set) {
-            sets.push(set);
-        }
-    }
-    sets
 }
 
 fn all_sets(tuning: &Tuning) -> impl Iterator<Item = (&SceneTuned, &ViewTuned, &SetTuned)> {
