@@ -16,12 +16,8 @@ choice! {
 parameters! {
     /// What ray sets are told. One value each: presets of tracers do not concern rays.
     pub struct RayParameters {
-        order: Order = Parameter::choice(
-            Trace,
-            Order::Scanline,
-            "order of every set's rays; tiles are 8x8 pixels",
-        )
-        .sweep([]),
+        order: Order =
+            Parameter::choice(Trace, Order::Scanline, "order of every set's rays; tiles are 8x8 pixels").sweep([]),
         visibility_target: Target =
             Parameter::choice(Trace, Target::Both, "where `visibility` rays end").sweep([]),
         glossy_roughness: f64 = Parameter::real(
@@ -31,19 +27,11 @@ parameters! {
             "width of the lobe of `glossy`, `glossy2` and `glossy3`; 1 is nearly diffuse",
         )
         .unit("GGX alpha"),
-        refractive_index: f64 = Parameter::real(
-            Trace,
-            1.0..=4.0,
-            1.5,
-            "how much denser solids are than air, for `refraction`",
-        ),
-        pixel_random_count: u32 = Parameter::integer(
-            Trace,
-            1..=1024,
-            20,
-            "rays that `pixel-random` starts from every primary hit",
-        )
-        .unit("rays a pixel"),
+        refractive_index: f64 =
+            Parameter::real(Trace, 1.0..=4.0, 1.5, "how much denser solids are than air, for `refraction`"),
+        pixel_random_count: u32 =
+            Parameter::integer(Trace, 1..=1024, 20, "rays that `pixel-random` starts from every primary hit")
+                .unit("rays a pixel"),
         stereo_offset: f64 = Parameter::real(
             Trace,
             -1e6..=1e6,
@@ -58,20 +46,11 @@ parameters! {
             "how much later on the camera path `temporal` starts; at most the path's end",
         )
         .unit("s"),
-        lens_count: u32 = Parameter::integer(
-            Trace,
-            1..=64,
-            1,
-            "rays that `lens` starts at every pixel",
-        )
-        .unit("rays a pixel"),
-        lens_aperture: f64 = Parameter::real(
-            Trace,
-            0.0..=1.0,
-            0.01,
-            "diameter of the thin lens of `lens`, in scene diagonals",
-        )
-        .unit("diagonals"),
+        lens_count: u32 =
+            Parameter::integer(Trace, 1..=64, 1, "rays that `lens` starts at every pixel").unit("rays a pixel"),
+        lens_aperture: f64 =
+            Parameter::real(Trace, 0.0..=1.0, 0.01, "diameter of the thin lens of `lens`, in scene diagonals")
+                .unit("diagonals"),
         lens_focus: f64 = Parameter::real(
             Trace,
             0.0..=1e3,
@@ -79,13 +58,9 @@ parameters! {
             "eye depth in focus, in scene diagonals, 0.001 or more; 0 is that of what the image's centre shows",
         )
         .unit("diagonals"),
-        light_field_cameras: u32 = Parameter::integer(
-            Trace,
-            1..=64,
-            4,
-            "edge of the square of cameras of `light-field`",
-        )
-        .unit("cameras a side"),
+        light_field_cameras: u32 =
+            Parameter::integer(Trace, 1..=64, 4, "edge of the square of cameras of `light-field`")
+                .unit("cameras a side"),
         light_field_width: f64 = Parameter::real(
             Trace,
             0.0..=1.0,
