@@ -21,9 +21,7 @@ pub(super) const INSIDE: Case = Case {
 fn inside(radius: f64) -> Result<Setup, TracerError> {
     let mut sketch = Sketch::default();
     let mut shots = Shots::new(10);
-    for corner in [DVec3::splat(-2.0), DVec3::splat(2.0)] {
-        sketch.speck(corner);
-    }
+    sketch.widen([DVec3::splat(-2.0), DVec3::splat(2.0)]);
     let radius = radius * 48.0_f64.sqrt();
     sketch.sphere(DVec3::ZERO, radius, 6, || true);
     for index in 0..30 {
@@ -61,10 +59,7 @@ fn on_surface(height: f64) -> Result<Setup, TracerError> {
     let normal = along.cross(upward).normalize();
     let floor = -normal * (height * 8.0_f64.sqrt());
     sketch.plate_around(floor, along, upward);
-    let stage = sketch.seen_by(Camera::default())?;
-    let mut shots = Shots::new(11);
-    shots.through_centres(&stage.view, RAYS);
-    Ok(stage.with(shots, Query::Closest))
+    sketch.seen_by(Camera::default())?.through_centres(Shots::new(11))
 }
 
 pub(super) const AT_VERTEX: Case = Case {
@@ -89,7 +84,7 @@ fn at_vertex(distance: f64) -> Result<Setup, TracerError> {
     // Keeps the diagonal at about 2.5 and gives rays beside the cone something to hit.
     sketch.plate(DVec3::new(-0.6, -1.2, -1.9), DVec3::X * 1.2, DVec3::Y * 0.5);
     sketch.speck(DVec3::new(0.6, 1.0, -0.5));
-    sketch.seen_by(Camera::default())?.through_centres(12)
+    sketch.seen_by(Camera::default())?.through_centres(Shots::new(12))
 }
 
 pub(super) const BEFORE_NEAR: Case = Case {
@@ -106,7 +101,7 @@ fn nearer_than_near(depth: f64) -> Result<Setup, TracerError> {
     let mut sketch = Sketch::default();
     sketch.plate(DVec3::new(-0.8, -0.4, -1.0) * depth, DVec3::new(0.7, 0.0, 0.0) * depth, DVec3::Y * 0.9 * depth);
     sketch.plate(DVec3::new(-1.1, -1.3, -3.0), DVec3::new(1.9, 0.0, 0.1), DVec3::new(0.0, 1.7, 0.2));
-    sketch.seen_by(Camera { near: Some(NEAR as f32), ..Camera::default() })?.through_centres(13)
+    sketch.seen_by(Camera { near: Some(NEAR as f32), ..Camera::default() })?.through_centres(Shots::new(13))
 }
 
 pub(super) const DEPTH_RANGE: Case = Case {
@@ -142,7 +137,7 @@ fn seen_by_decade(plates: &[[DVec3; 3]]) -> Result<Stage, TracerError> {
 }
 
 fn depth_range(decades: f64) -> Result<Setup, TracerError> {
-    seen_by_decade(&plates_by_decade(decades))?.through_centres(15)
+    seen_by_decade(&plates_by_decade(decades))?.through_centres(Shots::new(15))
 }
 
 pub(super) const SECONDARY_DEPTH_RATIO: Case = Case {

@@ -110,9 +110,8 @@ fn wide_frame(aspect: f64) -> Result<Setup, TracerError> {
     // 90 degrees across, whatever the height.
     let vertical_fov = 2.0 * (height as f32).atan();
     let mut shots = Shots::new(17);
-    let stage = plates(Camera { frame, face: 64, vertical_fov, ..Camera::default() }, &mut shots, 0.9, 0.9 * height)?;
-    shots.through_centres(&stage.view, RAYS);
-    Ok(stage.with(shots, Query::Closest))
+    plates(Camera { frame, face: 64, vertical_fov, ..Camera::default() }, &mut shots, 0.9, 0.9 * height)?
+        .through_centres(shots)
 }
 
 pub(super) const SURFACE_STARTS: Case = Case {

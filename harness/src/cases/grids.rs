@@ -26,9 +26,7 @@ fn thin_walls(wall: f64) -> Result<Setup, TracerError> {
     /// Half of the room's edge: it fills what its turn leaves it of the scene.
     const HALF: f64 = 0.25;
     let mut sketch = Sketch::default();
-    for corner in [DVec3::ZERO, DVec3::ONE] {
-        sketch.speck(corner);
-    }
+    sketch.widen([DVec3::ZERO, DVec3::ONE]);
     // Off the axes, so that no wall is a special one to a grid or to a projection along an axis.
     let turn = DQuat::from_rotation_y(0.35) * DQuat::from_rotation_x(0.2);
     let edges = |half: f64| [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| turn * axis * half);
@@ -73,9 +71,7 @@ fn long_scene(length: f64) -> Result<Setup, TracerError> {
     let mut shots = Shots::new(29);
     // The passage is 1 by 1 and begins before the eye, which near does not cut.
     let (low, high) = (DVec3::new(-0.5, -0.5, -0.5 - length), DVec3::new(0.5, 0.5, -0.5));
-    for corner in [low, high] {
-        sketch.speck(corner);
-    }
+    sketch.widen([low, high]);
     let cell = DVec3::ONE / DVec3::from(CELLS.map(f64::from));
     let slices = (length * f64::from(CELLS[2])).round() as u32;
     for slice in 0..slices {
@@ -86,7 +82,5 @@ fn long_scene(length: f64) -> Result<Setup, TracerError> {
             sketch.block(centre, [x, y, x.cross(y)].map(|axis| axis * HALF_EDGE));
         }
     }
-    let stage = sketch.seen_by(Camera::default())?;
-    shots.through_centres(&stage.view, RAYS);
-    Ok(stage.with(shots, Query::Closest))
+    sketch.seen_by(Camera::default())?.through_centres(shots)
 }

@@ -23,9 +23,7 @@ fn voxel(surfaces: f64) -> Result<Setup, TracerError> {
     const STACKS: usize = 24;
     let mut sketch = Sketch::default();
     let mut shots = Shots::new(5);
-    for corner in [DVec3::ZERO, DVec3::ONE] {
-        sketch.speck(corner);
-    }
+    sketch.widen([DVec3::ZERO, DVec3::ONE]);
     let mut centres = Vec::new();
     for _ in 0..STACKS {
         // The middle of a voxel.
@@ -130,9 +128,7 @@ fn crowd(triangles: f64) -> Result<Setup, TracerError> {
     // The middle of a pixel of the default camera at depth 4, a hundredth of a voxel of a scene this wide.
     let centre = DVec3::new(0.5, 0.5, 0.0) * (super::sketch::PIXEL * 4.0) - DVec3::Z * 4.0;
     let radius = 0.4 * super::sketch::PIXEL * 4.0;
-    for corner in [DVec3::new(-2.0, -2.0, -6.0), DVec3::new(2.0, 2.0, -2.0)] {
-        sketch.speck(corner);
-    }
+    sketch.widen([DVec3::new(-2.0, -2.0, -6.0), DVec3::new(2.0, 2.0, -2.0)]);
     // The more, the smaller: so that the cloud never becomes one solid thing.
     let size = 3.0 * radius / triangles.sqrt();
     for _ in 0..triangles as u32 {

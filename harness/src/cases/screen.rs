@@ -8,13 +8,6 @@ use super::sketch::{Camera, PIXEL, RAYS, Shots, Sketch};
 use super::{Case, Feature, Knob, Setup};
 use crate::truth::Ray64;
 
-/// Widens a scene to bounds that no knob changes.
-fn widen(sketch: &mut Sketch, low: DVec3, high: DVec3) {
-    for corner in [low, high] {
-        sketch.speck(corner);
-    }
-}
-
 /// Eye depth of the plate that floats before rays.
 const FLOATING: f64 = 2.0;
 
@@ -37,7 +30,7 @@ pub(super) const BEHIND_FOREGROUND: Case = Case {
 fn behind_foreground(gap: f64) -> Result<Setup, TracerError> {
     const HALF_WIDTH: f64 = 0.15;
     let mut sketch = Sketch::default();
-    widen(&mut sketch, DVec3::new(-1.0, -1.0, -3.0), DVec3::new(1.0, 1.0, -1.0));
+    sketch.widen([DVec3::new(-1.0, -1.0, -3.0), DVec3::new(1.0, 1.0, -1.0)]);
     sketch.plate_around(DVec3::NEG_Z * FLOATING, DVec3::X * HALF_WIDTH, DVec3::Y * 0.8);
     let stage = sketch.seen_by(Camera::default())?;
     let gap = gap * stage.geometry.diagonal();
@@ -79,7 +72,7 @@ fn towards_camera(angle: f64) -> Result<Setup, TracerError> {
     let centre = DVec3::new(0.0, 0.0, -2.5);
     let (along, upward) = (DVec3::new(0.5, 0.0, -0.5), DVec3::Y * 0.7);
     let mut sketch = Sketch::default();
-    widen(&mut sketch, DVec3::new(-1.5, -1.5, -4.5), DVec3::new(1.5, 1.5, -0.5));
+    sketch.widen([DVec3::new(-1.5, -1.5, -4.5), DVec3::new(1.5, 1.5, -0.5)]);
     sketch.plate_around(centre, along, upward);
     // Finer than the reference pixels that hits are judged by.
     let stage = sketch.seen_by(Camera { frame: [1024, 1024], ..Camera::default() })?;
@@ -166,7 +159,7 @@ fn long_rays(length: f64) -> Result<Setup, TracerError> {
     let pixel = 2.0 / width;
     let at = |column: f64, row: f64| DVec3::new((column - 0.5 * width) * pixel, row * pixel, -1.0);
     let mut sketch = Sketch::default();
-    widen(&mut sketch, DVec3::new(-1.0, -0.5, -3.0), DVec3::new(2.0, 0.5, -1.0));
+    sketch.widen([DVec3::new(-1.0, -0.5, -3.0), DVec3::new(2.0, 0.5, -1.0)]);
     let (low, high) = (at(POST[0], -8.0) * DEPTH, at(POST[1], 8.0) * DEPTH);
     sketch.plate(low, DVec3::X * (high.x - low.x), DVec3::Y * (high.y - low.y));
     let vertical_fov = 2.0 * ((height / width) as f32).atan();

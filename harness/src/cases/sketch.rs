@@ -43,6 +43,11 @@ impl Sketch {
         self.triangle([at, at + DVec3::X * edge, at + DVec3::Y * edge]);
     }
 
+    /// Widens the scene to bounds that no knob changes.
+    pub(super) fn widen(&mut self, ends: [DVec3; 2]) {
+        ends.into_iter().for_each(|end| self.speck(end));
+    }
+
     /// A closed block round its centre by its three half edges: twelve triangles that share their corners, with their fronts
     /// outward where the half edges are right-handed, else inward.
     pub(super) fn block(&mut self, centre: DVec3, half_edges: [DVec3; 3]) {
@@ -142,10 +147,8 @@ pub(super) struct Stage {
 }
 
 impl Stage {
-    /// The whole case where rays are its ordinary ones: from the eye through pixel centres, for the closest hit. `case`
-    /// tells the cases' numbers apart.
-    pub(super) fn through_centres(self, case: u64) -> Result<Setup, TracerError> {
-        let mut shots = Shots::new(case);
+    /// The whole case where rays are its ordinary ones: from the eye through pixel centres, for the closest hit.
+    pub(super) fn through_centres(self, mut shots: Shots) -> Result<Setup, TracerError> {
         shots.through_centres(&self.view, RAYS);
         Ok(self.with(shots, Query::Closest))
     }

@@ -102,9 +102,7 @@ fn open_mesh(missing: f64) -> Result<Setup, TracerError> {
     let mut shots = Shots::new(6);
     let mut sketch = Sketch::default();
     sketch.sphere(SPHERE, 1.2, 6, || shots.unit() >= missing);
-    let stage = sketch.seen_by(Camera::default())?;
-    shots.through_centres(&stage.view, RAYS);
-    Ok(stage.with(shots, Query::Closest))
+    sketch.seen_by(Camera::default())?.through_centres(shots)
 }
 
 pub(super) const HUGE: Case = Case {
@@ -140,9 +138,7 @@ fn huge(edge: f64) -> Result<Setup, TracerError> {
         }
     }
     let camera = Camera { target: Vec3::new(0.0, -0.3, -1.0), near: Some(0.01), ..Camera::default() };
-    let stage = sketch.seen_by(camera)?;
-    shots.through_centres(&stage.view, RAYS);
-    Ok(stage.with(shots, Query::Closest))
+    sketch.seen_by(camera)?.through_centres(shots)
 }
 
 pub(super) const NEEDLES: Case = Case {
@@ -206,10 +202,7 @@ fn coplanar(copies: f64) -> Result<Setup, TracerError> {
     for _ in 0..copies as u32 {
         sketch.plate_around(DVec3::new(0.1, 0.1, -3.0), DVec3::new(1.2, 0.0, 0.3), DVec3::new(0.1, 1.2, -0.2));
     }
-    let stage = sketch.seen_by(Camera::default())?;
-    let mut shots = Shots::new(9);
-    shots.through_centres(&stage.view, RAYS);
-    Ok(stage.with(shots, Query::Closest))
+    sketch.seen_by(Camera::default())?.through_centres(Shots::new(9))
 }
 
 pub(super) const FLAT_TILE: Case = Case {
@@ -232,7 +225,5 @@ fn flat_tile(relief: f64) -> Result<Setup, TracerError> {
         let depth = -3.0 + relief * 3.4 * shots.signed();
         sketch.plate(DVec3::new(-1.2 + 0.3 * column, -1.2 + 0.3 * row, depth), DVec3::X * 0.3, DVec3::Y * 0.3);
     }
-    let stage = sketch.seen_by(Camera::default())?;
-    shots.through_centres(&stage.view, RAYS);
-    Ok(stage.with(shots, Query::Closest))
+    sketch.seen_by(Camera::default())?.through_centres(shots)
 }

@@ -1,6 +1,6 @@
 //! The arguments of `run`, `table` and `picture`, and the plan that they make.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
 
 use clap::Args;
@@ -131,6 +131,18 @@ pub(super) struct Matter {
     pub(super) between_samples: bool,
 }
 
+impl Matter {
+    /// What the options of a verb name.
+    pub(super) fn of(
+        scenes: &OsStr,
+        tracers: Result<Vec<TracerRequest>, CliError>,
+        ray_sets: &str,
+    ) -> Result<Self, CliError> {
+        let (scenes, tracers, ray_sets) = (names::scenes(scenes)?, tracers?, names::ray_sets(ray_sets)?);
+        Ok(Self { scenes, tracers, ray_sets, table: None, between_samples: false })
+    }
+}
+
 /// What `run`, `table` and `picture` share.
 #[derive(Args)]
 pub(super) struct CommonArguments {
@@ -238,17 +250,34 @@ impl CommonArguments {
     pub(super) fn view(&self) -> ViewRequest {
         self.view.clone().map_or(ViewRequest::Default, ViewRequest::Named)
     }
+
+    /// The plan of one tracer, which must run, in one scene.
+    pub(super) fn plan_of_one(
+        &self,
+        scene: &OsStr,
+        tracer: &TracerRequest,
+        ray_sets: Vec<RaySet>,
+        preset: RunPreset,
+    ) -> Result<Plan, CliError> {
+        Ok(Plan {
+            scenes: vec![names::scene(scene)?],
+            tracers: vec![TracerRequest { required: true, ..tracer.clone() }],
+            ray_sets,
+            ray_parameters: names::ray_values(&self.settings)?,
+            preset: RunPreset { scene_scale: self.scale.unwrap_or(preset.scene_scale), ..preset },
+            view: self.view(),
+            time_s: self.time,
+            seed: 1,
+            end: EndPoint::Hit,
+            wrong_rays_per_cause: WRONG_RAYS_PER_CAUSE,
+            table: None,
+        })
+    }
 }
 
 impl RunArguments {
     pub(super) fn matter(&self) -> Result<Matter, CliError> {
-        Ok(Matter {
-            scenes: names::scenes(&self.scene)?,
-            tracers: names::tracers(&self.tracer, &self.work.common.settings)?,
-            ray_sets: names::ray_sets(&self.rays)?,
-            table: None,
-            between_samples: false,
-        })
+        Matter::of(&self.scene, names::tracers(&self.tracer, &self.work.common.settings), &self.rays)
     }
 }
 

@@ -5,7 +5,6 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use tracebench_api::EndPoint;
 
 use super::arguments::CommonArguments;
 use super::output::print;
@@ -13,7 +12,7 @@ use super::work::{needs_device, wait_for_turn};
 use super::{CliError, names, open_device};
 use crate::files::{self, OutputFolder};
 use crate::measure::{Context, Journal};
-use crate::plan::{Plan, RUN_PRESETS, RunPreset, SAMPLING, TracerRequest};
+use crate::plan::{RUN_PRESETS, RunPreset, SAMPLING};
 use crate::progress::Progress;
 use crate::results::{Provenance, Sampling};
 use crate::studies::clock::{self, ClockRecord, ClockTrial};
@@ -79,23 +78,8 @@ pub(super) fn clock(arguments: &ClockArguments, progress: &Progress) -> Result<(
     }
     let preset = RunPreset::named(&arguments.preset)
         .ok_or_else(|| CliError::Argument(format!("no preset '{}'", arguments.preset)))?;
-    let plan = Plan {
-        scenes: vec![names::scene(&arguments.scene)?],
-        tracers: vec![TracerRequest { required: true, ..tracer.clone() }],
-        ray_sets,
-        ray_parameters: names::ray_values(&arguments.common.settings)?,
-        preset: RunPreset {
-            sampling: arguments.samples.map_or(SAMPLING, Sampling::rounds),
-            scene_scale: arguments.common.scale.unwrap_or(preset.scene_scale),
-            ..preset
-        },
-        view: arguments.common.view(),
-        time_s: arguments.common.time,
-        seed: 1,
-        end: EndPoint::Hit,
-        wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
-        table: None,
-    };
+    let preset = RunPreset { sampling: arguments.samples.map_or(SAMPLING, Sampling::rounds), ..preset };
+    let plan = arguments.common.plan_of_one(&arguments.scene, tracer, ray_sets, preset)?;
     let needed = needs_device(&plan.tracers);
     let device = open_device(&arguments.common.device, needed, needed)?;
     let out = arguments.out.as_deref().map(OutputFolder::open).transpose()?;

@@ -1,6 +1,7 @@
 //! `adapters` and `list`.
 
 use clap::{Args, ValueEnum};
+use itertools::Itertools as _;
 use serde_json::{Value, json};
 use tracebench_api::{AdapterChoice, AdapterListing, Description, Domain, ParameterDescription, Preset, Query};
 use tracebench_scenes::CatalogueEntry;
@@ -208,13 +209,7 @@ fn rows(table: Table) -> Vec<String> {
         Table::Ablation(ablation) => ablation.contenders(),
         Table::Paper(_, experiment) => experiment.requests().concat(),
     };
-    let mut rows: Vec<String> = Vec::new();
-    for row in requests.iter().map(row) {
-        if !rows.contains(&row) {
-            rows.push(row);
-        }
-    }
-    rows
+    requests.iter().map(row).unique().collect()
 }
 
 fn tables() -> Vec<Value> {

@@ -3,6 +3,7 @@
 use std::ffi::OsStr;
 use std::path::Path;
 
+use itertools::Itertools as _;
 use tracebench_api::{ParameterDescription, ParameterError, Parameters, Preset};
 
 use super::CliError;
@@ -32,14 +33,9 @@ fn is_near(name: &str, known: &str) -> bool {
 
 /// The parts of a comma-separated list, each once, in order.
 fn parts<'a>(list: &'a str, option: &str) -> Result<Vec<&'a str>, CliError> {
-    let mut parts: Vec<&str> = Vec::new();
-    for part in list.split(',').map(str::trim) {
-        if part.is_empty() {
-            return Err(CliError::Argument(format!("{option} '{list}' has an empty name")));
-        }
-        if !parts.contains(&part) {
-            parts.push(part);
-        }
+    let parts: Vec<&str> = list.split(',').map(str::trim).unique().collect();
+    if parts.contains(&"") {
+        return Err(CliError::Argument(format!("{option} '{list}' has an empty name")));
     }
     Ok(parts)
 }

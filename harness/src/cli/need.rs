@@ -6,7 +6,7 @@ use clap::Args;
 use serde_json::Value;
 
 use super::arguments::{Matter, WorkArguments};
-use super::output::print;
+use super::output::print_page;
 use super::work::{Clock, Work, described};
 use super::{CliError, names};
 use crate::plan::TracerRequest;
@@ -31,13 +31,8 @@ pub(super) struct NeedArguments {
 
 impl NeedArguments {
     fn matter(&self) -> Result<Matter, CliError> {
-        Ok(Matter {
-            scenes: names::scenes(&self.scene)?,
-            tracers: names::tracers(&self.tracer, &self.work.common.settings)?,
-            ray_sets: names::ray_sets(&self.rays)?,
-            table: None,
-            between_samples: true,
-        })
+        let tracers = names::tracers(&self.tracer, &self.work.common.settings);
+        Ok(Matter { between_samples: true, ..Matter::of(&self.scene, tracers, &self.rays)? })
     }
 }
 
@@ -46,8 +41,5 @@ pub(super) fn need(arguments: &NeedArguments, progress: &Progress) -> Result<(),
     let required = work.plan.tracers.iter().any(TracerRequest::must_have_device);
     let plan = described("need", std::slice::from_ref(&work.plan), Value::Null);
     work.bench.measure(&plan, progress, |context| need::execute(&work.plan, required, context))?;
-    let page = work.bench.out.path().join(report::NEED_PAGE);
-    let text = std::fs::read_to_string(&page)
-        .map_err(|error| CliError::Other(format!("cannot read {}: {error}", page.display())))?;
-    print(&format!("{text}\n{}\n", page.display()))
+    print_page(&work.bench.out.path().join(report::NEED_PAGE))
 }

@@ -1,6 +1,7 @@
 //! Standard output.
 
 use std::io::{ErrorKind, Write as _};
+use std::path::Path;
 
 use super::CliError;
 
@@ -14,4 +15,11 @@ pub(super) fn print(text: &str) -> Result<(), CliError> {
         }
         _ => Ok(()),
     }
+}
+
+/// Prints a page that was written, and where it is.
+pub(super) fn print_page(page: &Path) -> Result<(), CliError> {
+    let text = std::fs::read_to_string(page)
+        .map_err(|error| CliError::Other(format!("cannot read {}: {error}", page.display())))?;
+    print(&format!("{text}\n{}\n", page.display()))
 }

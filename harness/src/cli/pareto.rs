@@ -6,7 +6,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::arguments::{Matter, WorkArguments};
-use super::output::print;
+use super::output::print_page;
 use super::work::{Clock, Work, described};
 use super::{CliError, names};
 use crate::plan::TracerRequest;
@@ -46,13 +46,8 @@ fn rays_per_pixel(text: &str) -> Result<f64, String> {
 
 impl ParetoArguments {
     fn matter(&self) -> Result<Matter, CliError> {
-        Ok(Matter {
-            scenes: names::scenes(&self.scene)?,
-            tracers: names::tracers(&self.tracer, &self.work.common.settings)?,
-            ray_sets: names::ray_sets(&self.rays)?,
-            table: None,
-            between_samples: true,
-        })
+        let tracers = names::tracers(&self.tracer, &self.work.common.settings);
+        Ok(Matter { between_samples: true, ..Matter::of(&self.scene, tracers, &self.rays)? })
     }
 
     fn extent(&self) -> Result<Extent, CliError> {
@@ -79,10 +74,7 @@ pub(super) fn pareto(arguments: &ParetoArguments, progress: &Progress) -> Result
     let words = json!({ "most_points": extent.most_points, "rays_per_pixel": extent.rays_per_pixel });
     let plan = described("pareto", std::slice::from_ref(&work.plan), words);
     work.bench.measure(&plan, progress, |context| pareto.execute(required, context))?;
-    let page = work.bench.out.path().join(report::PARETO_PAGE);
-    let text = std::fs::read_to_string(&page)
-        .map_err(|error| CliError::Other(format!("cannot read {}: {error}", page.display())))?;
-    print(&format!("{text}\n{}\n", page.display()))
+    print_page(&work.bench.out.path().join(report::PARETO_PAGE))
 }
 
 #[cfg(test)]

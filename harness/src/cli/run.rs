@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use tracebench_api::EndPoint;
 
 use super::arguments::{PictureArguments, RunArguments};
 use super::output::print;
@@ -11,7 +10,7 @@ use super::work::{Clock, Work, all_measured, refuse_others};
 use super::{CliError, names, open_device};
 use crate::files::OutputFolder;
 use crate::picture;
-use crate::plan::{Plan, RunPreset, TracerRequest};
+use crate::plan::RunPreset;
 use crate::progress::Progress;
 use crate::rays::RAY_SETS;
 use crate::results::Sampling;
@@ -60,27 +59,10 @@ pub(super) fn picture(arguments: &PictureArguments, progress: &Progress) -> Resu
     let [tracer] = tracers.as_slice() else {
         return Err(CliError::Argument("picture takes one tracer".to_owned()));
     };
-    let scene = names::scene(&arguments.scene)?;
-    let quick = RunPreset::for_adapter(false);
-    let plan = Plan {
-        scenes: vec![scene],
-        tracers: vec![TracerRequest { required: true, ..tracer.clone() }],
-        ray_sets: RAY_SETS.iter().filter(|set| set.name == "primary").copied().collect(),
-        ray_parameters: names::ray_values(&arguments.common.settings)?,
-        preset: RunPreset {
-            ray_image: arguments.size,
-            frame: arguments.size,
-            sampling: Sampling::rounds(1),
-            scene_scale: arguments.common.scale.unwrap_or(quick.scene_scale),
-            ..quick
-        },
-        view: arguments.common.view(),
-        time_s: arguments.common.time,
-        seed: 1,
-        end: EndPoint::Hit,
-        wrong_rays_per_cause: crate::judge::WRONG_RAYS_PER_CAUSE,
-        table: None,
-    };
+    let (size, sampling) = (arguments.size, Sampling::rounds(1));
+    let preset = RunPreset { ray_image: size, frame: size, sampling, ..RunPreset::for_adapter(false) };
+    let primary = RAY_SETS.iter().filter(|set| set.name == "primary").copied().collect();
+    let plan = arguments.common.plan_of_one(&arguments.scene, tracer, primary, preset)?;
     let needed = tracer.registration.needs_device();
     let device = open_device(&arguments.common.device, needed, needed)?;
     let legend = picture::draw(&plan, arguments.what, &device, &arguments.out, progress)?;

@@ -7,7 +7,7 @@ use serde_json::json;
 use tracebench_api::Invalidation;
 
 use super::arguments::{Matter, WorkArguments};
-use super::output::print;
+use super::output::print_page;
 use super::work::{Clock, Work, described};
 use super::{CliError, names};
 use crate::plan::TracerRequest;
@@ -64,13 +64,7 @@ impl SweepArguments {
     }
 
     fn matter(&self) -> Result<Matter, CliError> {
-        Ok(Matter {
-            scenes: names::scenes(&self.scene)?,
-            tracers: vec![self.request()?],
-            ray_sets: names::ray_sets(&self.rays)?,
-            table: None,
-            between_samples: false,
-        })
+        Matter::of(&self.scene, self.request().map(|request| vec![request]), &self.rays)
     }
 
     /// What is swept round a request's own values.
@@ -173,10 +167,7 @@ pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(
     let required = work.plan.tracers.iter().any(TracerRequest::must_have_device);
     let plan = described("sweep", std::slice::from_ref(&work.plan), json!({ "axes": axes, "grid": grid }));
     work.bench.measure(&plan, progress, |context| sweep.execute(required, context))?;
-    let page = work.bench.out.path().join(report::SWEEP_PAGE);
-    let text = std::fs::read_to_string(&page)
-        .map_err(|error| CliError::Other(format!("cannot read {}: {error}", page.display())))?;
-    print(&format!("{text}\n{}\n", page.display()))
+    print_page(&work.bench.out.path().join(report::SWEEP_PAGE))
 }
 
 #[cfg(test)]

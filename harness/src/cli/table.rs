@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::arguments::TableArguments;
-use super::output::print;
+use super::output::{print, print_page};
 use super::run::folder_of;
 use super::work::{Clock, Work, described, refuse_others};
 use super::{CliError, names};
@@ -60,7 +60,7 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
         }
         Table::Paper(paper, experiment) => measure(paper, experiment, arguments, &mut work, progress)?,
     }
-    show(table, work.bench.out.path())
+    print_page(&report::table_page(table.name(), work.bench.out.path()))
 }
 
 /// Runs an experiment's steps into one run.
@@ -150,13 +150,5 @@ fn again(table: Table, path: &PathBuf, out: Option<&Path>) -> Result<(), CliErro
     let folder = OutputFolder::open(&out.map_or_else(|| folder_of(path), Path::to_owned))?;
     refuse_others(folder.path(), std::iter::once(path))?;
     tables::write(table, &run, &folder)?;
-    show(table, folder.path())
-}
-
-/// The table itself, and where it stands.
-fn show(table: Table, folder: &Path) -> Result<(), CliError> {
-    let path = report::table_page(table.name(), folder);
-    let text = std::fs::read_to_string(&path)
-        .map_err(|error| CliError::Other(format!("cannot read {}: {error}", path.display())))?;
-    print(&format!("{text}\n{}\n", path.display()))
+    print_page(&report::table_page(table.name(), folder.path()))
 }

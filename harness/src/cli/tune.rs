@@ -75,13 +75,7 @@ impl TuneArguments {
     }
 
     fn matter(&self) -> Result<Matter, CliError> {
-        Ok(Matter {
-            scenes: names::scenes(&self.scene)?,
-            tracers: vec![self.request()?],
-            ray_sets: names::ray_sets(&self.rays)?,
-            table: None,
-            between_samples: false,
-        })
+        Matter::of(&self.scene, self.request().map(|request| vec![request]), &self.rays)
     }
 
     fn rule(&self) -> Result<Rule, CliError> {

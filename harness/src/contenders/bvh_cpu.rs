@@ -11,7 +11,7 @@ const EDGES: Expectation = fails(
 );
 
 pub(crate) const ROOM: Registration = Registration {
-    expectations: &[("needles", EDGES)],
+    expectations: &[&[("needles", EDGES)]],
     improved: Some(Improved { otherwise: Some(Expectation::Exact), expectations: &[] }),
     aside: &["rebuild_every"],
     touches: OF_HIERARCHIES,

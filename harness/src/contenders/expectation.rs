@@ -47,8 +47,14 @@ pub enum Expectation {
     },
 }
 
-/// What is expected of one tracer, by case.
+/// What is expected, by cases: their names, with spaces between.
 pub type Column = &'static [(&'static str, Expectation)];
+
+/// What is expected on a case: what the first of these columns says that names it.
+pub(super) fn expected(columns: &[Column], case: &str) -> Option<Expectation> {
+    let names_it = |(cases, _): &&(&str, Expectation)| cases.split(' ').any(|name| name == case);
+    columns.iter().copied().flatten().find(names_it).map(|(_, expected)| *expected)
+}
 
 /// Few wrong rays by a rule.
 pub(super) const fn few(rule: Rule, reason: &'static str) -> Expectation {
@@ -73,6 +79,43 @@ pub(super) const fn of_huge_triangles(otherwise: &'static Expectation) -> Expect
     let reason = "a rasterizer that clips in f32 loses a triangle that reaches too far for it";
     Expectation::Rasterized { wrong_by_snapping: 0.0, reaches_far: true, reason, otherwise }
 }
+
+// What is said of several sampled methods.
+pub(super) const BETWEEN: &str = "what covers no pixel's centre is not stored, and what covers one fills its pixel";
+pub(super) const SAMPLES_SOURCE: &str =
+    "VVP16, section 4.2, limitations: what is stored is bounded by resolution and pixel samples";
+pub(super) const NEAR_SOURCE: &str = "VVP16, section 3.2, which pulls its views back by near to cover what is clipped";
+pub(super) const ASIDE: &str = "rays from beside the view, onto a plane that is at last no more than a line in it";
+pub(super) const LEAVE_VIEW: &str = "most of the directions between cube faces leave the one view that there is";
+pub(super) const TILED: &str =
+    "needles that tile a plate leave no pixel centre uncovered, and neighbours have almost one depth";
+pub(super) const NO_BORDERS: &str = "no borders of its own frame: the wall is seen, its rim by a pixel more or less";
+
+/// Rays through the frame's own pixel centres find the depth that is stored there.
+const AT_DEPTHS: Expectation = few(
+    Rule::Footprint,
+    "eye rays through pixel centres get the very depth that was sampled there; only where an edge runs through a centre does the \
+     rasterizer's rounding of vertices decide otherwise",
+);
+const CLIPPED: &str = "what is nearer than near is clipped away when depth is rasterized";
+const ASIDE_SOURCE: &str = "VVP16, section 2, on surfaces outside of the primary view";
+const SHORT_IMAGE: &str =
+    "the closer a ray passes by the eye the shorter its image, at last one pixel, whose depth it hits";
+
+/// Of methods that store depths at the pixel centres of one view.
+pub(super) const OF_ONE_VIEW: Column = &[
+    ("open-mesh coplanar-copies depth-range flat-tile equal-triangles long-scene", AT_DEPTHS),
+    ("huge-triangle", of_huge_triangles(&AT_DEPTHS)),
+    ("wide-frame", of_plates_along_rows(&AT_DEPTHS)),
+    ("wires leaves crowded-pixel", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
+    ("coarse-frame", fails(Rule::Footprint, BETWEEN, SAMPLES_SOURCE)),
+    ("eye-on-surface eye-at-vertex before-near", fails(Rule::Footprint, CLIPPED, NEAR_SOURCE)),
+    ("needles", few(Rule::Footprint, TILED)),
+    ("plane-through-eye", fails(Rule::Footprint, ASIDE, ASIDE_SOURCE)),
+    ("cube-borders", fails(Rule::HitMiss, LEAVE_VIEW, ASIDE_SOURCE)),
+    ("face-cell-borders", few(Rule::HitMiss, NO_BORDERS)),
+    ("through-view-centre", few(Rule::HitMiss, SHORT_IMAGE)),
+];
 
 impl Expectation {
     /// The rule that it is about.

@@ -2,12 +2,12 @@
 //! in every pixel that a triangle touches.
 
 use super::ablation::{Values, improved, published};
-use super::expectation::{fails, few, of_huge_triangles, of_plates_along_rows};
+use super::expectation::{BETWEEN, SAMPLES_SOURCE, TILED, fails, few, of_huge_triangles, of_plates_along_rows};
 use super::{Ablation, Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
-    expectations: EXPECTATIONS,
-    improved: Some(Improved { otherwise: None, expectations: IMPROVED_EXPECTATIONS }),
+    expectations: &[EXPECTATIONS],
+    improved: Some(Improved { otherwise: Some(BEYOND_EDGES), expectations: &[IMPROVED_EXPECTATIONS] }),
     ablation: Some(&ABLATION),
     ladder: LADDER,
     tune: Some("thickness"),
@@ -45,13 +45,32 @@ const SLIPPED: &str = "at thickness 0 a ray that crosses a slanted surface passe
                        slanted it is; a surface along the line of sight has none";
 const SLIPPED_SOURCE: &str =
     "VVP16, section 4.2, limitations: rays pass between fragments of sparsely sampled triangles";
-const BETWEEN: &str = "what covers no pixel's centre is not stored, and what covers one fills its pixel";
-const SAMPLES_SOURCE: &str =
-    "VVP16, section 4.2, limitations: what is stored is bounded by resolution and pixel samples";
 const BEFORE_NEAR: &str = "what is nearer than near lies in the faces alone, whose centres are pulled back: seen from there at a grazing \
                            angle, it lets rays through between fragments";
 const NEAR_START: &str = "a ray that starts in a view leaves out the first pixel of its way, so as not to find the surface that it starts \
                           on, and with it what lies as near";
+const NEAR_START_SOURCE: &str =
+    "McGuire and Mara 2014, listing 1, whose walk begins a part of a stride off; VVP16 does not say";
+const ALL_KEPT: &str = "the shell hides nothing, as all layers are kept: what is left is between samples";
+const NO_GAP: &str = "no direction is without a face; rays along the borders cross the sphere where faces see it most slanted and pass between \
+                      fragments there";
+const LINEAR: &str = "depths stand in 32-bit floats, linear from the eye: no ratio is too large for them; what is left is at the plates' rims and \
+                      near a ray's start";
+const STARTS: &str =
+    "near its start a ray runs along the surface that it starts on, and meets fragments of it a pixel on";
+const STARTS_SOURCE: &str =
+    "VVP16, section 4.2, limitations; it does not say how rays leave the surface that they start on";
+const EITHER: &str = "either pixel at a border shows the wall, but at its rim, and near a ray's start";
+const CAMERA: &str = "the camera's view answers: the wall is seen, its rim by a pixel more or less";
+const FEW_STEPS: &str =
+    "near the centre of a view a ray crosses its image at once: few steps, and a hit by the depth of one of them";
+const BOTH_SIDES: &str = "both sides of a wall are kept, however near to each other: a ray slips through only where it passes between fragments of \
+                          both";
+const NO_THICKNESS: &str = "a fragment has no thickness: what a ray passes behind it does not meet, however near";
+const HALF_A_PIXEL: &str = "a hit lies at its fragment's depth, half a pixel off on a surface that is slanted by half";
+const BESIDE: &str = "what stands beside a ray's way lies at other pixels than those that its steps look at";
+const APART: &str = "a hundred steps a view lie farther apart than the post is wide, and a step looks at one pixel";
+const APART_SOURCE: &str = "VVP16, section 3.4 and Figure 10, on the number of steps";
 
 /// Layers are all kept, but those that a ray starts between.
 const LAYERS: Expectation = fails(
@@ -61,114 +80,32 @@ const LAYERS: Expectation = fails(
 );
 
 const EXPECTATIONS: Column = &[
-    ("edge-on", fails(Rule::HitMiss, SLIPPED, SLIPPED_SOURCE)),
-    ("wires", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
-    ("leaves", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
-    (
-        "close-sheets",
-        fails(
-            Rule::HitMiss,
-            NEAR_START,
-            "McGuire and Mara 2014, listing 1, whose walk begins a part of a stride off; VVP16 does not say",
-        ),
-    ),
+    ("edge-on plane-through-eye", fails(Rule::HitMiss, SLIPPED, SLIPPED_SOURCE)),
     ("voxel-stack", fails(Rule::Footprint, SLIPPED, SLIPPED_SOURCE)),
-    ("open-mesh", AT_SAMPLES),
+    ("wires leaves crowded-pixel", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
+    ("coarse-frame", fails(Rule::Footprint, BETWEEN, SAMPLES_SOURCE)),
+    ("close-sheets", fails(Rule::HitMiss, NEAR_START, NEAR_START_SOURCE)),
+    ("open-mesh depth-range flat-tile long-scene", AT_SAMPLES),
     ("huge-triangle", of_huge_triangles(&AT_SAMPLES)),
-    (
-        "needles",
-        few(
-            Rule::Footprint,
-            "needles that tile a plate leave no pixel centre uncovered, and neighbours have almost one depth",
-        ),
-    ),
+    ("wide-frame", of_plates_along_rows(&AT_SAMPLES)),
+    ("needles", few(Rule::Footprint, TILED)),
     // As many layers at every pixel are more than what WebGPU's limits let one binding hold.
     ("coplanar-copies", Expectation::Refusable { from: 256.0, otherwise: &AT_SAMPLES }),
-    (
-        "eye-inside-object",
-        few(Rule::Footprint, "the shell hides nothing, as all layers are kept: what is left is between samples"),
-    ),
-    ("eye-on-surface", fails(Rule::Footprint, BEFORE_NEAR, SLIPPED_SOURCE)),
-    ("plane-through-eye", fails(Rule::HitMiss, SLIPPED, SLIPPED_SOURCE)),
-    ("eye-at-vertex", fails(Rule::Footprint, BEFORE_NEAR, SLIPPED_SOURCE)),
-    ("before-near", fails(Rule::Footprint, BEFORE_NEAR, SLIPPED_SOURCE)),
-    (
-        "cube-borders",
-        few(
-            Rule::HitMiss,
-            "no direction is without a face; rays along the borders cross the sphere where faces see it most slanted and pass between \
-             fragments there",
-        ),
-    ),
-    ("depth-range", AT_SAMPLES),
-    (
-        "secondary-depth-ratio",
-        few(
-            Rule::Footprint,
-            "depths stand in 32-bit floats, linear from the eye: no ratio is too large for them; what is left is at the plates' rims and \
-             near a ray's start",
-        ),
-    ),
-    ("coarse-frame", fails(Rule::Footprint, BETWEEN, SAMPLES_SOURCE)),
-    ("wide-frame", of_plates_along_rows(&AT_SAMPLES)),
-    (
-        "surface-starts",
-        fails(
-            Rule::HitMiss,
-            "near its start a ray runs along the surface that it starts on, and meets fragments of it a pixel on",
-            "VVP16, section 4.2, limitations; it does not say how rays leave the surface that they start on",
-        ),
-    ),
-    (
-        "cell-borders",
-        few(Rule::HitMiss, "either pixel at a border shows the wall, but at its rim, and near a ray's start"),
-    ),
-    (
-        "face-cell-borders",
-        few(Rule::HitMiss, "the camera's view answers: the wall is seen, its rim by a pixel more or less"),
-    ),
-    (
-        "through-view-centre",
-        few(
-            Rule::HitMiss,
-            "near the centre of a view a ray crosses its image at once: few steps, and a hit by the depth of one of them",
-        ),
-    ),
-    ("flat-tile", AT_SAMPLES),
     ("equal-triangles", Expectation::Refusable { from: 1024.0, otherwise: &AT_SAMPLES }),
     ("stacked-layers", Expectation::Refusable { from: 2048.0, otherwise: &LAYERS }),
-    ("crowded-pixel", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
-    (
-        "thin-walls",
-        few(
-            Rule::HitMiss,
-            "both sides of a wall are kept, however near to each other: a ray slips through only where it passes between fragments of both",
-        ),
-    ),
-    ("long-scene", AT_SAMPLES),
-    (
-        "behind-foreground",
-        few(Rule::HitMiss, "a fragment has no thickness: what a ray passes behind it does not meet, however near"),
-    ),
-    (
-        "towards-camera",
-        few(
-            Rule::Footprint,
-            "a hit lies at its fragment's depth, half a pixel off on a surface that is slanted by half",
-        ),
-    ),
-    (
-        "foreground-in-cell",
-        few(Rule::HitMiss, "what stands beside a ray's way lies at other pixels than those that its steps look at"),
-    ),
-    (
-        "long-rays",
-        fails(
-            Rule::HitMiss,
-            "a hundred steps a view lie farther apart than the post is wide, and a step looks at one pixel",
-            "VVP16, section 3.4 and Figure 10, on the number of steps",
-        ),
-    ),
+    ("eye-inside-object", few(Rule::Footprint, ALL_KEPT)),
+    ("eye-on-surface eye-at-vertex before-near", fails(Rule::Footprint, BEFORE_NEAR, SLIPPED_SOURCE)),
+    ("cube-borders", few(Rule::HitMiss, NO_GAP)),
+    ("secondary-depth-ratio", few(Rule::Footprint, LINEAR)),
+    ("surface-starts", fails(Rule::HitMiss, STARTS, STARTS_SOURCE)),
+    ("cell-borders", few(Rule::HitMiss, EITHER)),
+    ("face-cell-borders", few(Rule::HitMiss, CAMERA)),
+    ("through-view-centre", few(Rule::HitMiss, FEW_STEPS)),
+    ("thin-walls", few(Rule::HitMiss, BOTH_SIDES)),
+    ("behind-foreground", few(Rule::HitMiss, NO_THICKNESS)),
+    ("towards-camera", few(Rule::Footprint, HALF_A_PIXEL)),
+    ("foreground-in-cell", few(Rule::HitMiss, BESIDE)),
+    ("long-rays", fails(Rule::HitMiss, APART, APART_SOURCE)),
 ];
 
 /// A plane ends with its part of a pixel, not with its triangle.
@@ -182,48 +119,17 @@ const AT_RIMS: &str =
     "rims are as many as surfaces, and at each a plane reaches beyond its triangle by a part of a pixel";
 const COARSE: &str =
     "a part of a pixel is the smallest thing that there is: what the plane fills of it is wider than the triangle";
+const IN_FACES: &str =
+    "what is nearer than near lies in the faces alone, which see it at a grazing angle, and coarsely";
 
 /// What is expected of planes in every pixel that a triangle touches.
 const IMPROVED_EXPECTATIONS: Column = &[
-    ("edge-on", BEYOND_EDGES),
-    ("wires", BEYOND_EDGES),
-    ("close-sheets", BEYOND_EDGES),
-    ("open-mesh", BEYOND_EDGES),
-    ("huge-triangle", BEYOND_EDGES),
-    ("needles", BEYOND_EDGES),
-    ("eye-inside-object", BEYOND_EDGES),
-    ("eye-on-surface", BEYOND_EDGES),
-    ("plane-through-eye", BEYOND_EDGES),
-    ("depth-range", BEYOND_EDGES),
-    ("secondary-depth-ratio", BEYOND_EDGES),
-    ("surface-starts", BEYOND_EDGES),
-    ("cell-borders", BEYOND_EDGES),
-    ("face-cell-borders", BEYOND_EDGES),
-    ("through-view-centre", BEYOND_EDGES),
-    ("flat-tile", BEYOND_EDGES),
-    ("thin-walls", BEYOND_EDGES),
-    ("behind-foreground", BEYOND_EDGES),
-    ("towards-camera", BEYOND_EDGES),
-    ("foreground-in-cell", BEYOND_EDGES),
-    ("long-rays", BEYOND_EDGES),
-    ("leaves", few(Rule::Footprint, AT_RIMS)),
-    ("voxel-stack", few(Rule::Footprint, AT_RIMS)),
-    ("long-scene", few(Rule::Footprint, AT_RIMS)),
-    ("stacked-layers", Expectation::Refusable { from: 2048.0, otherwise: &BEYOND_EDGES }),
-    ("crowded-pixel", fails(Rule::Footprint, COARSE, SAMPLES_SOURCE)),
+    ("leaves voxel-stack long-scene cube-borders wide-frame", few(Rule::Footprint, AT_RIMS)),
+    ("crowded-pixel eye-at-vertex coarse-frame", fails(Rule::Footprint, COARSE, SAMPLES_SOURCE)),
+    ("before-near", few(Rule::Footprint, IN_FACES)),
     ("coplanar-copies", Expectation::Refusable { from: 256.0, otherwise: &BEYOND_EDGES }),
-    ("eye-at-vertex", fails(Rule::Footprint, COARSE, SAMPLES_SOURCE)),
-    (
-        "before-near",
-        few(
-            Rule::Footprint,
-            "what is nearer than near lies in the faces alone, which see it at a grazing angle, and coarsely",
-        ),
-    ),
-    ("cube-borders", few(Rule::Footprint, AT_RIMS)),
-    ("coarse-frame", fails(Rule::Footprint, COARSE, SAMPLES_SOURCE)),
-    ("wide-frame", few(Rule::Footprint, AT_RIMS)),
     ("equal-triangles", Expectation::Refusable { from: 1024.0, otherwise: &BEYOND_EDGES }),
+    ("stacked-layers", Expectation::Refusable { from: 2048.0, otherwise: &BEYOND_EDGES }),
 ];
 
 /// Planes that fill their pixels.

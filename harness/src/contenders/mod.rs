@@ -20,6 +20,7 @@ use std::sync::Arc;
 use tracebench_api::{Description, Gpu, Parameters, Preset, Residency, Tracer, TracerError};
 
 pub use ablation::{Ablation, Switched};
+use expectation::expected;
 pub use expectation::{Column, Expectation, Rule};
 
 /// The device, or why there is none: what a tracer that needs one is skipped for.
@@ -93,8 +94,8 @@ const OF_HIERARCHIES: &[Touch] = &[
 pub struct Improved {
     /// What is expected on cases that `expectations` does not name.
     pub otherwise: Option<Expectation>,
-    /// What is expected, by stability case.
-    pub expectations: Column,
+    /// What is expected, by stability case; of columns the first that names the case counts.
+    pub expectations: &'static [Column],
 }
 
 /// A tracer's room.
@@ -109,8 +110,8 @@ pub struct Registration {
     /// What is expected on cases that `expectations` does not name: [`Expectation::Exact`] of an analytic method, nothing of
     /// one that samples.
     pub otherwise: Option<Expectation>,
-    /// What is expected of its published preset, by stability case.
-    pub expectations: Column,
+    /// What is expected of its published preset, by stability case; of columns the first that names the case counts.
+    pub expectations: &'static [Column],
     /// What is expected of its improved preset, where that is more than of the published one or less.
     pub improved: Option<Improved>,
     /// The switches of its improved form, as a table has them.
@@ -210,8 +211,4 @@ impl Registration {
     pub fn needs_device(&self) -> bool {
         (self.describe)().residency == Residency::Device
     }
-}
-
-fn expected(column: Column, case: &str) -> Option<Expectation> {
-    column.iter().find(|(name, _)| *name == case).map(|(_, expected)| *expected)
 }

@@ -1,12 +1,14 @@
 //! The room of `quadtree`: two depth layers of the frame, each pixel a small plane, merged by thresholds in the unit cube.
 
 use super::ablation::{Values, improved, published};
-use super::expectation::{fails, few, of_huge_triangles, of_plates_along_rows};
+use super::expectation::{
+    ASIDE, BETWEEN, LEAVE_VIEW, NEAR_SOURCE, NO_BORDERS, fails, few, of_huge_triangles, of_plates_along_rows,
+};
 use super::{Ablation, Column, Expectation, Family, Improved, Registration, Remedy, Rule, Shrink, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
-    expectations: EXPECTATIONS,
-    improved: Some(Improved { otherwise: None, expectations: IMPROVED_EXPECTATIONS }),
+    expectations: &[EXPECTATIONS],
+    improved: Some(Improved { otherwise: None, expectations: &[IMPROVED_EXPECTATIONS, EXPECTATIONS] }),
     ablation: Some(&ABLATION),
     ladder: LADDER,
     sweep: &["gamma_norm", "gamma_dist", "layers"],
@@ -35,7 +37,6 @@ const AT_SAMPLES: Expectation = few(
 
 const BEHIND: &str = "two layers: what lies behind the second surface is not stored";
 const BEFORE_NEAR: &str = "what is nearer than near is clipped away when layers are drawn";
-const BETWEEN: &str = "what covers no pixel's centre is not stored, and what covers one fills its pixel";
 const MERGED: &str = "near is a thousandth of the diagonal, so that 1e-5 of the unit cube is a hundredth of the diagonal at a diagonal's distance: \
                       there planes stand for others as far away as that";
 const MERGED_SOURCE: &str =
@@ -46,180 +47,77 @@ const NEAR_START: &str = "a ray begins to look a pixel's height away from its st
 const NEAR_START_SOURCE: &str = "WKP15, section 4, which says nothing of rays that start on a surface";
 const SAMPLES_SOURCE: &str = "WKP15, section 3.2: each pixel is a small plane";
 const ASIDE_SOURCE: &str = "WKP15, section 5.4: what is outside of the view needs a cube map";
-const NEAR_SOURCE: &str = "VVP16, section 3.2, which pulls its views back by near to cover what is clipped";
 
-const EXPECTATIONS: Column = &[
-    (
-        "edge-on",
-        fails(
-            Rule::HitMiss,
-            "a surface along the line of sight covers few pixel centres or none, so rays that \
-        cross it find nothing",
-            SAMPLES_SOURCE,
-        ),
-    ),
-    ("wires", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
-    ("leaves", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
-    ("close-sheets", fails(Rule::Footprint, NEAR_START, NEAR_START_SOURCE)),
-    (
-        "voxel-stack",
-        fails(
-            Rule::Footprint,
-            "of a crowd of small triangles at all angles two layers are stored, and those seen from their edges cover few pixels, all of \
-             them near a discontinuity: rays pass between their planes",
-            LAYERS_SOURCE,
-        ),
-    ),
-    ("open-mesh", AT_SAMPLES),
-    ("huge-triangle", of_huge_triangles(&AT_SAMPLES)),
-    ("needles", AT_SAMPLES),
-    ("coplanar-copies", AT_SAMPLES),
-    (
-        "eye-inside-object",
-        few(Rule::Footprint, "of what the eye looks out of both sides are layers; wrong are rays at rims"),
-    ),
-    ("eye-on-surface", fails(Rule::Footprint, BEFORE_NEAR, NEAR_SOURCE)),
-    (
-        "plane-through-eye",
-        fails(
-            Rule::Footprint,
-            "rays from beside the view, onto a plane that is at last no more than a line in it",
-            ASIDE_SOURCE,
-        ),
-    ),
-    ("eye-at-vertex", fails(Rule::Footprint, BEFORE_NEAR, NEAR_SOURCE)),
-    ("before-near", fails(Rule::Footprint, BEFORE_NEAR, NEAR_SOURCE)),
-    (
-        "cube-borders",
-        fails(
-            Rule::HitMiss,
-            "most of the directions between cube faces leave the one view that there is",
-            ASIDE_SOURCE,
-        ),
-    ),
-    ("depth-range", fails(Rule::Footprint, MERGED, MERGED_SOURCE)),
-    ("secondary-depth-ratio", fails(Rule::Footprint, MERGED, MERGED_SOURCE)),
-    ("coarse-frame", fails(Rule::Footprint, BETWEEN, SAMPLES_SOURCE)),
-    ("wide-frame", of_plates_along_rows(&few(Rule::Footprint, MERGED))),
-    (
-        "surface-starts",
-        few(
-            Rule::HitMiss,
-            "rays begin a pixel away from their start, and small planes follow the surface that they start on",
-        ),
-    ),
-    ("cell-borders", few(Rule::HitMiss, "either pixel at a border shows the wall, but at its rim")),
-    (
-        "face-cell-borders",
-        few(Rule::HitMiss, "no borders of its own frame: the wall is seen, its rim by a pixel more or less"),
-    ),
-    (
-        "through-view-centre",
-        few(Rule::HitMiss, "planes are met wherever the ray's image is a single pixel, but at rims"),
-    ),
-    ("flat-tile", few(Rule::Footprint, MERGED)),
-    ("equal-triangles", AT_SAMPLES),
-    ("stacked-layers", fails(Rule::Footprint, BEHIND, LAYERS_SOURCE)),
-    ("crowded-pixel", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
-    ("thin-walls", few(Rule::HitMiss, "what hides a wall's far side is its near one, which is hit")),
-    ("long-scene", AT_SAMPLES),
-    (
-        "behind-foreground",
-        few(
-            Rule::HitMiss,
-            "a ray that passes behind a plane, however near, lies in its occlusion volume, and the next layer is asked",
-        ),
-    ),
-    (
-        "towards-camera",
-        few(
-            Rule::Footprint,
-            "small planes are met at their own place, also from behind, where a ray comes out of their volume",
-        ),
-    ),
-    (
-        "foreground-in-cell",
-        few(
-            Rule::HitMiss,
-            "a box that holds more than the ray's way is opened, down to the pixels, which hold that alone",
-        ),
-    ),
-    (
-        "long-rays",
-        few(
-            Rule::HitMiss,
-            "what a ray passes over is skipped by nodes as large as 512 pixels: its budget of steps lasts",
-        ),
-    ),
-];
-
-/// Of the improved form: four layers, thresholds in heights of a pixel at every depth, planes that end at each other, and starts close by.
 const EDGE_ON: &str =
     "a surface along the line of sight covers few pixel centres or none, so rays that cross it find nothing";
+const CROWDED: &str = "of a crowd of small triangles at all angles two layers are stored, and those seen from their edges cover few pixels, all \
+                       of them near a discontinuity: rays pass between their planes";
+const BOTH_SIDES: &str = "of what the eye looks out of both sides are layers; wrong are rays at rims";
+const FOLLOWED: &str =
+    "rays begin a pixel away from their start, and small planes follow the surface that they start on";
+const EITHER: &str = "either pixel at a border shows the wall, but at its rim";
+const SINGLE: &str = "planes are met wherever the ray's image is a single pixel, but at rims";
+const NEAR_SIDE: &str = "what hides a wall's far side is its near one, which is hit";
+const ASKED: &str =
+    "a ray that passes behind a plane, however near, lies in its occlusion volume, and the next layer is asked";
+const FROM_BEHIND: &str =
+    "small planes are met at their own place, also from behind, where a ray comes out of their volume";
+const OPENED: &str = "a box that holds more than the ray's way is opened, down to the pixels, which hold that alone";
+const SKIPPED: &str = "what a ray passes over is skipped by nodes as large as 512 pixels: its budget of steps lasts";
+
+const EXPECTATIONS: Column = &[
+    ("edge-on", fails(Rule::HitMiss, EDGE_ON, SAMPLES_SOURCE)),
+    ("wires leaves crowded-pixel", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
+    ("coarse-frame", fails(Rule::Footprint, BETWEEN, SAMPLES_SOURCE)),
+    ("close-sheets", fails(Rule::Footprint, NEAR_START, NEAR_START_SOURCE)),
+    ("voxel-stack", fails(Rule::Footprint, CROWDED, LAYERS_SOURCE)),
+    ("stacked-layers", fails(Rule::Footprint, BEHIND, LAYERS_SOURCE)),
+    ("open-mesh needles coplanar-copies equal-triangles long-scene", AT_SAMPLES),
+    ("huge-triangle", of_huge_triangles(&AT_SAMPLES)),
+    ("eye-inside-object", few(Rule::Footprint, BOTH_SIDES)),
+    ("eye-on-surface eye-at-vertex before-near", fails(Rule::Footprint, BEFORE_NEAR, NEAR_SOURCE)),
+    ("plane-through-eye", fails(Rule::Footprint, ASIDE, ASIDE_SOURCE)),
+    ("cube-borders", fails(Rule::HitMiss, LEAVE_VIEW, ASIDE_SOURCE)),
+    ("depth-range secondary-depth-ratio", fails(Rule::Footprint, MERGED, MERGED_SOURCE)),
+    ("wide-frame", of_plates_along_rows(&few(Rule::Footprint, MERGED))),
+    ("flat-tile", few(Rule::Footprint, MERGED)),
+    ("surface-starts", few(Rule::HitMiss, FOLLOWED)),
+    ("cell-borders", few(Rule::HitMiss, EITHER)),
+    ("face-cell-borders", few(Rule::HitMiss, NO_BORDERS)),
+    ("through-view-centre", few(Rule::HitMiss, SINGLE)),
+    ("thin-walls", few(Rule::HitMiss, NEAR_SIDE)),
+    ("behind-foreground", few(Rule::HitMiss, ASKED)),
+    ("towards-camera", few(Rule::Footprint, FROM_BEHIND)),
+    ("foreground-in-cell", few(Rule::HitMiss, OPENED)),
+    ("long-rays", few(Rule::HitMiss, SKIPPED)),
+];
+
 const CLOSE: &str = "what lies nearer to a start than a tenth of a pixel's height is not looked at, and what is a quarter behind a plane is not told \
                      from it";
-const CROWDED: &str = "of a crowd of small triangles at all angles four layers are stored, and those seen from their edges cover few pixels, all of \
-                       them near a discontinuity: rays pass between their planes";
+const CROWDED_FOUR: &str = "of a crowd of small triangles at all angles four layers are stored, and those seen from their edges cover few pixels, \
+                            all of them near a discontinuity: rays pass between their planes";
 const BEHIND_FOUR: &str = "four layers: what lies behind the fourth surface is not stored";
 const IN_PIXELS_AT_ALL_DEPTHS: &str = "thresholds are in heights of a pixel at every depth: a plane stands for what a ray cannot tell from it, and only \
                                        what ends between pixels' centres is beside it";
 const ALONG_ROWS: Expectation = few(Rule::Footprint, IN_PIXELS_AT_ALL_DEPTHS);
 const AT_RIMS: &str = "planes are met at their own place; wrong are rays at rims, by a pixel more or less";
+const OF_TRIANGLES: &str = "small planes by the triangles' normals lie on the surface that a ray starts on";
+const OPENED_BOX: &str = "a box that holds more than the ray's way is opened, down to the pixels";
+const LARGE_NODES: &str = "what a ray passes over is skipped by large nodes: its budget of steps lasts";
 
+/// Of the improved form: four layers, thresholds in heights of a pixel at every depth, planes that end at each other, and starts close by.
 const IMPROVED_EXPECTATIONS: Column = &[
-    ("edge-on", fails(Rule::HitMiss, EDGE_ON, SAMPLES_SOURCE)),
-    ("wires", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
-    ("leaves", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
     ("close-sheets", fails(Rule::Footprint, CLOSE, NEAR_START_SOURCE)),
-    ("voxel-stack", fails(Rule::Footprint, CROWDED, LAYERS_SOURCE)),
-    ("open-mesh", AT_SAMPLES),
-    ("huge-triangle", of_huge_triangles(&AT_SAMPLES)),
-    ("needles", AT_SAMPLES),
-    ("coplanar-copies", AT_SAMPLES),
-    ("eye-inside-object", few(Rule::Footprint, AT_RIMS)),
-    ("eye-on-surface", fails(Rule::Footprint, BEFORE_NEAR, NEAR_SOURCE)),
-    (
-        "plane-through-eye",
-        fails(
-            Rule::Footprint,
-            "rays from beside the view, onto a plane that is at last no more than a line in it",
-            ASIDE_SOURCE,
-        ),
-    ),
-    ("eye-at-vertex", fails(Rule::Footprint, BEFORE_NEAR, NEAR_SOURCE)),
-    ("before-near", fails(Rule::Footprint, BEFORE_NEAR, NEAR_SOURCE)),
-    (
-        "cube-borders",
-        fails(
-            Rule::HitMiss,
-            "most of the directions between cube faces leave the one view that there is",
-            ASIDE_SOURCE,
-        ),
-    ),
-    ("depth-range", few(Rule::Footprint, IN_PIXELS_AT_ALL_DEPTHS)),
-    ("secondary-depth-ratio", few(Rule::Footprint, IN_PIXELS_AT_ALL_DEPTHS)),
-    ("coarse-frame", fails(Rule::Footprint, BETWEEN, SAMPLES_SOURCE)),
-    ("wide-frame", of_plates_along_rows(&ALONG_ROWS)),
-    (
-        "surface-starts",
-        few(Rule::HitMiss, "small planes by the triangles' normals lie on the surface that a ray starts on"),
-    ),
-    ("cell-borders", few(Rule::HitMiss, AT_RIMS)),
-    ("face-cell-borders", few(Rule::HitMiss, AT_RIMS)),
-    ("through-view-centre", few(Rule::HitMiss, AT_RIMS)),
-    ("flat-tile", few(Rule::Footprint, IN_PIXELS_AT_ALL_DEPTHS)),
-    ("equal-triangles", AT_SAMPLES),
+    ("voxel-stack", fails(Rule::Footprint, CROWDED_FOUR, LAYERS_SOURCE)),
     ("stacked-layers", fails(Rule::Footprint, BEHIND_FOUR, LAYERS_SOURCE)),
-    ("crowded-pixel", fails(Rule::HitMiss, BETWEEN, SAMPLES_SOURCE)),
-    ("thin-walls", few(Rule::HitMiss, "what hides a wall's far side is its near one, which is hit")),
-    ("long-scene", AT_SAMPLES),
+    ("eye-inside-object towards-camera", few(Rule::Footprint, AT_RIMS)),
+    ("cell-borders face-cell-borders through-view-centre", few(Rule::HitMiss, AT_RIMS)),
+    ("depth-range secondary-depth-ratio flat-tile", few(Rule::Footprint, IN_PIXELS_AT_ALL_DEPTHS)),
+    ("wide-frame", of_plates_along_rows(&ALONG_ROWS)),
+    ("surface-starts", few(Rule::HitMiss, OF_TRIANGLES)),
     ("behind-foreground", few(Rule::HitMiss, "what passes behind a plane asks the next layer")),
-    ("towards-camera", few(Rule::Footprint, AT_RIMS)),
-    (
-        "foreground-in-cell",
-        few(Rule::HitMiss, "a box that holds more than the ray's way is opened, down to the pixels"),
-    ),
-    ("long-rays", few(Rule::HitMiss, "what a ray passes over is skipped by large nodes: its budget of steps lasts")),
+    ("foreground-in-cell", few(Rule::HitMiss, OPENED_BOX)),
+    ("long-rays", few(Rule::HitMiss, LARGE_NODES)),
 ];
 
 /// From row to row one thing more: normals of triangles, thresholds in pixels, the flag from smaller steps, planes that end at each other.

@@ -5,7 +5,6 @@ use tracebench_api::{Hit, Projection};
 
 use super::Judge;
 use crate::results::{Percentiles, PieceDistance, SurfaceDistance};
-use crate::statistics::percentile;
 use crate::truth::Ray64;
 
 /// Texels of the common size along the longest edge of the scene's bounds.
@@ -37,11 +36,7 @@ impl Judge<'_> {
             within_common_texel: within(common_texel),
             own_texel,
             within_own_texel: own_texel.and_then(within),
-            distance: Percentiles {
-                p50: percentile(&told, 50.0),
-                p95: percentile(&told, 95.0),
-                p99: percentile(&told, 99.0),
-            },
+            distance: Percentiles::of(&told),
             pieces: self.by_piece(&measured, common_texel, own_texel),
         }
     }

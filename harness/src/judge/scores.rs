@@ -5,7 +5,7 @@ use tracebench_api::Hit;
 
 use super::{Class, Judge, Rule, count_causes, true_counts};
 use crate::results::{AnyJudgement, ByRule, Classes, ClosestJudgement, OCCLUSION, Occlusion, Percentiles};
-use crate::statistics::{percentile, wilson};
+use crate::statistics::wilson;
 use crate::truth::{Ray64, RayFrame, TrueHit, intersect};
 
 /// Tolerances of the curve, in scene diagonals: two a decade from 1e-8 to 1.
@@ -32,11 +32,7 @@ impl Judge<'_> {
             interval: intervals.into(),
             truth: Some(true_counts(self.answers)),
             curve: self.curve(&hit_miss, &errors),
-            position_error: Percentiles {
-                p50: percentile(&errors, 50.0),
-                p95: percentile(&errors, 95.0),
-                p99: percentile(&errors, 99.0),
-            },
+            position_error: Percentiles::of(&errors),
             surface_distance: Some(self.surface_distance(hits)),
             identity: self.identity(hits),
             causes: causes.into_iter().collect(),

@@ -6,7 +6,7 @@ use tracebench_api::{Hit, NO_PRIMITIVE, Query, Surface, SurfaceStatus};
 
 use super::{Class, Judge, JudgeError, Rule};
 use crate::results::{Percentiles, SurfaceJudgement};
-use crate::statistics::{percentile, wilson};
+use crate::statistics::wilson;
 use crate::truth::Ray64;
 
 /// Angle by which a normal may be off and still be right, degrees: far above f32's rounding, far below what is seen.
@@ -59,11 +59,6 @@ impl Judge<'_> {
             .collect();
         let right = compared.iter().filter(|each| each.is_right()).count() as u64;
         let judged = references.len() as u64;
-        let percentiles = |errors: &[f64]| Percentiles {
-            p50: percentile(errors, 50.0),
-            p95: percentile(errors, 95.0),
-            p99: percentile(errors, 99.0),
-        };
         let normal_errors: Vec<f64> = compared.iter().filter_map(|each| each.normal_error).collect();
         let position_errors: Vec<f64> = compared.iter().map(|each| each.position_error).collect();
         Ok(SurfaceJudgement {
@@ -74,8 +69,8 @@ impl Judge<'_> {
             material: share(compared.iter().filter_map(|each| each.material_right)),
             normal: share(compared.iter().filter_map(Compared::normal_right)),
             position: share(compared.iter().map(|each| each.position_right)),
-            normal_error_degrees: percentiles(&normal_errors),
-            position_error: percentiles(&position_errors),
+            normal_error_degrees: Percentiles::of(&normal_errors),
+            position_error: Percentiles::of(&position_errors),
         })
     }
 

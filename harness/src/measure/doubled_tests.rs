@@ -17,6 +17,7 @@ use tracebench_api::{ClockKind, EndPoint, Gpu, PhaseClock, Preset, Timing, Trace
 use tracebench_kit::FixedWork;
 
 use super::kernels::{LEAST_MS, on_host};
+use super::run::placed;
 use super::twice::{LEAST_JUDGED_MS, takes, times_as_long};
 use super::*;
 use crate::plan::{Plan, RunPreset, SceneSource, TracerRequest, ViewRequest};

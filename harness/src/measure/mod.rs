@@ -29,7 +29,7 @@ pub use contender::{BuildSample, Contender, Crew};
 pub use journal::{Journal, JournalError};
 pub(crate) use place::{Effort, Film, Measured, Place, Placed, Refusal, Request, Told};
 pub use run::{Context, execute, execute_all};
-pub(crate) use run::{add, begin, empty, measure_scene, nothing, placed, refuse};
+pub(crate) use run::{add, begin, empty, measure_film, measure_scene, nothing, refuse};
 pub use scene::{LoadedScene, choose_pose, load, load_at, load_scene, prepare};
 use session::SessionError;
 pub(crate) use trial::{Trial, against_itself, fresh_and_repeated};

@@ -2,12 +2,13 @@
 
 use std::cell::{OnceCell, RefCell};
 
+use itertools::Itertools as _;
 use tracebench_api::{RayBuffer, TracerError};
 use tracebench_scenes::Scene;
 
 use super::controls::Control;
 use super::kernels::Kernels;
-use super::place::{Effort, Hook, Measured, Place, Placed, Refusal, Request};
+use super::place::{Effort, Film, Hook, Measured, Place, Placed, Refusal, Request};
 use super::window::measure;
 use super::{Contender, Crew, Journal, RunError, load, prepare, records};
 use crate::plan::{Plan, Shard, TracerRequest};
@@ -145,10 +146,26 @@ pub(crate) fn measure_scene(
     hook: Option<Hook<'_>>,
     context: &Context<'_>,
 ) -> Result<Measured, RunError> {
-    let sha256 = scene.sha256.clone();
-    let scene = RefCell::new(Some(scene));
-    let prepare = || match scene.take() {
-        Some(scene) => placed(plan, scene, context),
+    measure_film(index, plan, (scene, None), requests, effort, hook, context)
+}
+
+/// The same in a scene that is the last frame of a film, if there is one.
+///
+/// # Errors
+/// [`RunError`] as its variants say.
+pub(crate) fn measure_film(
+    index: usize,
+    plan: &Plan,
+    frame: (Scene, Option<Film>),
+    requests: &[Request],
+    effort: Effort,
+    hook: Option<Hook<'_>>,
+    context: &Context<'_>,
+) -> Result<Measured, RunError> {
+    let sha256 = frame.0.sha256.clone();
+    let frame = RefCell::new(Some(frame));
+    let prepare = || match frame.take() {
+        Some((scene, film)) => Ok(Placed { film, ..placed(plan, scene, context)? }),
         None => Err(RunError::Nothing("a scene was prepared twice".to_owned())),
     };
     measure(&Place { index, scene_sha256: Some(&sha256), prepare: &prepare, requests, effort, hook }, context)
@@ -158,7 +175,7 @@ pub(crate) fn measure_scene(
 ///
 /// # Errors
 /// [`RunError`] as its variants say.
-pub(crate) fn placed(plan: &Plan, scene: Scene, context: &Context<'_>) -> Result<Placed, RunError> {
+pub(super) fn placed(plan: &Plan, scene: Scene, context: &Context<'_>) -> Result<Placed, RunError> {
     let loaded = prepare(plan, scene, context.device, context.cache, context.progress)?;
     let viewpoint = records::viewpoint_record(plan, &loaded.pose, &loaded.session);
     Ok(Placed {
@@ -246,15 +263,9 @@ pub(crate) fn refuse(run: &mut Run, tracer: &str, what: Option<&str>, (scene, re
 
 /// The error of a run in which nothing could run, with every reason once.
 pub(crate) fn nothing(run: &Run) -> RunError {
-    let mut reasons: Vec<String> = Vec::new();
-    for skipped in &run.skipped {
-        let reason = match &skipped.tracer {
-            Some(tracer) => format!("{tracer}: {}", skipped.reason),
-            None => skipped.reason.clone(),
-        };
-        if !reasons.contains(&reason) {
-            reasons.push(reason);
-        }
-    }
-    RunError::Nothing(reasons.join("; "))
+    let reason = |skipped: &Skipped| match &skipped.tracer {
+        Some(tracer) => format!("{tracer}: {}", skipped.reason),
+        None => skipped.reason.clone(),
+    };
+    RunError::Nothing(run.skipped.iter().map(reason).unique().join("; "))
 }

@@ -135,6 +135,22 @@ pub struct TooManyRays {
 }
 
 impl Experiment {
+    /// An experiment of hits without traces, of which nothing more is said.
+    pub(super) const DEFAULT: Self = Self {
+        name: "",
+        summary: "",
+        published: &[],
+        scenes: &[],
+        rays: "",
+        settings: &[],
+        end: EndPoint::Hit,
+        steps: &[],
+        means: false,
+        sections: &[],
+        charts: &[],
+        notes: &[],
+    };
+
     /// The tracers of each step; a value in the published preset counts as named all the same, so that labels tell it.
     pub fn requests(&self) -> Vec<Vec<TracerRequest>> {
         let means = if self.means { &MEANS[..] } else { &[] };

@@ -7,14 +7,17 @@ use super::rows::{Rows, SceneRows};
 #[derive(Clone, Copy, Debug)]
 pub enum Measure {
     /// Of every scene that has the rows for it, counted.
-    Scene(fn(&SceneRows<'_>) -> Option<f64>),
+    Scene(OfOne<f64>),
     /// Of all scenes together, counted.
-    Scenes(fn(&[SceneRows<'_>]) -> Option<f64>),
+    Scenes(OfAll<f64>),
     /// Of every scene that has the rows for it, timed.
-    TimedScene(fn(&SceneRows<'_>) -> Option<Estimate>),
+    TimedScene(OfOne<Estimate>),
     /// Of all scenes together, timed.
-    TimedScenes(fn(&[SceneRows<'_>]) -> Option<Estimate>),
+    TimedScenes(OfAll<Estimate>),
 }
+
+type OfOne<T> = fn(&SceneRows<'_>) -> Option<T>;
+type OfAll<T> = fn(&[SceneRows<'_>]) -> Option<T>;
 
 /// A quantity of one scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,35 +57,19 @@ impl Quantity {
     }
 }
 
-pub(super) const fn of_scene(
-    name: &'static str,
-    unit: &'static str,
-    of: fn(&SceneRows<'_>) -> Option<f64>,
-) -> Quantity {
+pub(super) const fn of_scene(name: &'static str, unit: &'static str, of: OfOne<f64>) -> Quantity {
     Quantity { name, unit, measure: Measure::Scene(of) }
 }
 
-pub(super) const fn of_scenes(
-    name: &'static str,
-    unit: &'static str,
-    of: fn(&[SceneRows<'_>]) -> Option<f64>,
-) -> Quantity {
+pub(super) const fn of_scenes(name: &'static str, unit: &'static str, of: OfAll<f64>) -> Quantity {
     Quantity { name, unit, measure: Measure::Scenes(of) }
 }
 
-pub(super) const fn timed_of_scene(
-    name: &'static str,
-    unit: &'static str,
-    of: fn(&SceneRows<'_>) -> Option<Estimate>,
-) -> Quantity {
+pub(super) const fn timed_of_scene(name: &'static str, unit: &'static str, of: OfOne<Estimate>) -> Quantity {
     Quantity { name, unit, measure: Measure::TimedScene(of) }
 }
 
-pub(super) const fn timed_of_scenes(
-    name: &'static str,
-    unit: &'static str,
-    of: fn(&[SceneRows<'_>]) -> Option<Estimate>,
-) -> Quantity {
+pub(super) const fn timed_of_scenes(name: &'static str, unit: &'static str, of: OfAll<Estimate>) -> Quantity {
     Quantity { name, unit, measure: Measure::TimedScenes(of) }
 }
 

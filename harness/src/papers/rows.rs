@@ -2,10 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use itertools::Itertools as _;
 use serde_json::Value;
 
 use super::experiment::Experiment;
-use crate::results::{Judgement, Run, Skipped, TraceRecord, TracerRun, same_pose};
+use crate::results::{ClosestJudgement, Judgement, Run, Skipped, TraceRecord, TracerRun, same_pose};
 
 /// A run by scene.
 pub struct Rows<'a> {
@@ -41,21 +42,17 @@ impl<'a> Rows<'a> {
                 }
             }
         }
-        let names: Vec<String> = scenes.iter().map(|scene| scene.label.clone()).collect();
-        let times: Vec<(String, f64)> =
-            scenes.iter().map(|scene| (scene.label.clone(), scene.runs[0].viewpoint.time_s)).collect();
-        let scales: Vec<(String, Option<f64>)> =
-            scenes.iter().map(|scene| (scene.label.clone(), scene.runs[0].scene.scale)).collect();
+        let first: Vec<&TracerRun> = scenes.iter().map(|scene| scene.runs[0]).collect();
         for scene in &mut scenes {
-            let viewpoint = &scene.runs[0].viewpoint;
-            let own = scene.runs[0].scene.scale;
-            let other_scale = scales.iter().any(|(name, scale)| *name == scene.label && *scale != own);
-            if let Some(scale) = own.filter(|_| other_scale) {
-                scene.label = format!("{} at scale {scale}", scene.label);
-            } else if times.iter().any(|(name, time_s)| *name == scene.label && *time_s != viewpoint.time_s) {
-                scene.label = format!("{} at {} s", scene.label, viewpoint.time_s);
-            } else if names.iter().filter(|name| **name == scene.label).count() > 1 {
-                scene.label = format!("{} from {}", scene.label, scene.runs[0].viewpoint.name);
+            let (own, label) = (scene.runs[0], &scene.label);
+            let same_name = || first.iter().filter(|other| other.scene.name == *label);
+            let other_scale = same_name().any(|other| other.scene.scale != own.scene.scale);
+            if let Some(scale) = own.scene.scale.filter(|_| other_scale) {
+                scene.label = format!("{label} at scale {scale}");
+            } else if same_name().any(|other| other.viewpoint.time_s != own.viewpoint.time_s) {
+                scene.label = format!("{label} at {} s", own.viewpoint.time_s);
+            } else if same_name().count() > 1 {
+                scene.label = format!("{label} from {}", own.viewpoint.name);
             }
         }
         Self { run, scenes }
@@ -132,13 +129,7 @@ impl<'a> SceneRows<'a> {
 
     /// Names of the ray sets, in order of first appearance.
     pub fn ray_sets(&self) -> Vec<&'a str> {
-        let mut sets: Vec<&str> = Vec::new();
-        for trace in self.runs.iter().flat_map(|run| &run.traces) {
-            if !sets.contains(&trace.rays.as_str()) {
-                sets.push(&trace.rays);
-            }
-        }
-        sets
+        self.runs.iter().flat_map(|run| &run.traces).map(|trace| trace.rays.as_str()).unique().collect()
     }
 
     /// The runs by resolution, of the ray image, from the lowest, then of the views, and of each by what was said of their rays.
@@ -219,26 +210,46 @@ pub(crate) fn footprint(trace: &TraceRecord) -> Option<f64> {
     }
 }
 
-/// Rays that count, and of them those missed under `tight`; of closest-hit sets alone.
+/// Rays that count, and of them those of a kind; of closest-hit sets alone.
+pub(super) fn counted(trace: &TraceRecord, of: impl Fn(&ClosestJudgement) -> Option<u64>) -> Option<[u64; 2]> {
+    let Judgement::Closest(closest) = &trace.judgement else { return None };
+    Some([trace.count.saturating_sub(closest.left_out()), of(closest)?])
+}
+
+/// Rays that are missed under `tight`, as [`counted`].
 pub(crate) fn false_misses(trace: &TraceRecord) -> Option<[u64; 2]> {
-    let Judgement::Closest(closest) = &trace.judgement else { return None };
-    Some([trace.count.saturating_sub(closest.left_out()), closest.classes.tight.false_miss])
+    counted(trace, |closest| Some(closest.classes.tight.false_miss))
 }
 
-/// Rays that count, and of them those that passed their true hit, into nothing or on to another surface, by more than a footprint; of
-/// closest-hit sets alone.
+/// Rays that passed their true hit, into nothing or on to another surface, by more than a footprint, as [`counted`].
 pub(crate) fn passed(trace: &TraceRecord) -> Option<[u64; 2]> {
-    let Judgement::Closest(closest) = &trace.judgement else { return None };
-    let classes = &closest.classes.footprint;
-    Some([trace.count.saturating_sub(closest.left_out()), classes.false_miss + classes.late])
+    counted(trace, |closest| Some(closest.classes.footprint.false_miss + closest.classes.footprint.late))
 }
 
-/// Rays that count, and of them those wrong under `tight`; of closest-hit sets alone.
+/// Rays that are wrong under `tight`, as [`counted`].
 pub(crate) fn wrong(trace: &TraceRecord) -> Option<[u64; 2]> {
-    let Judgement::Closest(closest) = &trace.judgement else { return None };
-    let classes = &closest.classes.tight;
-    let wrong = classes.false_hit + classes.false_miss + classes.early + classes.late;
-    Some([trace.count.saturating_sub(closest.left_out()), wrong])
+    counted(trace, |closest| Some(closest.classes.tight.wrong()))
+}
+
+/// Rays that are wrong for a cause under a rule, as [`counted`].
+pub(super) fn of_cause(trace: &TraceRecord, rule: &str, cause: &str) -> Option<[u64; 2]> {
+    counted(trace, |closest| Some(closest.causes.get(rule)?.get(cause).copied().unwrap_or(0)))
+}
+
+/// The share of the rays of all sets of a row that are of a kind.
+pub(super) fn share_of_all(run: &TracerRun, of: impl Fn(&TraceRecord) -> Option<[u64; 2]>) -> Option<f64> {
+    let sums = run.traces.iter().filter_map(of).fold([0, 0], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
+    (sums[0] > 0).then(|| sums[1] as f64 / sums[0] as f64)
+}
+
+/// The share of the ray sets of two rows that have the same hits in both.
+pub(super) fn same_hits(one: &TracerRun, other: &TracerRun) -> Option<f64> {
+    let pairs = one.traces.iter().filter_map(|own| {
+        let same = trace(other, &own.rays).filter(|each| each.rays_sha256 == own.rays_sha256)?;
+        Some(same.hits_sha256 == own.hits_sha256)
+    });
+    let same: Vec<bool> = pairs.collect();
+    (!same.is_empty()).then(|| same.iter().filter(|same| **same).count() as f64 / same.len() as f64)
 }
 
 /// Rays in a million, of a share.

@@ -11,7 +11,7 @@ use tracebench_scenes::Mesh;
 
 use crate::files;
 use crate::files::FileError;
-use crate::judge::{Class, Judge, Rule};
+use crate::judge::{Class, Rule};
 use crate::measure::Crew;
 use crate::measure::session::PreparedRays;
 use crate::measure::{self, LoadedScene, RunError};
@@ -95,7 +95,7 @@ pub fn draw(
     let (pixels, legend) = match what {
         What::Shaded => (shaded(&loaded, &mesh, rays, &hits, width as usize), Vec::new()),
         What::Depth => depth(&loaded, rays, &hits),
-        What::Error => errors(&loaded, rays, &hits),
+        What::Error => errors(&session.classes(&name, rays, Rule::Footprint, &hits).map_err(RunError::from)?),
     };
     write_png(path, width, height, &pixels)?;
     Ok(legend)
@@ -172,24 +172,12 @@ fn depth(loaded: &LoadedScene, rays: &PreparedRays, hits: &[Hit]) -> (Vec<Rgb>, 
     (depths.iter().map(shade).collect(), legend)
 }
 
-fn errors(loaded: &LoadedScene, rays: &PreparedRays, hits: &[Hit]) -> (Vec<Rgb>, Vec<String>) {
-    let session = &loaded.session;
-    let judge = Judge {
-        truth: session.truth(),
-        eye: session.viewpoint().eye.as_dvec3(),
-        rays: &rays.buffer.host,
-        answers: &rays.answers,
-        query: Query::Closest,
-        samplings: &[],
-        voxels: None,
-        names_primitives: false,
-        wrong_rays_per_cause: 0,
+fn errors(classes: &[Option<Class>]) -> (Vec<Rgb>, Vec<String>) {
+    let colour_of = |class: &Option<Class>| {
+        CLASS_COLOURS.iter().find(|(known, _)| Some(*known) == *class).map_or([0; 3], |(_, colour)| *colour)
     };
-    let classes: Vec<Class> = (0..hits.len()).map(|index| judge.class(Rule::Footprint, index, &hits[index])).collect();
-    let colour_of =
-        |class: &Class| CLASS_COLOURS.iter().find(|(known, _)| known == class).map_or([0; 3], |(_, colour)| *colour);
     let line = |(class, [red, green, blue]): &(Class, Rgb)| {
-        let count = classes.iter().filter(|each| *each == class).count();
+        let count = classes.iter().filter(|each| **each == Some(*class)).count();
         format!("#{red:02x}{green:02x}{blue:02x} {}: {count} rays", class.name(Query::Closest))
     };
     (classes.iter().map(colour_of).collect(), CLASS_COLOURS.iter().map(line).collect())

@@ -3,16 +3,14 @@
 use std::fmt::Write as _;
 
 use super::ReportError;
-use super::format::thousands;
-use super::group::{Group, RaySet, Role, groups};
-use super::markdown::literal;
+use super::group::{Group, RaySet, Role, TracedRow, groups, sections, traced_rows};
 use super::metrics::{COUNT, SPEED};
 use super::peers::stem;
 use super::sheet::{Cell, Column, Sheet};
 use super::{cells, metrics, summary};
 use crate::ablation::peer;
 use crate::contenders::Ablation;
-use crate::results::{Ratio, Run, Timed, TraceRecord, TracerRun};
+use crate::results::{Ratio, Run, TracerRun};
 
 /// Statistics of structures that have columns of their own.
 const STATISTICS: [&str; 2] = ["references", "nodes"];
@@ -37,14 +35,9 @@ fn references<'a>(group: &Group<'a>) -> [Option<&'a TracerRun>; 2] {
     [rows().find(|row| !is_peer(row)), rows().find(is_peer)]
 }
 
-fn trace_of<'a>(row: &'a TracerRun, set: &RaySet<'_>) -> Option<&'a TraceRecord> {
-    row.traces.iter().find(|trace| set.holds(trace))
-}
-
 /// How many times as fast a row traces a set as another.
 fn speed_over(run: &Run, set: &RaySet<'_>, reference: Option<&TracerRun>, row: &TracerRun) -> Option<Ratio> {
-    let reference = reference?;
-    run.paired(&Timed::trace(reference, trace_of(reference, set)?), &Timed::trace(row, trace_of(row, set)?)).ratio
+    set.paired(run, reference?, row)?.ratio
 }
 
 fn page(ablation: &Ablation, run: &Run, groups: &[Group<'_>]) -> String {
@@ -55,15 +48,7 @@ fn page(ablation: &Ablation, run: &Run, groups: &[Group<'_>]) -> String {
         "\nRows are one switch after the other from the published form on, then the improved form, and that with single switches taken \
          back. × first and × {name} are how many times as fast a row is as the first one, and as {name} as published, in the same run."
     );
-    for group in groups {
-        let triangles = thousands(group.scene.triangles);
-        let _ = writeln!(text, "\n## {} ({triangles} triangles)\n", literal(&group.scene.name));
-        text += &structures(group);
-        for set in &group.ray_sets {
-            text += &traces(run, group, set);
-        }
-    }
-    text + &summary::skipped(&run.skipped)
+    text + &sections(run, groups, structures, |group, set| traces(run, group, set))
 }
 
 fn structures(group: &Group<'_>) -> String {
@@ -105,26 +90,13 @@ fn traces(run: &Run, group: &Group<'_>, set: &RaySet<'_>) -> String {
     format!("\n### {}\n{}\n{}", set.heading(), cells::coverage(&all), sheet.markdown(&rows))
 }
 
-/// A tracer's row and a ray set.
-struct Row<'a> {
-    group: &'a Group<'a>,
-    row: &'a TracerRun,
-    set: &'a RaySet<'a>,
-    trace: &'a TraceRecord,
-}
-
-fn csv<'a>(file: &str, run: &Run, groups: &'a [Group<'a>]) -> Result<Vec<u8>, ReportError> {
-    let mut rows: Vec<Row<'a>> = Vec::new();
-    for group in groups {
-        for row in &group.contenders {
-            let of_set = |set| Some(Row { group, row, set, trace: trace_of(row, set)? });
-            rows.extend(group.ray_sets.iter().filter_map(of_set));
-        }
-    }
+fn csv(file: &str, run: &Run, groups: &[Group<'_>]) -> Result<Vec<u8>, ReportError> {
     let over = |place: usize| {
-        move |row: &Row<'_>| speed_over(run, row.set, references(row.group)[place], row.row).map(|ratio| ratio.value)
+        move |row: &TracedRow<'_>| {
+            speed_over(run, row.set, references(row.group)[place], row.row).map(|ratio| ratio.value)
+        }
     };
-    let sheet = Sheet::<Row<'_>>::new()
+    let sheet = Sheet::<TracedRow<'_>>::new()
         .scene(|row| &row.row.scene)
         .column("viewpoint", |row| row.row.viewpoint.name.clone())
         .column("row", |row| row.row.label())
@@ -141,5 +113,5 @@ fn csv<'a>(file: &str, run: &Run, groups: &'a [Group<'a>]) -> Result<Vec<u8>, Re
         .commit(&run.provenance)
         .machine_of(&run.provenance, |row| row.row)
         .counters(&run.runs, |row| Some(&row.trace.counters));
-    sheet.csv(file, &rows)
+    sheet.csv(file, &traced_rows(groups))
 }

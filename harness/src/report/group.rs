@@ -5,8 +5,9 @@ use std::collections::BTreeSet;
 use tracebench_api::Query;
 
 use super::format;
-use super::markdown::inline;
-use crate::results::{Run, SceneRecord, TraceRecord, TracerRun, ViewpointRecord};
+use super::markdown::{inline, literal};
+use super::summary::skipped;
+use crate::results::{Paired, Run, SceneRecord, Timed, TraceRecord, TracerRun, ViewpointRecord};
 
 /// Runs that may be compared.
 #[derive(Debug)]
@@ -98,6 +99,48 @@ impl RaySet<'_> {
     pub(super) fn holds(&self, trace: &TraceRecord) -> bool {
         self.name == trace.rays && self.sha256 == trace.rays_sha256 && self.query == trace.query
     }
+
+    /// A row's trace of these rays.
+    pub(super) fn trace_of<'a>(&self, row: &'a TracerRun) -> Option<&'a TraceRecord> {
+        row.traces.iter().find(|trace| self.holds(trace))
+    }
+
+    /// How many times as long one row took over these rays as another.
+    pub(super) fn paired(&self, run: &Run, one: &TracerRun, other: &TracerRun) -> Option<Paired> {
+        Some(run.paired(&Timed::trace(one, self.trace_of(one)?), &Timed::trace(other, self.trace_of(other)?)))
+    }
+}
+
+/// A contender with its trace of a ray set.
+pub(super) struct TracedRow<'a> {
+    pub group: &'a Group<'a>,
+    pub row: &'a TracerRun,
+    pub set: &'a RaySet<'a>,
+    pub trace: &'a TraceRecord,
+}
+
+/// Every trace of contenders, by group and contender.
+pub(super) fn traced_rows<'a>(groups: &'a [Group<'a>]) -> Vec<TracedRow<'a>> {
+    let of_row = |group: &'a Group<'a>, row: &'a TracerRun| {
+        let of_set = move |set: &'a RaySet<'a>| Some(TracedRow { group, row, set, trace: set.trace_of(row)? });
+        group.ray_sets.iter().filter_map(of_set)
+    };
+    groups.iter().flat_map(|group| group.contenders.iter().flat_map(move |row| of_row(group, row))).collect()
+}
+
+/// A section a group of a table's page: structures, then each ray set; then what did not run.
+pub(super) fn sections(
+    run: &Run,
+    groups: &[Group<'_>],
+    structures: impl Fn(&Group<'_>) -> String,
+    traces: impl Fn(&Group<'_>, &RaySet<'_>) -> String,
+) -> String {
+    let section = |group: &Group<'_>| {
+        let (scene, triangles) = (literal(&group.scene.name), format::thousands(group.scene.triangles));
+        let sets: String = group.ray_sets.iter().map(|set| traces(group, set)).collect();
+        format!("\n## {scene} ({triangles} triangles)\n\n{}{sets}", structures(group))
+    };
+    groups.iter().map(section).collect::<String>() + &skipped(&run.skipped)
 }
 
 /// What a page calls rays.

@@ -1,16 +1,15 @@
 //! The table of equal means over one run: `table_means.md` and `table_means.csv`.
 
-use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::ReportError;
-use super::format::{significant, thousands};
-use super::group::{Group, RaySet, Role, groups};
-use super::markdown::literal;
+use super::format::significant;
+use super::group::{Group, RaySet, Role, TracedRow, groups, sections, traced_rows};
 use super::metrics::{COUNT, SPEED};
 use super::sheet::{Cell, Sheet};
 use super::{cells, metrics, summary};
-use crate::results::{Answer, AtMeans, Means, Paired, Ratio, Run, Timed, TraceRecord, TracerRun, at_means};
+use crate::results::{Answer, AtMeans, Means, Paired, Ratio, Run, TracerRun, at_means};
+use itertools::Itertools as _;
 
 /// By how much speeds may differ and still be the same, a share.
 const SAME: f64 = 0.05;
@@ -33,17 +32,6 @@ fn by_default<'a>(run: &Run, group: &Group<'a>, of: &TracerRun) -> Option<&'a Tr
     group.contenders.iter().copied().find(is_default)
 }
 
-/// A row's trace of a ray set.
-fn trace_of<'a>(row: &'a TracerRun, set: &RaySet<'_>) -> Option<&'a TraceRecord> {
-    row.traces.iter().find(|trace| set.holds(trace))
-}
-
-/// How many times as long one took over a ray set as the other.
-fn paired(run: &Run, set: &RaySet<'_>, one: &TracerRun, other: &TracerRun) -> Option<Paired> {
-    let found = run.paired(&Timed::trace(one, trace_of(one, set)?), &Timed::trace(other, trace_of(other, set)?));
-    found.ratio.is_some().then_some(found)
-}
-
 fn page(run: &Run, groups: &[Group<'_>]) -> String {
     let mut text =
         summary::head(run, "Table means: every tracer that searches on the device, by each way to read and to launch");
@@ -64,28 +52,13 @@ fn page(run: &Run, groups: &[Group<'_>]) -> String {
         });
         let _ = writeln!(text, "Default: {}{}.", taken.means, told.unwrap_or_else(|| ", as given".to_owned()));
     }
-    for group in groups {
-        let triangles = thousands(group.scene.triangles);
-        let _ = writeln!(text, "\n## {} ({triangles} triangles)\n", literal(&group.scene.name));
-        text += &structures(group);
-        for set in &group.ray_sets {
-            text += &traces(run, group, set);
-            text += &between(run, group, set);
-        }
-    }
-    text + &summary::skipped(&run.skipped)
+    text + &sections(run, groups, structures, |group, set| traces(run, group, set) + &between(run, group, set))
 }
 
 fn structures(group: &Group<'_>) -> String {
-    let mut shown: BTreeSet<(&str, String)> = BTreeSet::new();
-    let mut rows: Vec<(&TracerRun, String)> = Vec::new();
-    for row in &group.contenders {
-        // The launch does not shape it.
-        let Some(Means { reads, .. }) = row.tracer.means() else { continue };
-        if shown.insert((&row.tracer.name, reads.clone())) {
-            rows.push((row, reads));
-        }
-    }
+    // The launch does not shape it.
+    let built = group.contenders.iter().filter_map(|row| Some((*row, row.tracer.means()?.reads)));
+    let rows = built.unique_by(|(row, reads)| (&row.tracer.name, reads.clone())).collect_vec();
     let sheet = Sheet::<(&TracerRun, String)>::new()
         .told("tracer", |(row, reads)| format!("{} reads={reads}", row.tracer.name))
         .build(|(row, _)| Some(row))
@@ -114,7 +87,7 @@ fn traces(run: &Run, group: &Group<'_>, set: &RaySet<'_>) -> String {
 
 /// How many times as fast a row is as the same tracer by the means that all take where nothing is set.
 fn over_default(run: &Run, group: &Group<'_>, set: &RaySet<'_>, row: &TracerRun) -> Option<Ratio> {
-    paired(run, set, by_default(run, group, row)?, row)?.ratio
+    set.paired(run, by_default(run, group, row)?, row)?.ratio
 }
 
 /// What is said of one where this is how long the other takes.
@@ -130,25 +103,18 @@ fn said(answer: &Answer) -> &'static str {
 /// Every two methods at equal means and at each one's best.
 fn between(run: &Run, group: &Group<'_>, set: &RaySet<'_>) -> String {
     type Pair<'a> = (&'a str, &'a str, AtMeans<Paired>);
-    let mut names: Vec<&str> = Vec::new();
-    for row in &group.contenders {
-        if !names.contains(&&*row.tracer.name) {
-            names.push(&row.tracer.name);
-        }
-    }
+    let names = group.contenders.iter().map(|row| row.tracer.name.as_str()).unique();
     let of = |name: &str| -> Vec<&TracerRun> {
         group.contenders.iter().copied().filter(|row| row.tracer.name == name).collect()
     };
     let time_ms = |row: &TracerRun| {
-        trace_of(row, set).filter(|trace| !trace.times.samples_ms.is_empty()).map(|trace| trace.times.median_ms)
+        set.trace_of(row).filter(|trace| !trace.times.samples_ms.is_empty()).map(|trace| trace.times.median_ms)
     };
     let mut rows: Vec<Pair<'_>> = Vec::new();
-    for (place, one) in names.iter().enumerate() {
-        for other in &names[place + 1..] {
-            // The time of the other over that of the one is the speed of the one over that of the other.
-            let found = at_means(&of(one), &of(other), time_ms, |one, other| paired(run, set, other, one));
-            rows.push((*one, *other, found));
-        }
+    for (one, other) in names.tuple_combinations() {
+        // The time of the other over that of the one is the speed of the one over that of the other.
+        let paired = |one: &_, other: &_| set.paired(run, other, one).filter(|found| found.ratio.is_some());
+        rows.push((one, other, at_means(&of(one), &of(other), time_ms, paired)));
     }
     let ratio = |found: &Paired| Cell::number(found.ratio.map(|ratio| ratio.value), 3).told();
     let sheet = Sheet::<Pair<'_>>::new()
@@ -167,30 +133,13 @@ fn between(run: &Run, group: &Group<'_>, set: &RaySet<'_>) -> String {
     if rows.is_empty() { String::new() } else { format!("\n{}", sheet.markdown(&rows)) }
 }
 
-/// A tracer's row by its means and a ray set.
-struct Row<'a> {
-    group: &'a Group<'a>,
-    row: &'a TracerRun,
-    means: Means,
-    set: &'a RaySet<'a>,
-    trace: &'a TraceRecord,
-}
-
-fn csv<'a>(file: &str, run: &Run, groups: &'a [Group<'a>]) -> Result<Vec<u8>, ReportError> {
-    let mut rows: Vec<Row<'a>> = Vec::new();
-    for group in groups {
-        for row in &group.contenders {
-            let Some(means) = row.tracer.means() else { continue };
-            let of_set = |set| Some(Row { group, row, means: means.clone(), set, trace: trace_of(row, set)? });
-            rows.extend(group.ray_sets.iter().filter_map(of_set));
-        }
-    }
-    let sheet = Sheet::<Row<'_>>::new()
+fn csv(file: &str, run: &Run, groups: &[Group<'_>]) -> Result<Vec<u8>, ReportError> {
+    let sheet = Sheet::<TracedRow<'_>>::new()
         .scene(|row| &row.row.scene)
         .column("viewpoint", |row| row.row.viewpoint.name.clone())
         .column("tracer", |row| row.row.tracer.name.clone())
-        .column("reads", |row| row.means.reads.clone())
-        .column("rays_per_lane", |row| row.means.rays_per_lane)
+        .column("reads", |row| row.row.tracer.means().map(|means| means.reads))
+        .column("rays_per_lane", |row| row.row.tracer.means().map(|means| means.rays_per_lane))
         .build(|row| Some(row.row))
         .rays(|row| Some(row.trace))
         .trace(COUNT, |row| Some(row.trace))
@@ -204,5 +153,5 @@ fn csv<'a>(file: &str, run: &Run, groups: &'a [Group<'a>]) -> Result<Vec<u8>, Re
         .commit(&run.provenance)
         .machine_of(&run.provenance, |row| row.row)
         .counters(&run.runs, |row| Some(&row.trace.counters));
-    sheet.csv(file, &rows)
+    sheet.csv(file, &traced_rows(groups))
 }

@@ -4,9 +4,8 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::ReportError;
-use super::format::{significant, thousands};
-use super::group::{Group, RaySet, Role, groups};
-use super::markdown::literal;
+use super::format::significant;
+use super::group::{Group, RaySet, Role, groups, sections};
 use super::metrics::{COUNT, SPEED, STEADY_BUILD, STRUCTURE};
 use super::sheet::{Cell, Column, Sheet};
 use super::{cells, metrics, summary};
@@ -75,15 +74,7 @@ fn page(table: &Table, run: &Run, groups: &[Group<'_>]) -> String {
          through the root is expected to take; nodes of different widths differ in what a visit costs.",
         table.reference()
     );
-    for group in groups {
-        let triangles = thousands(group.scene.triangles);
-        let _ = writeln!(text, "\n## {} ({triangles} triangles)\n", literal(&group.scene.name));
-        text += &structures(table, group);
-        for set in &group.ray_sets {
-            text += &traces(table, group, set);
-        }
-    }
-    text + &summary::skipped(&run.skipped)
+    text + &sections(run, groups, |group| structures(table, group), |group, set| traces(table, group, set))
 }
 
 /// Columns of structures beside the reference's.

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use itertools::Itertools as _;
 use tracebench_api::{Query, Rasterizer};
 
 use super::cells::{self, Row, coverage, label, touched};
@@ -364,12 +365,7 @@ fn statuses(rows: &[Row<'_>]) -> String {
 
 /// What did not run, each once: studies ask again from every viewpoint.
 pub(crate) fn skipped(skipped: &[Skipped]) -> String {
-    let mut once: Vec<Skipped> = Vec::new();
-    for each in skipped {
-        if !once.contains(each) {
-            once.push(each.clone());
-        }
-    }
+    let once: Vec<Skipped> = skipped.iter().unique().cloned().collect();
     let or_all = |name: &Option<String>| name.clone().unwrap_or_else(|| "all".to_owned());
     let sheet = Sheet::<Skipped>::new()
         .told("tracer", |each| or_all(&each.tracer))

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Deserializer, Serialize, de};
 
+use crate::statistics::percentile;
+
 /// A rule by which t is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -315,6 +317,14 @@ pub struct Percentiles {
     pub p95: Option<f64>,
     /// 99th percentile.
     pub p99: Option<f64>,
+}
+
+impl Percentiles {
+    /// Of values in any order.
+    pub fn of(values: &[f64]) -> Self {
+        let [p50, p95, p99] = [50.0, 95.0, 99.0].map(|share| percentile(values, share));
+        Self { p50, p95, p99 }
+    }
 }
 
 /// The verdict on a ray set's surfaces.

@@ -125,7 +125,7 @@ pub struct Run {
 }
 
 /// Something that was asked for and did not run.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Skipped {
     /// Tracer, `None` if it concerns all.
     pub tracer: Option<String>,

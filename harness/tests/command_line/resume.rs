@@ -186,7 +186,7 @@ fn only_the_same_run_is_gone_on_with() {
     assert!(std::fs::read(out.join("run.json")).unwrap() == whole && !out.join("races").exists());
     // Another file under the same name is another plan, too.
     let file = |top: f32| {
-        std::fs::write(bench.path("one.glb"), glb(&[[-1.0, -1.0, -3.0], [1.0, -1.0, -3.0], [0.0, top, -3.0]])).unwrap()
+        std::fs::write(bench.path("one.glb"), glb(&[[-1.0, -1.0, -3.0], [1.0, -1.0, -3.0], [0.0, top, -3.0]])).unwrap();
     };
     let words = [
         "run",

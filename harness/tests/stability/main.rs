@@ -247,10 +247,15 @@ fn the_registry_is_sane() {
     for registration in TRACERS {
         let improved = registration.improved.map_or(&[][..], |improved| improved.expectations);
         let tracer = registration.name();
-        let numbered = |column: Column| column.iter().enumerate().map(move |(index, each)| (column, index, each));
-        for (column, index, (name, expected)) in [registration.expectations, improved].into_iter().flat_map(numbered) {
+        let stated = |column: Column| -> Vec<(&str, &Expectation)> {
+            column.iter().flat_map(|(cases, expected)| cases.split(' ').map(move |case| (case, expected))).collect()
+        };
+        let columns = [registration.expectations, improved].concat().into_iter().map(stated);
+        let numbered = |column: Vec<_>| (0..column.len()).map(move |index| (column.clone(), index));
+        for (column, index) in columns.flat_map(numbered) {
+            let (name, expected) = column[index];
             let case = tracebench_harness::cases::find(name).unwrap_or_else(|| panic!("{tracer}: no case {name}"));
-            assert!(column[..index].iter().all(|(other, _)| other != name), "{tracer}: {name} twice");
+            assert!(column[..index].iter().all(|(other, _)| *other != name), "{tracer}: {name} twice");
             let expected = match expected {
                 Expectation::Refusable { from, otherwise } => {
                     assert!(case.knob.values[1..].contains(from), "{tracer}, {name}: {from}");

@@ -12,6 +12,7 @@ use crate::papers::{Experiment, SceneRows, Scope};
 use crate::report::chart::series::{Series, SeriesChart, SeriesPanel};
 use crate::results::TracerRun;
 use crate::results::host_ms;
+use itertools::Itertools as _;
 
 const MIB: f64 = (1 << 20) as f64;
 
@@ -76,14 +77,8 @@ fn over_buckets_of(experiment: &Experiment, scene: &SceneRows<'_>) -> SeriesChar
 
 /// The resolutions of ray images, from the lowest.
 fn resolutions(scenes: &[SceneRows<'_>]) -> Vec<[u32; 2]> {
-    let mut found: Vec<[u32; 2]> = Vec::new();
-    for run in scenes.iter().flat_map(|scene| &scene.runs) {
-        if !found.contains(&run.viewpoint.ray_image) {
-            found.push(run.viewpoint.ray_image);
-        }
-    }
-    found.sort_by_key(|image| image.map(u64::from).iter().product::<u64>());
-    found
+    let images = scenes.iter().flat_map(|scene| &scene.runs).map(|run| run.viewpoint.ray_image);
+    images.unique().sorted_by_key(|image| image.map(u64::from).iter().product::<u64>()).collect()
 }
 
 fn names(resolutions: &[[u32; 2]]) -> Vec<String> {
@@ -97,12 +92,7 @@ pub(super) fn mixes(page: &Page<'_>) -> Vec<SeriesChart> {
 
 fn mixes_of(experiment: &Experiment, scene: &SceneRows<'_>) -> SeriesChart {
     let steps = resolutions(std::slice::from_ref(scene));
-    let mut tracers: Vec<&str> = Vec::new();
-    for run in &scene.runs {
-        if !tracers.contains(&run.tracer.name.as_str()) {
-            tracers.push(&run.tracer.name);
-        }
-    }
+    let tracers: Vec<&str> = scene.runs.iter().map(|run| run.tracer.name.as_str()).unique().collect();
     let values = |tracer: &str, of: &dyn Fn(&TracerRun) -> Option<f64>| {
         let at = |image: &[u32; 2]| scene.of_tracer(tracer).find(|run| run.viewpoint.ray_image == *image).and_then(of);
         steps.iter().map(at).collect::<Vec<_>>()

@@ -3,8 +3,9 @@
 use tracebench_api::EndPoint;
 
 use super::{charts, sections};
-use crate::papers::experiment::{Experiment, Row, Values, at, peer, stands_for};
-use crate::papers::vvp16::abuffer;
+use crate::papers::experiment::{Experiment, Row, StandIn, Values, at, peer, stands_for};
+use crate::papers::page::beside::beside;
+use crate::papers::vvp16::{ABUFFER, abuffer};
 use crate::papers::wkp15::quadtree;
 use crate::papers::{hhz14, wkp15};
 
@@ -26,6 +27,13 @@ const ONE_BUCKET: &[Row] = &[
     dirt(&[("tile_size", &["1"]), ("buckets", &["1"])]),
     abuffer(&[("views", &["seven"]), ("storage", &["dllb"]), ("buckets", &["1"]), IN_PIXELS, THICKNESS]),
 ];
+/// The scenes of Table 1.
+const ALL_SCENES: &[StandIn] = &[
+    stands_for("cloth", "Cloth"),
+    stands_for("room", "Bunny"),
+    stands_for("hangar", "Hangar"),
+    stands_for("candy", "Candy"),
+];
 const LBVH: Row = peer("lbvh-gpu");
 const BVH: Row = peer("bvh-gpu");
 
@@ -34,24 +42,17 @@ const TABLE1: Experiment = Experiment {
     name: "dirt-table1",
     summary: "rays a second by kind of ray (DIRT, Table 1)",
     published: &["dirt-table1"],
-    scenes: &[
-        stands_for("cloth", "Cloth"),
-        stands_for("room", "Bunny"),
-        stands_for("hangar", "Hangar"),
-        stands_for("candy", "Candy"),
-    ],
+    scenes: ALL_SCENES,
     rays: "visibility,specular,glossy,diffuse",
     settings: &["rays.visibility_target=outside"],
-    end: EndPoint::Hit,
     steps: &[at(1.0, &[dirt(&[("tile_size", &["1", "2"]), ("buckets", &["24"])])])],
-    means: false,
     sections: &[sections::throughput],
-    charts: &[],
     notes: &[
         "Tiles of one pixel are the paper's by section 5 where nothing else is said, tiles of 2x2 those that it \
          recommends; it states no B.",
         "A rate is that of the trace alone, to the hit; whether the paper's has Fetch and Shade in it is not stated.",
     ],
+    ..Experiment::DEFAULT
 };
 
 /// Table 2.
@@ -62,7 +63,6 @@ const TABLE2: Experiment = Experiment {
     published: &["dirt-table2", "dirt-table2-summary"],
     scenes: &[stands_for("room", "Bunny"), stands_for("hangar", "Hangar"), stands_for("candy", "Candy")],
     rays: "diffuse,specular",
-    settings: &[],
     end: EndPoint::Surface,
     steps: &[at(
         1.0,
@@ -72,9 +72,7 @@ const TABLE2: Experiment = Experiment {
             abuffer(&[("views", &["seven"]), ("storage", &["dllb"]), ("buckets", &["4"]), IN_PIXELS, THICKNESS]),
         ],
     )],
-    means: false,
-    sections: &[sections::beside_abuffer, sections::copies],
-    charts: &[],
+    sections: &[|page| beside(page, ABUFFER), sections::copies],
     notes: &[
         "Traces go to surfaces: VVP16 stores what shading needs with every fragment, DIRT fetches it of hits. With the paper's own \
          buffers DIRT has hit buffer, mask and shading buffer as its Table 3 counts them, a ray from every pixel of the frame and \
@@ -87,6 +85,7 @@ const TABLE2: Experiment = Experiment {
         "B = 4 is VVP16's, which the paper does not repeat; which rays were traced it does not state: diffuse ones here. \
          Mirror rays, few where few surfaces are mirrors, show what Fetch takes of them.",
     ],
+    ..Experiment::DEFAULT
 };
 
 /// Table 3.
@@ -94,23 +93,14 @@ const TABLE3: Experiment = Experiment {
     name: "dirt-table3",
     summary: "bytes by the formula beside those of the ledger, over tile size and B (DIRT, Table 3)",
     published: &["dirt-table3", "dirt-node-sizes", "dirt-mipmaps"],
-    scenes: &[
-        stands_for("cloth", "Cloth"),
-        stands_for("room", "Bunny"),
-        stands_for("hangar", "Hangar"),
-        stands_for("candy", "Candy"),
-    ],
-    rays: "",
-    settings: &[],
-    end: EndPoint::Hit,
+    scenes: ALL_SCENES,
     steps: &[at(1.0, &[dirt(&[("tile_size", &["1", "2", "4"]), ("buckets", &["4", "24"])])])],
-    means: false,
     sections: &[sections::formula],
-    charts: &[],
     notes: &[
         "The formula has the device's own counts in it: c n_p are the references stored, tiles those of six faces.",
         "Hit buffer, shading buffer and mask are not part of a structure and not measured here.",
     ],
+    ..Experiment::DEFAULT
 };
 
 /// Figure 7.
@@ -120,8 +110,6 @@ const FIGURE7: Experiment = Experiment {
     published: &["dirt-figure7"],
     scenes: &[stands_for("room", "Bunny")],
     rays: "specular,diffuse,bounce2",
-    settings: &[],
-    end: EndPoint::Hit,
     steps: &[at(
         1.0,
         &[
@@ -129,14 +117,12 @@ const FIGURE7: Experiment = Experiment {
             abuffer(&[("views", &["seven"]), ("storage", &["dllb"]), IN_PIXELS, ("thickness", &["0", "1", "4", "16"])]),
         ],
     )],
-    means: false,
-    sections: &[],
-    charts: &[],
     notes: &[
         "VVP16's thickness is varied in widths of a pixel where the ray is; the paper's three values are not told.",
         "The paper's pictures have two indirect bounces; here these are the sets diffuse and bounce2, and mirrors, where it says that \
          thickness shows most, are the set specular.",
     ],
+    ..Experiment::DEFAULT
 };
 
 /// Figure 8.
@@ -147,7 +133,6 @@ const FIGURE8: Experiment = Experiment {
     scenes: &[stands_for("atrium", "Sponza")],
     rays: "primary,visibility,diffuse",
     settings: &["rays.visibility_target=outside"],
-    end: EndPoint::Hit,
     steps: &[
         at(0.25, &[dirt(&[("tile_size", &["1"])]), LBVH, BVH]),
         at(0.5, &[dirt(&[("tile_size", &["2"])]), LBVH, BVH]),
@@ -163,6 +148,7 @@ const FIGURE8: Experiment = Experiment {
          The second shadow ray starts at the secondary hit in the paper, here it is counted as another of the first.",
         "DIRT's primary rays are traced here, not rasterized. The paper's resolutions are lost with the figure.",
     ],
+    ..Experiment::DEFAULT
 };
 
 /// Figure 9.
@@ -173,18 +159,15 @@ const FIGURE9: Experiment = Experiment {
     scenes: &[stands_for("room", "Bunny"), stands_for("candy", "Candy")],
     rays: "primary,specular,diffuse,visibility",
     settings: &["rays.visibility_target=outside"],
-    end: EndPoint::Hit,
     steps: &[at(
         1.0,
         &[dirt(&[("views", &["six", "frame"])]), dirt(&[("views", &["frame"]), ("shadow_map", &["on"])])],
     )],
-    means: false,
-    sections: &[],
-    charts: &[],
     notes: &[
         "In the last row a shadow map from the light outside of the scene, drawn by the build, answers the visibility rays; the paper \
          states neither its lights nor its maps' resolution. The second scene of the paper's figure is not named; Candy is the one here.",
     ],
+    ..Experiment::DEFAULT
 };
 
 /// Figure 10.
@@ -194,16 +177,15 @@ const FIGURE10: Experiment = Experiment {
     published: &["dirt-figure10", "dirt-downscaling", "dirt-bucket-steps", "dirt-build-slope"],
     scenes: &[stands_for("cloth", "Cloth"), stands_for("room", "Bunny"), stands_for("candy", "Candy")],
     rays: "diffuse",
-    settings: &[],
     end: EndPoint::Surface,
     steps: &[at(1.0, &[dirt(&[("tile_size", &["1", "2", "4"]), ("buckets", &["8", "16", "24", "32", "40"])])])],
-    means: false,
     sections: &[sections::copies],
     charts: &[charts::over_buckets],
     notes: &[
         "Which three scenes the paper's figure has is lost with it, as are its values of B. Traces go to surfaces: Fetch is the phases \
          mask and fetch. There is no Shade, which the paper times apart: nothing is lit here.",
     ],
+    ..Experiment::DEFAULT
 };
 
 /// Figure 11.
@@ -211,35 +193,25 @@ const FIGURE11: Experiment = Experiment {
     name: "dirt-figure11",
     summary: "memory over resolution with tiles of one pixel and one bucket, beside the fragment A-buffer (DIRT, Figure 11)",
     published: &["dirt-figure11"],
-    scenes: &[
-        stands_for("cloth", "Cloth"),
-        stands_for("room", "Bunny"),
-        stands_for("hangar", "Hangar"),
-        stands_for("candy", "Candy"),
-    ],
+    scenes: ALL_SCENES,
     rays: "primary",
-    settings: &[],
     end: EndPoint::Surface,
     steps: &[at(0.25, ONE_BUCKET), at(0.5, ONE_BUCKET), at(1.0, ONE_BUCKET), at(2.0, ONE_BUCKET)],
-    means: false,
-    sections: &[],
     charts: &[charts::memory_over_resolution],
     notes: &[
         "VVP16 has the camera's view beside the six faces. Which scenes the paper's figure has is lost with it.",
         "By the ledger a trace to surfaces has one of the paper's three shading points, and as many as there are rays; with the paper's \
          own buffers there are three a pixel of the frame.",
     ],
+    ..Experiment::DEFAULT
 };
 
 /// Section 2.
 const FAMILIES: Experiment = Experiment {
     name: "dirt-families",
     summary: "build, memory and accuracy of a method of every family that came before, beside DIRT (DIRT, section 2)",
-    published: &[],
     scenes: &[stands_for("room", "Bunny"), stands_for("hangar", "Hangar"), stands_for("candy", "Candy")],
     rays: "diffuse,specular",
-    settings: &[],
-    end: EndPoint::Hit,
     steps: &[at(
         1.0,
         &[
@@ -251,15 +223,14 @@ const FAMILIES: Experiment = Experiment {
             dirt(&[("tile_size", &["2"])]),
         ],
     )],
-    means: false,
-    sections: &[sections::families],
-    charts: &[],
+    sections: &[|page| beside(page, wkp15::DDA)],
     notes: &[
         "In the order of the paper: a G-buffer is screen-dda, depth peeling its two layers, a k-buffer the two layers of the quadtree, a cube \
          of G-buffers the quadtree's six faces of one layer, three orthographic A-buffers are voxel-abuffer, the cube of A-buffers is \
          fragment-abuffer. Each is its own paper's method, so that more than the storage differs.",
         "Memory is the structure alone, without what a trace to surfaces fetches.",
     ],
+    ..Experiment::DEFAULT
 };
 
 /// What the text states beside them.
@@ -267,16 +238,8 @@ const TEXT: Experiment = Experiment {
     name: "dirt-text",
     summary: "what the text states beside its tables: coverage, acceptance, the early stop, tiles, path length, direct visibility, no pyramid \
               (DIRT, sections 4 and 5)",
-    published: &[],
-    scenes: &[
-        stands_for("cloth", "Cloth"),
-        stands_for("room", "Bunny"),
-        stands_for("hangar", "Hangar"),
-        stands_for("candy", "Candy"),
-    ],
+    scenes: ALL_SCENES,
     rays: "primary,specular,diffuse,bounce2",
-    settings: &[],
-    end: EndPoint::Hit,
     steps: &[
         at(
             1.0,
@@ -290,8 +253,6 @@ const TEXT: Experiment = Experiment {
         ),
         at(0.5, &[dirt(&[("tile_size", &["1", "4"])])]),
     ],
-    means: false,
-    sections: &[],
-    charts: &[],
     notes: &["Rows that search all buckets or accept by distance are a proof's aid, not the method."],
+    ..Experiment::DEFAULT
 };

@@ -5,11 +5,8 @@ use super::quantities::memory::tiles;
 use super::quantities::time::{MIXES, total_ms};
 use crate::papers::SceneRows;
 use crate::papers::page::Page;
-use crate::papers::page::beside::beside;
 use crate::papers::page::measured::{Row, of_rows, over, speed_with_accuracy};
 use crate::papers::rows::{integer, statistic, trace};
-use crate::papers::vvp16::ABUFFER;
-use crate::papers::wkp15::DDA;
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::results::{TracerRun, host_ms};
 
@@ -110,16 +107,6 @@ pub(super) fn mixes(page: &Page<'_>) -> String {
         |scene| SceneRows::by_resolution(scene).into_iter().flat_map(|at| at.runs).map(move |run| (scene, run));
     let rows: Vec<Row<'_>> = page.rows.scenes.iter().flat_map(of_scene).collect();
     format!("\nThe accuracy of the same traces stands below, by scene and resolution.\n\n{}", sheet.markdown(&rows))
-}
-
-/// Methods of every family beside the first.
-pub(super) fn families(page: &Page<'_>) -> String {
-    beside(page, DDA)
-}
-
-/// DIRT beside the A-buffer.
-pub(super) fn beside_abuffer(page: &Page<'_>) -> String {
-    beside(page, ABUFFER)
 }
 
 /// Parts of triangles by the number of buckets that hold them, as structures tell them: statistic, heading.

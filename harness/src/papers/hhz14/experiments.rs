@@ -2,8 +2,9 @@
 
 use tracebench_api::EndPoint;
 
-use super::{abuffer, octree, sections};
+use super::{ABUFFER, abuffer, octree, sections};
 use crate::papers::experiment::{Experiment, Row, StandIn, at, stands_for};
+use crate::papers::page::beside::beside;
 
 /// Every one, in the order of lists.
 pub(super) const EXPERIMENTS: &[Experiment] = &[TABLE1, FIGURE6, FIGURE7, FIGURE9, FIGURE11, TEXT];
@@ -18,7 +19,6 @@ const TABLE1: Experiment = Experiment {
     published: &["hhz14-table1"],
     scenes: OF_TABLE_1,
     rays: "specular,refraction,visibility",
-    settings: &[],
     end: EndPoint::Surface,
     steps: &[at(
         1.0,
@@ -29,7 +29,6 @@ const TABLE1: Experiment = Experiment {
     )],
     means: true,
     sections: &[sections::octree],
-    charts: &[],
     notes: &[
         "The paper names neither the models of its images nor how many rays a frame has: ratios alone stand beside its own. Here a frame \
          is the three ray sets once each; their times are added up.",
@@ -37,6 +36,7 @@ const TABLE1: Experiment = Experiment {
          table itself may have the paper's usual 1280.",
         "The octree is built from below on the device; how the paper builds its own is not stated.",
     ],
+    ..Experiment::DEFAULT
 };
 
 const SEARCHES: &[&str] = &["dda2d", "three-step", "one-step"];
@@ -51,15 +51,12 @@ const FIGURE6: Experiment = Experiment {
     published: &["hhz14-figure6"],
     scenes: OF_FIGURE_6,
     rays: "specular,refraction,visibility,ao",
-    settings: &[],
-    end: EndPoint::Hit,
     steps: &[at(1.0, &[abuffer(&[("abuffer", &["1024"]), ("grid", &["64"]), ("search", SEARCHES)])])],
-    means: false,
-    sections: &[sections::rows],
-    charts: &[],
+    sections: &[|page| beside(page, ABUFFER)],
     notes: &[
         "The figure's frame rates are lost with its pictures. It has 128 rays a fragment of ambient occlusion, here is one.",
     ],
+    ..Experiment::DEFAULT
 };
 
 const PLAIN: &[Row] = &[abuffer(&[])];
@@ -71,16 +68,13 @@ const FIGURE7: Experiment = Experiment {
     published: &["hhz14-figure7"],
     scenes: OF_FIGURE_6,
     rays: "ao",
-    settings: &[],
-    end: EndPoint::Hit,
     steps: &[at(0.5, PLAIN), at(1.0, PLAIN), at(2.0, PLAIN)],
-    means: false,
     sections: &[sections::a_ray],
-    charts: &[],
     notes: &[
         "Rays of twice the image's edge are four times as many. A-buffers and grid follow the resolution, too, as `auto` does: the time of \
          a ray is that in a structure of twice the edge. `--size 800x600` has the paper's pixels.",
     ],
+    ..Experiment::DEFAULT
 };
 
 const GRIDS: &[&str] = &["64", "128", "256", "512", "1024"];
@@ -92,8 +86,6 @@ const FIGURE9: Experiment = Experiment {
     published: &["hhz14-figure9", "hhz14-voxels-alone"],
     scenes: OF_FIGURE_6,
     rays: "ao,diffuse",
-    settings: &[],
-    end: EndPoint::Hit,
     steps: &[at(
         1.0,
         &[
@@ -102,13 +94,12 @@ const FIGURE9: Experiment = Experiment {
             abuffer(&[("structure", &["voxels-only"]), ("grid", GRIDS)]),
         ],
     )],
-    means: false,
-    sections: &[sections::rows],
-    charts: &[],
+    sections: &[|page| beside(page, ABUFFER)],
     notes: &[
         "Voxels alone go to 1024 along an edge here, a bit each; the paper says that 1280 would serve. How many rays a fragment each \
          picture has is lost; here is one.",
     ],
+    ..Experiment::DEFAULT
 };
 
 /// Figure 11.
@@ -118,20 +109,16 @@ const FIGURE11: Experiment = Experiment {
     published: &["hhz14-figure11"],
     scenes: &[stands_for("atrium", "Sponza")],
     rays: "diffuse,bounce2",
-    settings: &[],
-    end: EndPoint::Hit,
     steps: &[at(1.0, &[abuffer(&[("grid", &["256", "64"])])])],
-    means: false,
-    sections: &[sections::rows],
-    charts: &[],
+    sections: &[|page| beside(page, ABUFFER)],
     notes: &["The paper does not say how many rays its paths have, so that its times stand beside nothing here."],
+    ..Experiment::DEFAULT
 };
 
 /// What the text states.
 const TEXT: Experiment = Experiment {
     name: "hhz14-text",
     summary: "resolutions of A-buffers and grid, open and closed scenes (HHZ14, sections 3, 5 and 6)",
-    published: &[],
     scenes: &[
         stands_for("solids", "closed objects"),
         stands_for("room", "a closed room"),
@@ -139,8 +126,6 @@ const TEXT: Experiment = Experiment {
         stands_for("foliage", "open leaves"),
     ],
     rays: "diffuse,specular",
-    settings: &[],
-    end: EndPoint::Hit,
     steps: &[at(
         1.0,
         &[
@@ -148,10 +133,9 @@ const TEXT: Experiment = Experiment {
             abuffer(&[("grid", &["0", "32", "128", "256"])]),
         ],
     )],
-    means: false,
-    sections: &[sections::rows],
-    charts: &[],
+    sections: &[|page| beside(page, ABUFFER)],
     notes: &[
         "A grid of 0 is the one by the paper's rule. The second part has A-buffers of two and a half faces, as published: 1280 square where a face has 512 pixels.",
     ],
+    ..Experiment::DEFAULT
 };

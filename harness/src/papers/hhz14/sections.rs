@@ -1,18 +1,12 @@
 //! What pages of HHZ14's tables and figures show before their rows.
 
+use super::OCTREE;
 use super::quantities::octree::{FRAME, pair};
-use super::{ABUFFER, OCTREE};
 use crate::papers::page::Page;
-use crate::papers::page::beside::beside;
 use crate::papers::page::measured::{Row, TIMES, ms_of, of_rows, over, time_of};
 use crate::papers::rows::trace;
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::results::{TraceRecord, TracerRun, host_ms};
-
-/// Rows of the tracer, with ratios to the first.
-pub(super) fn rows(page: &Page<'_>) -> String {
-    beside(page, ABUFFER)
-}
 
 /// Table 1: what the octree takes over what the A-buffers take, beside the same of the paper.
 pub(super) fn octree(page: &Page<'_>) -> String {

@@ -10,6 +10,7 @@ use crate::report::markdown::inline;
 use crate::report::sheet::Sheet;
 use crate::report::{Contents, ReportError};
 use crate::results::Run;
+use itertools::Itertools as _;
 
 /// The claims that an experiment measures.
 pub(super) fn section(judged: &[JudgedClaim]) -> String {
@@ -118,13 +119,7 @@ pub fn claims_text(paper: &Paper, runs: &[Run]) -> Result<String, ReportError> {
     let published = paper.published().map_err(|error| broken(&error))?;
     let judged = judged(paper, runs)?;
     let mut text = format!("# Claims of {}\n\n", inline(&published.paper.title));
-    let mut machines: Vec<&str> = Vec::new();
-    for by in judged.iter().filter_map(|each| each.measured_by.as_ref()) {
-        if !machines.contains(&by.machine.as_str()) {
-            machines.push(&by.machine);
-        }
-    }
-    for machine in machines {
+    for machine in judged.iter().filter_map(|each| each.measured_by.as_ref()).map(|by| &by.machine).unique() {
         let _ = writeln!(text, "- Machine: {}", inline(machine));
     }
     for verdict in Verdict::ALL {

@@ -2,8 +2,9 @@
 
 use tracebench_api::EndPoint;
 
-use super::{abuffer, charts, sections};
+use super::{ABUFFER, abuffer, charts, sections};
 use crate::papers::experiment::{Experiment, Row, StandIn, Step, at, at_time, peer, stands_for};
+use crate::papers::page::beside::beside;
 use crate::papers::wkp15::quadtree;
 
 /// Every one, in the order of lists.
@@ -26,15 +27,12 @@ const TABLE1: Experiment = Experiment {
     published: &["vvp16-table1", "vvp16-buckets"],
     scenes: OF_TABLE_1,
     rays: "diffuse,bounce2,ao",
-    settings: &[],
     end: EndPoint::Surface,
     steps: &[at(
         1.0,
         &[abuffer(&[]), abuffer(&[("skip_bounds", OFF), ("skip_buckets", OFF)]), abuffer(&[("buckets", &["8", "12"])])],
     )],
-    means: false,
     sections: &[sections::bounces],
-    charts: &[],
     notes: &[
         "One bounce is the set diffuse, a ray a pixel; two bounces are diffuse and bounce2 together, paths that leave the scene \
          start no second ray. The paper's times have direct lighting in them, these have not: camera rays are not traced.",
@@ -43,6 +41,7 @@ const TABLE1: Experiment = Experiment {
         "A fragment has 16 bytes of data here whatever is traced; the paper's AO keeps normals alone. ao is an any-hit set of a \
          tenth of the scene's diagonal, where the paper has 3 m.",
     ],
+    ..Experiment::DEFAULT
 };
 
 /// Table 2.
@@ -51,9 +50,6 @@ const TABLE2: Experiment = Experiment {
     summary: "bytes by the formula beside those of the ledger, for five storages (VVP16, Table 2)",
     published: &["vvp16-table2"],
     scenes: OF_TABLE_1,
-    rays: "",
-    settings: &[],
-    end: EndPoint::Hit,
     steps: &[at(
         1.0,
         &[
@@ -61,12 +57,11 @@ const TABLE2: Experiment = Experiment {
             abuffer(&[("storage", &["llb", "dllb"]), ("buckets", &["4", "1", "8"])]),
         ],
     )],
-    means: false,
     sections: &[sections::formula],
-    charts: &[],
     notes: &[
         "The formula has the device's own counts in it, and 16 bytes of data a fragment: its normal and its material.",
     ],
+    ..Experiment::DEFAULT
 };
 
 const MOVING: &[Row] = &[abuffer(&[])];
@@ -78,17 +73,15 @@ const FIGURE10: Experiment = Experiment {
     published: &["vvp16-figure10"],
     scenes: &[stands_for("foliage", "Fairy Forest"), stands_for("cloth", "Cloth-ball")],
     rays: "diffuse",
-    settings: &[],
     end: EndPoint::Surface,
     steps: &[at_time(0.5, MOVING), at_time(1.5, MOVING), at_time(2.5, MOVING)],
-    means: false,
     sections: &[sections::frames],
-    charts: &[],
     notes: &[
         "The paper's figure has four samples a pixel, averaged over the frames; here one is traced, and counts four times, in three frames \
          of each animation. Which of its two effects each picture shows is not told: diffuse rays, one bounce, here.",
         "The paper's times have direct lighting in them, these have not: camera rays are not traced.",
     ],
+    ..Experiment::DEFAULT
 };
 
 /// Figure 11.
@@ -98,7 +91,6 @@ const FIGURE11: Experiment = Experiment {
     published: &["vvp16-figure11"],
     scenes: &[stands_for("atrium", "Sponza"), stands_for("foliage", "Ruins")],
     rays: "diffuse",
-    settings: &[],
     end: EndPoint::Surface,
     steps: &[at(
         1.0,
@@ -112,14 +104,14 @@ const FIGURE11: Experiment = Experiment {
         ],
     )],
     means: true,
-    sections: &[sections::peers],
-    charts: &[],
+    sections: &[|page| beside(page, ABUFFER)],
     notes: &[
         "lbvh-gpu, built on the device, stands for TRBVH; bvh-gpu, built on the host and traced on the device, for SBVH. Neither \
          is OptiX.",
         "One bounce is the set diffuse. The paper states no thickness; one of 0 is its section 3.4's, the other row's stands in its \
          label.",
     ],
+    ..Experiment::DEFAULT
 };
 
 /// Figure 12.
@@ -129,7 +121,6 @@ const FIGURE12: Experiment = Experiment {
     published: &["vvp16-figure12", "vvp16-figure12-scenes", "vvp16-gains", "vvp16-construction"],
     scenes: &[stands_for("atrium", "Dead Nature"), stands_for("hangar", "Sponza"), stands_for("foliage", "Ruins")],
     rays: "pixel-random",
-    settings: &[],
     end: EndPoint::Surface,
     steps: &[at(
         1.0,
@@ -144,7 +135,6 @@ const FIGURE12: Experiment = Experiment {
             abuffer(&[("views", &["frame"]), ("storage", STORAGES), ("decoupled", &["on"])]),
         ],
     )],
-    means: false,
     sections: &[sections::variants],
     charts: &[charts::variants],
     notes: &[
@@ -153,6 +143,7 @@ const FIGURE12: Experiment = Experiment {
          `--set rays.pixel_random_count=N` makes them fewer, `--size 800x800 --frame 800x800` has the paper's pixels.",
         "The stored colour of a hit is its normal and material here.",
     ],
+    ..Experiment::DEFAULT
 };
 
 const BASE: Step = at(
@@ -180,12 +171,8 @@ const VIEWS: Experiment = Experiment {
     published: &["vvp16-figure7", "vvp16-figure8", "vvp16-figure9", "vvp16-views-cost", "vvp16-search"],
     scenes: &[stands_for("candy", "Dead Nature"), stands_for("solids", "Pool"), stands_for("smithy", "Smithy")],
     rays: "diffuse,specular,refraction,ao",
-    settings: &[],
-    end: EndPoint::Hit,
     steps: &[BASE, FINE_FACES, COARSE],
-    means: false,
     sections: &[sections::views_and_layers],
-    charts: &[],
     notes: &[
         "From one viewpoint a scene; `--view` takes others, as Figure 7 has two. The paper's times have direct lighting in them, \
          these have not; Figure 8 has two bounces, here its refracted and mirrored rays are those of the first.",
@@ -193,4 +180,5 @@ const VIEWS: Experiment = Experiment {
         "The second part has faces of twice the edge, whose pixels are no larger than the camera's; the third has half of every \
          resolution.",
     ],
+    ..Experiment::DEFAULT
 };

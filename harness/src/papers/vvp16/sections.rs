@@ -5,7 +5,6 @@ use super::quantities::variants::{STORAGES, WAYS, with};
 use super::quantities::{counted, memory, rays, search};
 use super::{ABUFFER, PAPER, skipping};
 use crate::papers::page::Page;
-use crate::papers::page::beside::beside;
 use crate::papers::page::measured::{Row, TIMES, ms_of, of_rows, over, over_first, time_of, time_with_accuracy};
 use crate::papers::rows::{statistic, trace};
 use crate::papers::{SceneRows, Scope};
@@ -128,11 +127,6 @@ pub(super) fn formula(page: &Page<'_>) -> String {
         .told("all three (MiB)", |(.., ledger, _)| Cell::Bytes(all(ledger)))
         .told("in the ledger and not in Table 2 (bytes)", |(.., ledger, used)| (used - all(ledger)) as u64);
     format!("\nBytes used:\n\n{}", sheet.markdown(&rows))
-}
-
-/// The A-buffer beside hierarchies.
-pub(super) fn peers(page: &Page<'_>) -> String {
-    beside(page, ABUFFER)
 }
 
 /// Figure 12: times of every storage and way, with what each step gains in speed.

@@ -1,7 +1,5 @@
 //! WKP15's tables and figures.
 
-use tracebench_api::EndPoint;
-
 use super::{FIELD, SAMPLES_A_RAY, charts, dda, quadtree, sections};
 use crate::papers::experiment::{Experiment, Row, StandIn, Step, Values, at, at_scale, of_rays, peer, stands_for};
 
@@ -30,18 +28,15 @@ const TABLE1: Experiment = Experiment {
     published: &["wkp15-table1", "wkp15-construction", "wkp15-figure3"],
     scenes: &[stands_for("atrium", "SPONZA"), stands_for("room", "LIVINGROOM"), stands_for("candy", "SANMIGUEL")],
     rays: "primary",
-    settings: &[],
-    end: EndPoint::Hit,
     steps: &[at(1.0, OF_LAYERS), at_scale(4.0, OF_LAYERS), at_scale(LARGEST, OF_LAYERS)],
-    means: false,
     sections: &[sections::construction],
-    charts: &[],
     notes: &[
         "Each scene is measured at three scales, 1, 4 and 15.5 times its triangles, up to the 6.5 million of the paper's largest: \
          what changes from scale to scale is their number alone.",
         "The construction is the tree's phases; drawing the layers, which the paper leaves out, stands beside it.",
         "The camera's rays are traced so that no time stands without an accuracy.",
     ],
+    ..Experiment::DEFAULT
 };
 
 /// Steps of the marching peer, which the paper found to be the least that serve.
@@ -62,12 +57,9 @@ const TABLE2: Experiment = Experiment {
     published: &["wkp15-table2", "wkp15-beside-peers", "wkp15-deeper-layers", "wkp15-figure1"],
     scenes: SEQUENCES,
     rays: "stereo",
-    settings: &[],
-    end: EndPoint::Hit,
     steps: &[at(1.0, &[quadtree(&[("layers", LAYERS)]), dda(STEREO_STEPS), peer(FIELD)])],
     means: true,
     sections: &[sections::stereo],
-    charts: &[],
     notes: &[
         CAPPED,
         BESIDE_PEERS[0],
@@ -75,6 +67,7 @@ const TABLE2: Experiment = Experiment {
         "A warp is the set stereo, the rays of one eye; a frame is a build and two of them. The distance of the paper's eyes is not \
          stated: `--set rays.stereo_offset=` changes it.",
     ],
+    ..Experiment::DEFAULT
 };
 
 const EARLIEST: &[(&str, &str)] = &[("temporal_shift_s", "0.0166667")];
@@ -87,8 +80,6 @@ const TABLE3: Experiment = Experiment {
     published: &["wkp15-table3", "wkp15-beside-peers"],
     scenes: SEQUENCES,
     rays: "temporal,stereo",
-    settings: &[],
-    end: EndPoint::Hit,
     steps: &[
         of_rays(EARLIEST, WARPED),
         of_rays(&[("temporal_shift_s", "0.0333333")], WARPED),
@@ -96,7 +87,6 @@ const TABLE3: Experiment = Experiment {
     ],
     means: true,
     sections: &[sections::temporal],
-    charts: &[],
     notes: &[
         CAPPED,
         BESIDE_PEERS[0],
@@ -105,6 +95,7 @@ const TABLE3: Experiment = Experiment {
          the paper has many; how fast its cameras move is not stated. Deviations of a sequence are not measured.",
         "Stereo rays stand beside them with the same steps, for the ratio of both leads.",
     ],
+    ..Experiment::DEFAULT
 };
 
 const FOUR_RAYS: &[(&str, &str)] = &[("lens_count", "4")];
@@ -118,8 +109,6 @@ const TABLE4: Experiment = Experiment {
     published: &["wkp15-table4", "wkp15-figure8", "wkp15-lens-rates", "wkp15-layers"],
     scenes: &[stands_for("atrium", "SPONZA")],
     rays: "lens",
-    settings: &[],
-    end: EndPoint::Hit,
     steps: &[
         of_rays(FOUR_RAYS, &[quadtree(&[OF_BOTH, (SAMPLES_A_RAY, &["0", "3", "7"])]), dda(LENS_STEPS)]),
         of_rays(EIGHT_RAYS, &[quadtree(&[OF_BOTH, (SAMPLES_A_RAY, &["0", "3"])]), dda(LENS_STEPS)]),
@@ -128,7 +117,6 @@ const TABLE4: Experiment = Experiment {
     ],
     means: true,
     sections: &[sections::lens],
-    charts: &[],
     notes: &[
         CAPPED,
         "Aperture and focus of the paper are not stated; nothing is shaded, so that images are not compared.",
@@ -136,6 +124,7 @@ const TABLE4: Experiment = Experiment {
         "A ray with all its secondary samples counts once, as in the paper, whose N_sec of Table 4 counts the ray among its samples: 4 is \
          three more. How far they lie from their ray and what weighs them is not stated.",
     ],
+    ..Experiment::DEFAULT
 };
 
 const CUBE: (&str, &[&str]) = ("views", &["six"]);
@@ -147,8 +136,6 @@ const TABLE5: Experiment = Experiment {
     published: &["wkp15-table5", "wkp15-figure11"],
     scenes: &[stands_for("room", "Table 5"), stands_for("solids", "Table 5"), stands_for("atrium", "Table 5")],
     rays: "glossy,glossy2,glossy3,specular",
-    settings: &[],
-    end: EndPoint::Hit,
     steps: &[at(
         1.0,
         &[
@@ -156,14 +143,13 @@ const TABLE5: Experiment = Experiment {
             quadtree(&[("views", &["frame"]), ("layers", LAYERS)]),
         ],
     )],
-    means: false,
     sections: &[sections::reflections],
-    charts: &[],
     notes: &[
         "Three bounces are the sets glossy, glossy2 and glossy3 together. A ray a pixel starts: N_p of 3 is thrice the rays. The paper \
          bounces at reflecting surfaces alone, here every surface counts; its reflectance is Blinn-Phong's, here it is GGX.",
         "The trees of the cube are built here at every build; the paper builds them once in Figure 11.",
     ],
+    ..Experiment::DEFAULT
 };
 
 /// Thresholds as the paper has them.
@@ -177,8 +163,6 @@ const FIGURE14: Experiment = Experiment {
     published: &["wkp15-figure14", "wkp15-figure10", "wkp15-compression"],
     scenes: SEQUENCES,
     rays: "stereo",
-    settings: &[],
-    end: EndPoint::Hit,
     steps: &[at(
         1.0,
         &[
@@ -187,7 +171,6 @@ const FIGURE14: Experiment = Experiment {
             quadtree(LOSSLESS),
         ],
     )],
-    means: false,
     sections: &[sections::thresholds],
     charts: &[charts::thresholds],
     notes: &[
@@ -195,6 +178,7 @@ const FIGURE14: Experiment = Experiment {
         "Lossless is a threshold of 0 for both. gamma_dist is of the unit cube, whose depth hangs on near and far of the viewpoint; the paper \
          states neither of its own.",
     ],
+    ..Experiment::DEFAULT
 };
 
 const GROWS: (&str, &[&str]) = ("gamma_growth", &["0", "16"]);
@@ -206,8 +190,6 @@ const FIGURE15: Experiment = Experiment {
     published: &["wkp15-figure15", "wkp15-figure10", "wkp15-compression"],
     scenes: SEQUENCES,
     rays: "stereo,temporal,lens",
-    settings: &[],
-    end: EndPoint::Hit,
     steps: &[at(
         1.0,
         &[
@@ -219,13 +201,13 @@ const FIGURE15: Experiment = Experiment {
             quadtree(LOSSLESS),
         ],
     )],
-    means: false,
     sections: &[sections::thresholds],
     charts: &[charts::growing],
     notes: &[
         "As in Figure 14 the error is of rays. View synthesis is the sets stereo and temporal, depth of field is lens.",
         "By how much thresholds grow the paper does not state: here to 17 times themselves at the far distance.",
     ],
+    ..Experiment::DEFAULT
 };
 
 const FEW_CAMERAS: &[(&str, &str)] = &[("light_field_cameras", "4")];
@@ -239,17 +221,15 @@ const LIGHT_FIELD: Experiment = Experiment {
     published: &["wkp15-lightfield"],
     scenes: SEQUENCES,
     rays: "light-field",
-    settings: &[],
-    end: EndPoint::Hit,
     steps: &[of_rays(FEW_CAMERAS, BESIDE_HIERARCHIES), of_rays(&[("light_field_cameras", "16")], BESIDE_HIERARCHIES)],
     means: true,
     sections: &[sections::light_field],
-    charts: &[],
     notes: &[
         "The cameras divide one image among them, so that the number of rays stays. The paper has a view of each eye and does not state how \
          many images the display takes; here there is one view.",
         "lbvh-gpu, bvh-gpu and ray-query stand for OptiX.",
     ],
+    ..Experiment::DEFAULT
 };
 
 /// How far rays go from the view that the trees are of.
@@ -273,8 +253,6 @@ const TEXT: Experiment = Experiment {
     published: &["wkp15-traversal", "wkp15-layers"],
     scenes: SEQUENCES,
     rays: "stereo,temporal,lens",
-    settings: &[],
-    end: EndPoint::Hit,
     steps: &[
         of_rays(
             NEAR,
@@ -293,12 +271,11 @@ const TEXT: Experiment = Experiment {
         of_rays(FAR, DISPLACED),
         of_rays(FARTHEST, DISPLACED),
     ],
-    means: false,
     sections: &[sections::displacement],
-    charts: &[],
     notes: &[
         "The three parts move the eye of stereo and the camera of temporal farther and farther from the view that the trees are of.",
         "Layers behind the first may be the backs of what it shows: rows with a minimum separation and without back faces have others.",
         "DDA has no cap of steps here but its own.",
     ],
+    ..Experiment::DEFAULT
 };

@@ -5,6 +5,7 @@ mod names;
 
 pub(in crate::report) use layer::{FrontLayers, PointMark};
 
+use itertools::Itertools as _;
 use plotters::prelude::DrawingBackend;
 use plotters::style::RGBColor;
 
@@ -150,13 +151,10 @@ impl FrontFigure {
             line(Sample::Dashes, "control"),
             line(Sample::Bars, "95 % interval of the error, order-statistic interval of the time"),
         ];
-        let mut legend: Vec<Line> = Vec::new();
-        for entry in &field.entries {
-            let name = entry.point.contender();
-            if legend.iter().all(|line| line.label != name) {
-                legend.push(Line { sample: Sample::Line(styles.get(entry.point)), label: name });
-            }
-        }
+        let contenders = field.entries.iter().unique_by(|entry| entry.point.contender());
+        let line =
+            |entry: &Entry<'_>| Line { sample: Sample::Line(styles.get(entry.point)), label: entry.point.contender() };
+        let legend = contenders.map(line).collect();
         let scene = &field.scene.scene;
         let name = cut(&scene.name, LONGEST_NAME);
         let void = if verdict::controls(run) == Verdict::Sound { "" } else { "VOID, CONTROLS FAIL: " };

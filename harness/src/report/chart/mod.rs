@@ -18,6 +18,7 @@ mod tests;
 mod tolerance;
 mod tune;
 
+use itertools::Itertools as _;
 use tracebench_api::Query;
 
 use super::ReportError;
@@ -239,14 +240,8 @@ fn caption(run: &Run, group: &Group<'_>) -> String {
 
 /// The clocks that timed a group's contenders.
 fn clocks(group: &Group<'_>) -> Vec<&'static str> {
-    let mut clocks = Vec::new();
-    for trace in group.contenders.iter().flat_map(|run| &run.traces) {
-        let name = format::clock(trace.times.clock);
-        if !clocks.contains(&name) {
-            clocks.push(name);
-        }
-    }
-    clocks
+    let traces = group.contenders.iter().flat_map(|run| &run.traces);
+    traces.map(|trace| format::clock(trace.times.clock)).unique().collect()
 }
 
 /// Where and by what figures were made that are no times.

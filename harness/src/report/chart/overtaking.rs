@@ -1,5 +1,6 @@
 //! Break-even: what a frame takes by its number of rays. Points of one tracer look alike: numbers tell them apart.
 
+use itertools::Itertools as _;
 use plotters::style::RGBColor;
 
 use super::axis::log_range;
@@ -25,13 +26,8 @@ struct Numbers<'a>(Vec<Entry<'a>>);
 
 impl<'a> Numbers<'a> {
     fn of(classes: &[Class<'a>]) -> Self {
-        let mut met: Vec<Entry<'a>> = Vec::new();
-        for cost in classes.iter().flat_map(|class| &class.costs) {
-            if met.iter().all(|known| known.index != cost.entry.index) {
-                met.push(cost.entry);
-            }
-        }
-        Self(met)
+        let met = classes.iter().flat_map(|class| &class.costs).map(|cost| cost.entry);
+        Self(met.unique_by(|entry| entry.index).collect())
     }
 
     fn get(&self, entry: &Entry<'_>) -> String {

@@ -1,5 +1,6 @@
 //! A colour and a shape for every tracer, the same in every chart of a run.
 
+use itertools::Itertools as _;
 use plotters::style::RGBColor;
 
 use crate::results::Run;
@@ -116,13 +117,7 @@ impl Styles {
 
     /// By the order of the labels themselves.
     pub(super) fn of_labels(all: impl Iterator<Item = String>) -> Self {
-        let mut labels: Vec<String> = Vec::new();
-        for label in all {
-            if !labels.contains(&label) {
-                labels.push(label);
-            }
-        }
-        Self { labels }
+        Self { labels: all.unique().collect() }
     }
 
     /// A contender's style. After twelve, colours come again with other shapes.

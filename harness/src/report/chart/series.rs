@@ -9,6 +9,7 @@ use super::panel::{Aside, Axis, Chart, Panel, Scale};
 use super::{ChartFile, LONGEST_TRACER, cut, draw, made, untimed_caption};
 use crate::report::ReportError;
 use crate::results::Run;
+use itertools::Itertools as _;
 
 /// A line of a panel.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,15 +67,10 @@ pub(crate) fn series_svg(run: &Run, chart: &SeriesChart) -> Result<String, Repor
 fn figure(run: &Run, chart: &SeriesChart) -> Chart {
     // Texts are measured while the figure is laid out; a font that fails is reported when it is drawn.
     let _ = register();
-    let mut names: Vec<&str> = Vec::new();
-    for series in chart.panels.iter().flat_map(|panel| &panel.series) {
-        if !names.contains(&series.label.as_str()) {
-            names.push(&series.label);
-        }
-    }
-    let styles = Styles::of_labels(names.iter().map(|name| (*name).to_owned()));
-    let entry = |name: &&str| Entry { sample: Sample::Line(styles.get(name)), label: cut(name, LONGEST_TRACER) };
-    let legend = names.iter().map(entry).collect();
+    let names = || chart.panels.iter().flat_map(|panel| &panel.series).map(|series| &series.label).unique();
+    let styles = Styles::of_labels(names().cloned());
+    let entry = |name: &String| Entry { sample: Sample::Line(styles.get(name)), label: cut(name, LONGEST_TRACER) };
+    let legend = names().map(entry).collect();
     let grey = Style { colour: GREY, shape: Shape::Circle };
     let key = chart.key.map_or_else(Vec::new, |[solid, dashed]| {
         let entry = |sample, label: &str| Entry { sample, label: label.to_owned() };

@@ -1,6 +1,7 @@
 //! A tuned parameter: a row of panels a ray set. Wrong rays by class over the parameter's values from either viewpoint, and the
 //! share of right ones from both, with the values that would have been chosen.
 
+use itertools::Itertools as _;
 use plotters::style::RGBColor;
 
 use super::canvas::register;
@@ -52,14 +53,8 @@ pub(super) fn chart(tuning: &Tuning, scene: &SceneTuned) -> Chart {
     let _ = register();
     let names = CLASSES.iter().map(|(name, _)| *name).chain(VIEWPOINTS);
     let styles = Styles::of_labels(names.clone().map(str::to_owned));
-    let mut sets: Vec<&str> = Vec::new();
-    for set in scene.views.iter().flat_map(|view| &view.sets) {
-        if !sets.contains(&set.rays.as_str()) {
-            sets.push(&set.rays);
-        }
-    }
     let mut panels = Vec::new();
-    for rays in sets {
+    for rays in scene.views.iter().flat_map(|view| &view.sets).map(|set| set.rays.as_str()).unique() {
         let of_views: Vec<OfView<'_>> =
             scene.views.iter().zip(VIEWPOINTS).map(|(view, whose)| (view, set_of(view, rays), whose)).collect();
         panels.extend(of_views.iter().map(|of_view| error_panel(tuning, rays, *of_view, &styles)));

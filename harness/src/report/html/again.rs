@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use super::pieces::escape;
 use super::read::Read;
 use crate::results::{Run, TracerRecord, TracerRun};
+use itertools::Itertools as _;
 
 /// What is said of the commands of records.
 const HOW: &str = "The records were measured by these, as far as they tell: a scene that was read from a file is named as that file \
@@ -61,14 +62,9 @@ fn contender(row: &TracerRun) -> String {
 
 /// An option with its values, each once; without one nothing.
 fn option(words: &mut Vec<String>, name: &str, values: impl Iterator<Item = String>) {
-    let mut once: Vec<String> = Vec::new();
-    for value in values {
-        if !once.contains(&value) {
-            once.push(value);
-        }
-    }
+    let once = values.unique().join(",");
     if !once.is_empty() {
-        words.extend([name.to_owned(), quoted(&once.join(","))]);
+        words.extend([name.to_owned(), quoted(&once)]);
     }
 }
 

@@ -19,24 +19,18 @@ pub(super) fn fronts(places: &[Place<'_>], machines: &[String], names: &Names) -
     let mut pieces = Vec::new();
     for place in places {
         let layers = chart::front_layers(&place.read.run, place.record, place.field, place.by)?;
-        let tags = place.tags().text();
         pieces.push(Piece::Heavy {
             rank: Rank::Front,
             what: format!("fronts of {}", place.title()),
             html: front(place, &layers, &machines[place.read.machine - 1]),
-            tags: tags.clone(),
+            tags: place.tags().text(),
         });
         let mut text = String::new();
         for by in By::all(place.field.query) {
             let _ = write!(text, "### By {}\n\n", by.name());
             text += &page::front_points(&place.read.run, place.record, place.field, *by);
         }
-        pieces.push(Piece::Heavy {
-            rank: Rank::Full,
-            what: format!("points on fronts of {}", place.title()),
-            html: details(&format!("Points on fronts: {}", place.title()), &tags, &plain_html(&text, 2, names)),
-            tags,
-        });
+        pieces.push(opened(Rank::Full, place, ["points on fronts", "Points on fronts: "], &text, names));
     }
     for (index, place) in places.iter().enumerate() {
         if places[..index].iter().all(|known| !std::ptr::eq(known.read, place.read)) {
@@ -55,13 +49,7 @@ pub(super) fn operating_points(places: &[Place<'_>], names: &Names) -> Vec<Piece
             text += &page::operating_points(place.shown, place.field, *by);
             text += &page::reach(place.field, *by);
         }
-        let tags = place.tags().text();
-        Piece::Heavy {
-            rank: Rank::Page,
-            what: format!("operating points of {}", place.title()),
-            html: details(&place.title(), &tags, &plain_html(&text, 2, names)),
-            tags,
-        }
+        opened(Rank::Page, place, ["operating points", ""], &text, names)
     };
     places.iter().map(piece).collect()
 }
@@ -74,7 +62,7 @@ pub(super) fn break_even(places: &[Place<'_>], machines: &[String], names: &Name
         if classes.is_empty() {
             continue;
         }
-        let (tags, machine) = (place.tags().text(), &machines[place.read.machine - 1]);
+        let machine = &machines[place.read.machine - 1];
         let svg = chart::break_even_svg(&place.read.run, place.record, place.field, &classes)?;
         let alt = format!("Time of a frame over its number of rays, by tracer: {}", place.title());
         let caption = format!("{}. Time of a frame (ms) over rays a frame, of every tracer. {machine}.", place.title());
@@ -82,20 +70,22 @@ pub(super) fn break_even(places: &[Place<'_>], machines: &[String], names: &Name
             rank: Rank::Chart,
             what: format!("break-even chart of {}", place.title()),
             html: figure(&svg, &alt, &caption, place.tags()),
-            tags: tags.clone(),
+            tags: place.tags().text(),
         });
         let text = page::break_even(place.shown, place.field, place.by);
         // The chart stands above.
         let text: String =
             text.lines().filter(|line| !line.starts_with("![")).map(|line| format!("{line}\n")).collect();
-        pieces.push(Piece::Heavy {
-            rank: Rank::Page,
-            what: format!("break-even of {}", place.title()),
-            html: details(&place.title(), &tags, &plain_html(&text, 2, names)),
-            tags,
-        });
+        pieces.push(opened(Rank::Page, place, ["break-even", ""], &text, names));
     }
     Ok(pieces)
+}
+
+/// What is told of a place in Markdown, as a part that opens; what stands before the place's title where it is told of, and there.
+fn opened(rank: Rank, place: &Place<'_>, [what, title]: [&str; 2], text: &str, names: &Names) -> Piece {
+    let (of, tags) = (place.title(), place.tags().text());
+    let html = details(&format!("{title}{of}"), &tags, &plain_html(text, 2, names));
+    Piece::Heavy { rank, what: format!("{what} of {of}"), html, tags }
 }
 
 /// A part that opens.

@@ -7,6 +7,7 @@ use super::answer::{ASKED, is_smoke, is_within_noise};
 use super::pieces::{Tags, escape};
 use crate::report::pareto::page::{asked, too_few};
 use crate::studies::pareto::{Aim, best};
+use itertools::Itertools as _;
 
 /// A list a machine.
 pub(super) fn text(places: &[Place<'_>], machines: &[String]) -> String {
@@ -25,14 +26,8 @@ pub(super) fn text(places: &[Place<'_>], machines: &[String]) -> String {
             html,
             "<p>On machine {machine}, where at least {least} of the answers must be right, take</p>\n<ul>"
         );
-        let mut sets: Vec<&str> = Vec::new();
-        for place in &own {
-            if !sets.contains(&place.field.rays) {
-                sets.push(place.field.rays);
-            }
-        }
         let mut lines: Vec<(String, String)> = Vec::new();
-        for rays in sets {
+        for rays in own.iter().map(|place| place.field.rays).unique() {
             let cases: Vec<&Place<'_>> = own.iter().copied().filter(|place| place.field.rays == rays).collect();
             let tags = Tags { rays: Some(rays), ..Tags::default() }.text();
             let name = format!("<span{tags}>{}</span>", escape(rays));
@@ -55,12 +50,7 @@ pub(super) fn text(places: &[Place<'_>], machines: &[String]) -> String {
 
 /// Whom to take for a ray set, in how many of its cases, which are scenes, or records of the same scene.
 fn said(cases: &[&Place<'_>]) -> String {
-    let mut scenes: Vec<&str> = Vec::new();
-    for place in cases {
-        if !scenes.contains(&place.field.scene.scene.name.as_str()) {
-            scenes.push(&place.field.scene.scene.name);
-        }
-    }
+    let scenes: Vec<&str> = cases.iter().map(|place| place.field.scene.scene.name.as_str()).unique().collect();
     let where_to = match (scenes.as_slice(), cases.len()) {
         ([scene], 1) => format!(" in {}", escape(scene)),
         ([scene], count) => format!(" in {} ({count} records)", escape(scene)),

@@ -113,6 +113,9 @@ pub(crate) const WITHOUT_AMBIGUOUS: Metric = metric(
     "",
     Higher,
     |trace| {
+        if trace.judgement.one_sided().is_some() {
+            return None;
+        }
         let Headline { hit_miss, tight, footprint } = closest(trace)?.agreement_without_ambiguous.clone()?;
         Some(Cell::Shares([hit_miss, tight, footprint], trace.count.saturating_sub(trace.judgement.ambiguous())))
     },

@@ -13,6 +13,7 @@ use super::group::stems;
 use super::{Contents, ReportError};
 use crate::results::{NeedCurve, NeedRecord, Run, SceneRecord};
 use crate::studies::need::{Axis, Curve, Step, curves};
+use itertools::Itertools as _;
 
 /// The page.
 pub const NEED_PAGE: &str = "need.md";
@@ -93,12 +94,7 @@ fn shown<'a>(run: &'a Run, curves: &'a [Curve<'a>]) -> Vec<Shown<'a>> {
     }
     let told: Vec<[&str; 3]> = shown.iter().map(|each| [&*each.scene.name, &*each.scene.sha256, each.rays]).collect();
     // Scenes of one name are told apart; ray sets have their own part of the name.
-    let mut scenes: Vec<[&str; 3]> = Vec::new();
-    for [name, sha256, _] in &told {
-        if !scenes.iter().any(|known| known[1] == *sha256) {
-            scenes.push([*name, *sha256, ""]);
-        }
-    }
+    let scenes = told.iter().map(|[name, sha256, _]| [*name, *sha256, ""]).unique_by(|known| known[1]).collect_vec();
     let stems = stems(&scenes);
     let names: Vec<String> = told
         .iter()
@@ -114,15 +110,8 @@ fn shown<'a>(run: &'a Run, curves: &'a [Curve<'a>]) -> Vec<Shown<'a>> {
 }
 
 /// The tracers of some curves with their presets, each once.
-fn contenders<'a>(shown: &Shown<'a>) -> Vec<(&'a str, &'a str)> {
-    let mut known: Vec<(&str, &str)> = Vec::new();
-    for curve in &shown.curves {
-        let own = (curve.record.tracer.as_str(), curve.record.preset.as_str());
-        if !known.contains(&own) {
-            known.push(own);
-        }
-    }
-    known
+fn contenders<'a>(shown: &Shown<'a>) -> impl Iterator<Item = (&'a str, &'a str)> {
+    shown.curves.iter().map(|curve| (curve.record.tracer.as_str(), curve.record.preset.as_str())).unique()
 }
 
 /// A tracer with its preset unless it is the published one.

@@ -54,6 +54,9 @@ fn needs(shown: &Shown<'_>) -> String {
         .told("from", |curve| curve.record.viewpoint.clone())
         .told("rule", |curve| curve.record.rule.name())
         .told("right as a whole ↑", |curve| {
+            if let Some(why) = curve.whole.trace.and_then(|trace| trace.judgement.one_sided()) {
+                return Some(Cell::Text(why.to_owned()));
+            }
             let (value, interval) = curve.whole.right()?;
             Some(Cell::Share(value, Some(interval), curve.whole.trace.map_or(0, metrics::trials)))
         })

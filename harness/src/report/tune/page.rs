@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use itertools::Itertools as _;
 use tracebench_api::Query;
 
 use super::{Errors, chart_stems, labels_of, score_at, score_name, trials};
@@ -9,6 +10,7 @@ use crate::report::format::{self, points, significant, thousands};
 use crate::report::markdown::{inline, literal};
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::{metrics, summary, verdict};
+use crate::results::Judgement;
 use crate::studies::tune::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned, interval};
 
 /// The whole page.
@@ -53,22 +55,10 @@ pub(super) fn head(tuning: &Tuning) -> String {
         tuning.rule.name(),
         metrics::of_ambiguous(judged.map(|judged| &judged.judgement))
     );
-    for (rays, query) in ray_sets(tuning) {
-        text += &overview(tuning, &rays, query);
+    for (rays, query) in all_sets(tuning).map(|(_, _, set)| (&set.rays, set.query)).unique() {
+        text += &overview(tuning, rays, query);
     }
     text
-}
-
-/// Names of the ray sets, in order of first appearance.
-fn ray_sets(tuning: &Tuning) -> Vec<(String, Query)> {
-    let mut sets = Vec::new();
-    for set in all_sets(tuning).map(|(_, _, set)| set) {
-        let set = (set.rays.clone(), set.query);
-        if !sets.contains(&set) {
-            sets.push(set);
-        }
-    }
-    sets
 }
 
 fn all_sets(tuning: &Tuning) -> impl Iterator<Item = (&SceneTuned, &ViewTuned, &SetTuned)> {
@@ -119,10 +109,13 @@ fn overview(tuning: &Tuning, rays: &str, query: Query) -> String {
 fn worth(tuning: &Tuning, set: &SetTuned, label: Label) -> Option<String> {
     let choice = set.choice(label)?;
     let value = choice.value.as_ref()?;
-    let share = set.judged(value).zip(choice.score).map(|(judged, score)| {
-        let interval = interval(&judged.judgement, tuning.rule);
-        Cell::Share(score, interval, trials(set, &judged.judgement))
-    });
+    let judgement = set.judged(value).map(|judged| &judged.judgement);
+    if let Some(why) = judgement.and_then(Judgement::one_sided) {
+        return Some(format!("{value}: {why}"));
+    }
+    let share = judgement
+        .zip(choice.score)
+        .map(|(judged, score)| Cell::Share(score, interval(judged, tuning.rule), trials(set, judged)));
     Some(format!("{value}: {}", Cell::from(share).told()))
 }
 
@@ -186,7 +179,8 @@ fn one_set(tuning: &Tuning, whose: &str, view: &ViewTuned, set: &SetTuned) -> St
             if value.judged.is_none() {
                 labels.push("skipped, see below");
             } else if score_at(set, &value.value, tuning.rule).is_none() {
-                labels.push("not judged: every ray is a tie");
+                let one_sided = set.judged(&value.value).and_then(|judged| judged.judgement.one_sided());
+                labels.push(one_sided.unwrap_or("not judged: every ray is a tie"));
             }
             labels.join(", ")
         });

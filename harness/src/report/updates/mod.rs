@@ -11,6 +11,7 @@ use crate::report::metrics::{COUNT, SPEED, STRUCTURE};
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::{ReportError, cells, metrics, summary};
 use crate::results::{FRESH_BUILD, Run, SceneFollowed, Times, TraceRecord, TracerRun, UpdatesRecord, time_ratio};
+use itertools::Itertools as _;
 
 /// The statistic of structures that tells their quality, by its name in `validate`.
 const SAH_COST: &str = "sah_cost";
@@ -98,7 +99,7 @@ fn page(run: &Run, updates: &UpdatesRecord) -> String {
         );
         text += &structures(scene);
         for (rays, sha256) in ray_sets(scene) {
-            text += &traces(scene, &rays, &sha256);
+            text += &traces(scene, rays, sha256);
         }
     }
     text + &summary::skipped(&run.skipped)
@@ -161,15 +162,9 @@ fn structures(scene: &Followed<'_>) -> String {
 }
 
 /// Names and hashes of the ray sets, in order of first appearance.
-fn ray_sets(scene: &Followed<'_>) -> Vec<(String, String)> {
-    let mut sets = Vec::new();
-    for trace in scene.rows.iter().flat_map(|row| &row.traces) {
-        let set = (trace.rays.clone(), trace.rays_sha256.clone());
-        if !sets.contains(&set) {
-            sets.push(set);
-        }
-    }
-    sets
+fn ray_sets<'a>(scene: &Followed<'a>) -> impl Iterator<Item = (&'a String, &'a String)> {
+    let traces = scene.rows.iter().flat_map(|row| &row.traces);
+    traces.map(|trace| (&trace.rays, &trace.rays_sha256)).unique()
 }
 
 fn trace_of<'a>(row: &'a TracerRun, rays: &str, sha256: &str) -> Option<&'a TraceRecord> {
@@ -198,10 +193,9 @@ fn traces(scene: &Followed<'_>, rays: &str, sha256: &str) -> String {
 /// One row a scene, tracer, way and ray set.
 fn csv(file: &str, run: &Run, updates: &UpdatesRecord) -> Result<Vec<u8>, ReportError> {
     let scenes = scenes(run, updates);
-    let mut rows: Vec<Row<'_>> = Vec::new();
-    for (scene, row) in scenes.iter().flat_map(|scene| scene.rows.iter().map(move |row| (scene, *row))) {
-        rows.extend(row.traces.iter().map(|trace| Row { scene, row, trace }));
-    }
+    let rows = scenes.iter().flat_map(|scene| scene.rows.iter().map(move |row| (scene, *row)));
+    let rows =
+        rows.flat_map(|(scene, row)| row.traces.iter().map(move |trace| Row { scene, row, trace })).collect_vec();
     let sheet = Sheet::<Row<'_>>::new()
         .scene(|row| &row.row.scene)
         .column("frames", |_| updates.frames)

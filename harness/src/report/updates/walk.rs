@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use itertools::Itertools as _;
 use tracebench_api::Query;
 
 use super::{head, updated, way};
@@ -25,14 +26,9 @@ struct Set<'a> {
 
 /// Every ray set of a scene, in the order of the first rows.
 fn sets<'a>(run: &'a Run, scene: &'a SceneFollowed) -> Vec<Set<'a>> {
-    let mut names: Vec<&str> = Vec::new();
-    for trace in run.runs.iter().filter(|row| row.scene.name == scene.scene).flat_map(|row| &row.traces) {
-        if !names.contains(&trace.rays.as_str()) {
-            names.push(&trace.rays);
-        }
-    }
+    let traces = run.runs.iter().filter(|row| row.scene.name == scene.scene).flat_map(|row| &row.traces);
     let set = |rays| Set { rays, walkers: walkers(run, scene, rays) };
-    names.into_iter().map(set).filter(|set| !set.walkers.is_empty()).collect()
+    traces.map(|trace| trace.rays.as_str()).unique().map(set).filter(|set| !set.walkers.is_empty()).collect()
 }
 
 /// The tracer as the first row that it has names it.

@@ -10,6 +10,7 @@ use crate::results::{
 };
 use crate::statistics::paired_difference;
 use crate::studies::tune;
+use itertools::Itertools as _;
 
 /// One tracer's structures in one place over one ray set.
 #[derive(Clone, Debug)]
@@ -180,7 +181,6 @@ impl<'a> Curve<'a> {
 
     /// What was found to be needed: as far as each axis may shrink alone, by both measures, and the smallest structures of all.
     fn needs(&self) -> Vec<&'a BTreeMap<String, String>> {
-        let mut found: Vec<&BTreeMap<String, String>> = Vec::new();
         let of_axis = |axis: &Axis<'a>, need: Need<'a>| {
             let smallest = need.smallest?;
             Some(&axis.steps.iter().find(|step| step.value(axis.name) == Some(smallest))?.point.shrunk)
@@ -188,12 +188,7 @@ impl<'a> Curve<'a> {
         let singles =
             self.axes.iter().flat_map(|axis| [axis.need(), axis.need_in_time()].map(|need| of_axis(axis, need)));
         let smallest = [false, true].map(|in_time| Some(&self.needed(in_time).point.shrunk));
-        for values in singles.chain(smallest).flatten().filter(|values| !values.is_empty()) {
-            if !found.contains(&values) {
-                found.push(values);
-            }
-        }
-        found
+        singles.chain(smallest).flatten().filter(|values| !values.is_empty()).unique().collect()
     }
 
     /// The structure of the fewest bytes that is enough, the whole one among them.

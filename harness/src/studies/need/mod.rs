@@ -11,6 +11,7 @@ mod tests;
 
 use std::collections::BTreeMap;
 
+use itertools::Itertools as _;
 use serde_json::Value;
 
 pub use curves::{Axis, Curve, Need, Step, Transfer, curves, transfers};
@@ -220,14 +221,9 @@ fn curve(
 
 /// What several axes had at once of a tracer in other places, each once.
 fn joint_before(curves: &[NeedCurve], request: &TracerRequest) -> Vec<BTreeMap<String, String>> {
-    let mut joints: Vec<BTreeMap<String, String>> = Vec::new();
     let is_own = |curve: &&NeedCurve| curve.tracer == request.name() && curve.preset == request.preset.name();
-    for point in curves.iter().filter(is_own).flat_map(|curve| &curve.points) {
-        if point.shrunk.len() > 1 && !joints.contains(&point.shrunk) {
-            joints.push(point.shrunk.clone());
-        }
-    }
-    joints
+    let points = curves.iter().filter(is_own).flat_map(|curve| &curve.points);
+    points.map(|point| &point.shrunk).filter(|shrunk| shrunk.len() > 1).unique().cloned().collect()
 }
 
 /// What several axes have at once, each as far as it may shrink alone; only where that is more than one.

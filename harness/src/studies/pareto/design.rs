@@ -7,6 +7,7 @@
 
 use std::collections::BTreeMap;
 
+use itertools::Itertools as _;
 use tracebench_api::{Domain, Invalidation, ParameterDescription, Value};
 
 use crate::measure::records;
@@ -45,27 +46,19 @@ pub fn axes(request: &TracerRequest, preset: RunPreset) -> Vec<Axis> {
             && !request.registration.aside.contains(&name)
             && request.registration.can_matter(name, &request.parameters)
     };
-    let mut names: Vec<&str> = Vec::new();
-    if description.invalidated_by.contains(&Invalidation::Resolution) && taken(RESOLUTION) {
-        names.push(RESOLUTION);
-    }
-    let all = request.registration.sweep.iter().copied().chain(description.parameters.iter().map(|each| each.name));
-    for name in all.filter(|name| taken(name)) {
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
+    let of_resolution = description.invalidated_by.contains(&Invalidation::Resolution);
+    let swept = of_resolution.then_some(RESOLUTION).into_iter().chain(request.registration.sweep.iter().copied());
+    let names = swept.chain(description.parameters.iter().map(|each| each.name)).filter(|name| taken(name)).unique();
     let axis = |name: &str| {
         let described = description.parameters.iter().find(|each| each.name == name);
         let steps = match described {
             Some(described) => parameter_steps(request, described),
-            None if names.contains(&name) => resolution_steps(preset),
+            None if name == RESOLUTION => resolution_steps(preset),
             None => Vec::new(),
         };
         Axis { name: name.to_owned(), steps }
     };
-    let axes: Vec<Axis> = names.iter().map(|name| axis(name)).collect();
-    axes.into_iter().filter(|axis| !axis.steps.is_empty()).collect()
+    names.map(axis).filter(|axis| !axis.steps.is_empty()).collect()
 }
 
 /// Multiples that leave whole edges.
@@ -138,14 +131,8 @@ fn in_turn<T>(lists: Vec<Vec<T>>) -> Vec<T> {
 /// # Errors
 /// [`SweepError::Parameter`] for a value that a parameter does not take.
 pub fn points(requests: &[TracerRequest], preset: RunPreset, most: usize) -> Result<Vec<Designed>, SweepError> {
-    let mut names: Vec<&str> = Vec::new();
-    for request in requests {
-        if !names.contains(&request.name()) {
-            names.push(request.name());
-        }
-    }
     let mut points = Vec::new();
-    for name in names {
+    for name in requests.iter().map(TracerRequest::name).unique() {
         let own = requests.iter().filter(|request| request.name() == name);
         let lists = own.map(|request| {
             order(&axes(request, preset)).into_iter().map(|values| (request, values)).collect::<Vec<_>>()

@@ -1,5 +1,6 @@
 //! What was measured of all points over one ray set in one place: costs, errors, and how surely they differ.
 
+use itertools::Itertools as _;
 use tracebench_api::{ClockKind, Query};
 
 use super::front::{Spot, Standing, front, standings};
@@ -266,13 +267,7 @@ fn controls<'a>(
 impl<'a> Field<'a> {
     /// Names of the tracers, each once, in the order of their points.
     pub fn tracers(&self) -> Vec<&'a str> {
-        let mut names: Vec<&str> = Vec::new();
-        for entry in &self.entries {
-            if !names.contains(&entry.point.tracer.as_str()) {
-                names.push(&entry.point.tracer);
-            }
-        }
-        names
+        self.entries.iter().map(|entry| entry.point.tracer.as_str()).unique().collect()
     }
 
     /// Rays of a frame with so many of them a pixel of the ray image.

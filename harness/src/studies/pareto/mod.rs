@@ -16,9 +16,9 @@ mod pictures;
 mod tests;
 mod verdicts;
 
-use std::cell::RefCell;
 use std::collections::BTreeSet;
 
+use itertools::Itertools as _;
 use serde_json::Value;
 use tracebench_api::Update;
 use tracebench_scenes::Scene;
@@ -31,7 +31,7 @@ pub use overtaking::{BEYOND, Fit, FrameCost, Motion, Overtaking, Stretch, overta
 pub use verdicts::{Class, ClassCost, SceneFronts, classes, contested, scene_fronts};
 
 use crate::measure::session::{PreparedRays, Session};
-use crate::measure::{self, Context, Effort, Film, Measured, Place, Placed, Request, RunError, Told};
+use crate::measure::{self, Context, Effort, Film, Measured, Request, RunError, Told};
 use crate::plan::{Plan, RunPreset, ViewRequest};
 use crate::rays::between_samples;
 use crate::results::{
@@ -252,17 +252,9 @@ impl Pareto {
         let refit =
             |point: &usize| Request { follows: Some(Update::Refit), ..Request::of(&self.points[*point].request) };
         let requests: Vec<Request> = points.iter().map(refit).collect();
-        let (name, sha256) = (scene.name.clone(), scene.sha256.clone());
-        let film = still(&scene, plan.preset.sampling.least_rounds);
-        let frame = RefCell::new(Some((scene, film)));
-        let prepare = || match frame.take() {
-            Some((scene, film)) => Ok(Placed { film: Some(film), ..measure::placed(&plan, scene, context)? }),
-            None => Err(RunError::Nothing("a scene was prepared twice".to_owned())),
-        };
-        let effort = Effort::timed(&plan);
-        let place =
-            Place { index, scene_sha256: Some(&sha256), prepare: &prepare, requests: &requests, effort, hook: None };
-        let mut found = measure::measure(&place, context)?;
+        let (name, film) = (scene.name.clone(), still(&scene, plan.preset.sampling.least_rounds));
+        let (frame, effort) = ((scene, Some(film)), Effort::timed(&plan));
+        let mut found = measure::measure_film(index, &plan, frame, &requests, effort, None, context)?;
         for row in found.rows.iter_mut().flatten() {
             row.way = Some(WayRecord {
                 name: STILL_REFIT.to_owned(),
@@ -309,38 +301,27 @@ impl Pareto {
 
 /// Ray sets that hit nothing from a viewpoint: there is no front over them.
 fn blind(found: &Measured, viewpoint: &ViewpointRecord) -> Vec<Skipped> {
-    let mut all: Vec<Skipped> = Vec::new();
-    for row in found.rows.iter().flatten() {
-        for trace in row.traces.iter().filter(|trace| field::sees_nothing(trace)) {
-            let reason = format!(
-                "no ray of it hits anything from viewpoint {}: nothing can be told by it; choose another one by --view",
-                viewpoint.name
-            );
-            let skipped =
-                Skipped { tracer: None, scene: row.scene.name.clone(), rays: Some(trace.rays.clone()), reason };
-            if !all.contains(&skipped) {
-                all.push(skipped);
-            }
-        }
-    }
-    all
+    let traces = found.rows.iter().flatten().flat_map(|row| row.traces.iter().map(move |trace| (row, trace)));
+    let blind = traces.filter(|(_, trace)| field::sees_nothing(trace)).map(|(row, trace)| {
+        let reason = format!(
+            "no ray of it hits anything from viewpoint {}: nothing can be told by it; choose another one by --view",
+            viewpoint.name
+        );
+        Skipped { tracer: None, scene: row.scene.name.clone(), rays: Some(trace.rays.clone()), reason }
+    });
+    blind.unique().collect()
 }
 
 /// Points that could not be measured, by place and reason; all of a tracer's as one.
 fn left_out(record: &ParetoRecord) -> Vec<Skipped> {
-    let mut all: Vec<Skipped> = Vec::new();
-    for point in &record.points {
-        for (scene, reason) in &point.skipped {
-            let own = || record.points.iter().filter(|other| other.tracer == point.tracer);
-            let is_alike = own().all(|other| other.skipped.get(scene) == Some(reason));
-            let tracer = Some(if is_alike { point.tracer.clone() } else { point.label() });
-            let found = Skipped { tracer, scene: scene.clone(), rays: None, reason: reason.clone() };
-            if !all.contains(&found) {
-                all.push(found);
-            }
-        }
-    }
-    all
+    let all = record.points.iter().flat_map(|point| point.skipped.iter().map(move |skipped| (point, skipped)));
+    let found = all.map(|(point, (scene, reason))| {
+        let mut own = record.points.iter().filter(|other| other.tracer == point.tracer);
+        let is_alike = own.all(|other| other.skipped.get(scene) == Some(reason));
+        let tracer = Some(if is_alike { point.tracer.clone() } else { point.label() });
+        Skipped { tracer, scene: scene.clone(), rays: None, reason: reason.clone() }
+    });
+    found.unique().collect()
 }
 
 /// Frames over which nothing moves, with a counted refit in each pass.

@@ -6,6 +6,7 @@ use super::operating::{Aim, LEVELS, best};
 use super::overtaking::{Fit, FrameCost, Motion, Stretch, stretches};
 use super::refit;
 use crate::results::{FrontScene, LEAST_ROUNDS, ParetoRecord, Run, Timed, Times, TraceRecord, TracerRun};
+use itertools::Itertools as _;
 
 /// One scene.
 #[derive(Clone, Debug)]
@@ -52,13 +53,7 @@ pub struct Class<'a> {
 impl<'a> Class<'a> {
     /// Names of the tracers, each once.
     pub fn tracers(&self) -> Vec<&'a str> {
-        let mut names: Vec<&str> = Vec::new();
-        for cost in &self.costs {
-            if !names.contains(&cost.entry.point.tracer.as_str()) {
-                names.push(&cost.entry.point.tracer);
-            }
-        }
-        names
+        self.costs.iter().map(|cost| cost.entry.point.tracer.as_str()).unique().collect()
     }
 }
 

@@ -6,7 +6,8 @@ use super::tuning::{Choice, Label, SceneTuned, SetTuned};
 use crate::judge::Rule;
 use crate::results::Judgement;
 
-/// The share of right answers by a rule, of any-hit sets the balanced accuracy; `None` if nothing was judged.
+/// The share of right answers by a rule, of any-hit sets the balanced accuracy; `None` if nothing was judged
+/// or shares say nothing.
 pub fn score(judgement: &Judgement, rule: Rule) -> Option<f64> {
     let share = match (judgement, rule) {
         (Judgement::Any(any), _) => any.occlusion.balanced_accuracy,
@@ -14,7 +15,7 @@ pub fn score(judgement: &Judgement, rule: Rule) -> Option<f64> {
         (Judgement::Closest(closest), Rule::Tight) => closest.agreement.tight,
         (Judgement::Closest(closest), Rule::Footprint) => closest.agreement.footprint,
     };
-    share.filter(|share| share.is_finite())
+    share.filter(|share| share.is_finite() && judgement.one_sided().is_none())
 }
 
 /// The interval of [`score`].

@@ -7,13 +7,11 @@
 mod totals;
 mod walk;
 
-use std::cell::RefCell;
-
 use glam::Vec3;
 use tracebench_api::Update;
 use tracebench_scenes::Scene;
 
-use crate::measure::{self, Context, Effort, Film, Place, Placed, Request, RunError, records};
+use crate::measure::{self, Context, Effort, Film, Request, RunError, records};
 use crate::peers::{Subject, Table};
 use crate::plan::{Plan, TracerRequest};
 use crate::results::{FRESH_BUILD, Run, SceneFollowed, Skipped, TracerRecord, TracerRun, UpdatesRecord, WayRecord};
@@ -219,16 +217,8 @@ fn measure_roles(
 ) -> Result<(), RunError> {
     let asked = roles.iter().filter_map(|role| Some((role, role.asked()?)));
     let (roles, requests): (Vec<&Role<'_>>, Vec<Request>) = asked.unzip();
-    let sha256 = scene.sha256.clone();
-    let frame = RefCell::new(Some((scene, film)));
-    let prepare = || match frame.take() {
-        Some((scene, film)) => Ok(Placed { film, ..measure::placed(plan, scene, context)? }),
-        None => Err(RunError::Nothing("a scene was prepared twice".to_owned())),
-    };
     let effort = Effort::timed(plan);
-    let place =
-        Place { index, scene_sha256: Some(&sha256), prepare: &prepare, requests: &requests, effort, hook: None };
-    let mut found = measure::measure(&place, context)?;
+    let mut found = measure::measure_film(index, plan, (scene, film), &requests, effort, None, context)?;
     for (row, role) in found.rows.iter_mut().zip(roles.iter().copied()) {
         if let Ok(row) = row {
             *row = row_of(row.clone(), role);

@@ -6,9 +6,9 @@ use crate::papers::Scope;
 use crate::papers::dirt::PAPER;
 use crate::papers::estimate::Estimate;
 use crate::papers::quantity::{IN_A_MILLION, PERCENT, Quantity, of_scene, of_scenes, rank_correlation, timed_of_scene};
-use crate::papers::rows::{MILLION, SceneRows, beyond_of, false_misses, footprint, statistic, trace};
+use crate::papers::rows::{MILLION, SceneRows, beyond_of, counted, false_misses, footprint, statistic, trace};
 use crate::papers::vvp16::{ABUFFER, bytes_over_formula, row};
-use crate::results::{Classes, Judgement, TraceRecord, TracerRun};
+use crate::results::{Classes, TraceRecord, TracerRun};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     of_scene("memory_below_abuffer", PERCENT, memory_below),
@@ -90,10 +90,8 @@ fn false_misses_beyond_dirt(scene: &SceneRows<'_>) -> Option<f64> {
 
 /// Rays in a million of a class of mirror rays under a rule.
 fn share(run: &TracerRun, of: impl Fn(&Classes) -> u64) -> Option<f64> {
-    let traced = trace(run, "specular")?;
-    let Judgement::Closest(closest) = &traced.judgement else { return None };
-    let rays = traced.count.saturating_sub(closest.left_out());
-    (rays > 0).then(|| of(&closest.classes.footprint) as f64 / rays as f64 * MILLION)
+    let [rays, found] = counted(trace(run, "specular")?, |closest| Some(of(&closest.classes.footprint)))?;
+    (rays > 0).then(|| found as f64 / rays as f64 * MILLION)
 }
 
 fn thickness(run: &TracerRun) -> Option<f64> {
@@ -126,6 +124,6 @@ fn froxels_gain_and_leave(scene: &SceneRows<'_>) -> Option<f64> {
     let right = |run: &&TracerRun| trace(run, "specular").and_then(footprint).unwrap_or(0.0);
     let best = rows.iter().copied().max_by(|a, b| right(a).total_cmp(&right(b)))?;
     let missed = |run: &TracerRun| share(run, |classes| classes.false_miss);
-    let wrong = share(best, |each| each.false_miss + each.false_hit + each.early + each.late)?;
+    let wrong = share(best, Classes::wrong)?;
     Some((missed(rows.first()?)? - missed(best)?).min(wrong))
 }

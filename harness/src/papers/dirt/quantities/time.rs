@@ -21,8 +21,8 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("coarse_tile_gain_over_resolution_where_fine", "", coarse_tile_gain_over_resolution_where_fine),
     timed_of_scene("trace_at_8_over_24_to_40", "", trace_at_8_over_24_to_40),
     timed_of_scene("good_setting_over_best", "", good_setting_over_best),
-    timed_of_scene("second_event_over_first_closed", "", second_event_over_first_closed),
-    timed_of_scene("second_event_over_first_open", "", second_event_over_first_open),
+    timed_of_scene("second_event_over_first_closed", "", |scene| second_event_over_first(scene, true)),
+    timed_of_scene("second_event_over_first_open", "", |scene| second_event_over_first(scene, false)),
     timed_of_scene("least_bvh_build_over_dirt", "", least_bvh_build_over_dirt),
     timed_of_scene("diffuse_slope_over_bvh", "", diffuse_slope_over_bvh),
     timed_of_scene("total_gain_last_over_first", "", total_gain_last_over_first),
@@ -161,14 +161,6 @@ fn second_event_over_first(scene: &SceneRows<'_>, closed: bool) -> Option<Estima
     let (first, second) = (trace(run, "diffuse")?, trace(run, "bounce2")?);
     let stay = second.count as f64 / first.count as f64;
     ((stay >= 1.0 - CLOSED) == closed).then(|| scene.set_ratio(run, "bounce2", "diffuse"))?
-}
-
-fn second_event_over_first_closed(scene: &SceneRows<'_>) -> Option<Estimate> {
-    second_event_over_first(scene, true)
-}
-
-fn second_event_over_first_open(scene: &SceneRows<'_>) -> Option<Estimate> {
-    second_event_over_first(scene, false)
 }
 
 /// DIRT and the hierarchy at every resolution, from the lowest.

@@ -4,8 +4,8 @@ use crate::papers::Scope;
 use crate::papers::estimate::Estimate;
 use crate::papers::hhz14::{ABUFFER, PAPER, row};
 use crate::papers::quantity::{IN_A_MILLION, Quantity, mean, of_scene, of_scenes, rank_correlation, timed_of_scene};
-use crate::papers::rows::{MILLION, SceneRows};
-use crate::results::{Judgement, TraceRecord, TracerRun};
+use crate::papers::rows::{MILLION, SceneRows, counted, of_cause, share_of_all};
+use crate::results::TracerRun;
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("large_grid_trace_over_usual", "", large_grid_trace_over_usual),
@@ -41,28 +41,14 @@ fn grid_by_rule_total_over_best(scene: &SceneRows<'_>) -> Option<Estimate> {
     Estimate::greatest(["32", "128", "256"].map(over).into_iter().collect::<Option<Vec<_>>>()?)
 }
 
-/// Rays that count and those wrong under `footprint`; of closest-hit sets alone.
-fn wrong(trace: &TraceRecord) -> Option<[u64; 2]> {
-    let Judgement::Closest(closest) = &trace.judgement else { return None };
-    Some([trace.count.saturating_sub(closest.left_out()), closest.classes.footprint.wrong()])
-}
-
-/// The same of a cause.
-fn of_wrong_axis(trace: &TraceRecord) -> Option<[u64; 2]> {
-    let Judgement::Closest(closest) = &trace.judgement else { return None };
-    let rays = closest.causes.get("footprint")?.get(WRONG_AXIS).copied().unwrap_or(0);
-    Some([trace.count.saturating_sub(closest.left_out()), rays])
-}
-
-/// The share of all closest-hit rays of a row that are of a kind.
-fn share(run: &TracerRun, of: fn(&TraceRecord) -> Option<[u64; 2]>) -> Option<f64> {
-    let sums = run.traces.iter().filter_map(of).fold([0, 0], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
-    (sums[0] > 0).then(|| sums[1] as f64 / sums[0] as f64)
+/// The share of all closest-hit rays of a row that are wrong under `footprint`.
+fn wrong(run: &TracerRun) -> Option<f64> {
+    share_of_all(run, |trace| counted(trace, |closest| Some(closest.classes.footprint.wrong())))
 }
 
 /// Rays in a million that are wrong because of the A-buffer that was searched.
 fn wrong_axis_rays(scene: &SceneRows<'_>) -> Option<f64> {
-    Some(share(row(scene, &[])?, of_wrong_axis)? * MILLION)
+    Some(share_of_all(row(scene, &[])?, |trace| of_cause(trace, "footprint", WRONG_AXIS))? * MILLION)
 }
 
 /// The mean share of wrong rays of the scenes whose surfaces are not all closed, over that of the others.
@@ -71,7 +57,7 @@ fn open_wrong_over_closed(scenes: &[SceneRows<'_>]) -> Option<f64> {
     for scene in scenes {
         let run = row(scene, &[])?;
         let entry = tracebench_scenes::catalogue().iter().find(|entry| entry.name == run.scene.name)?;
-        shares[usize::from(entry.watertight)].push(share(run, wrong)?);
+        shares[usize::from(entry.watertight)].push(wrong(run)?);
     }
     let [open, closed] = shares.map(|shares| mean(&shares));
     closed.filter(|closed| *closed > 0.0).and_then(|closed| Some(open? / closed))

@@ -4,7 +4,7 @@ use super::{counted, rays};
 use crate::papers::Scope;
 use crate::papers::estimate::Estimate;
 use crate::papers::quantity::{Quantity, of_scene, timed_of_scene, timed_of_scenes};
-use crate::papers::rows::{SceneRows, statistic, trace};
+use crate::papers::rows::{SceneRows, same_hits, statistic, trace};
 use crate::papers::times::{rank_correlation, traced as timed};
 use crate::papers::vvp16::{self, PAPER, row};
 use crate::results::{Timed, TraceRecord, TracerRun};
@@ -14,8 +14,8 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     of_scene("same_hits_without_skipping", "", same_hits_without_skipping),
     timed_of_scenes("rank_of_time_by_efficiency", "", rank_of_time_by_efficiency),
     timed_of_scenes("rank_of_build_by_fragments", "", rank_of_build_by_fragments),
-    of_scene("layers_of_two_bounces_over_one", "", layers_of_two_bounces_over_one),
-    of_scene("views_of_two_bounces_over_one", "", views_of_two_bounces_over_one),
+    of_scene("layers_of_two_bounces_over_one", "", |scene| second_over_first(scene, layers)),
+    of_scene("views_of_two_bounces_over_one", "", |scene| second_over_first(scene, views)),
     timed_of_scene("two_bounces_over_one", "", two_bounces_over_one),
     timed_of_scene("more_buckets_trace_where_deep", "", more_buckets_trace_where_deep),
     timed_of_scene("more_buckets_cost", "", more_buckets_cost),
@@ -60,12 +60,7 @@ fn skipping_gain(scene: &SceneRows<'_>) -> Option<Estimate> {
 /// The share of ray sets that have the same hits with and without skipping.
 fn same_hits_without_skipping(scene: &SceneRows<'_>) -> Option<f64> {
     let [on, off] = skipping(scene)?;
-    let pairs = on.traces.iter().filter_map(|one| {
-        let other = trace(off, &one.rays).filter(|other| other.rays_sha256 == one.rays_sha256)?;
-        Some(other.hits_sha256 == one.hits_sha256)
-    });
-    let same: Vec<bool> = pairs.collect();
-    (!same.is_empty()).then(|| same.iter().filter(|same| **same).count() as f64 / same.len() as f64)
+    same_hits(on, off)
 }
 
 /// How the time of a diffuse ray is ranked by the efficiency of skipping over the scenes.
@@ -91,14 +86,6 @@ fn rank_of_build_by_fragments<'a>(scenes: &[SceneRows<'a>]) -> Option<Estimate> 
 fn second_over_first(scene: &SceneRows<'_>, of: fn(&[&TraceRecord]) -> Option<f64>) -> Option<f64> {
     let [one, two] = bounces(row(scene, &[])?)?;
     Some(of(&two)? / of(&one)?)
-}
-
-fn layers_of_two_bounces_over_one(scene: &SceneRows<'_>) -> Option<f64> {
-    second_over_first(scene, layers)
-}
-
-fn views_of_two_bounces_over_one(scene: &SceneRows<'_>) -> Option<f64> {
-    second_over_first(scene, views)
 }
 
 /// Time of both bounces over that of the first.

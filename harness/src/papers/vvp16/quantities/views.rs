@@ -4,10 +4,12 @@ use super::{counted, rays};
 use crate::papers::Scope;
 use crate::papers::estimate::Estimate;
 use crate::papers::quantity::{IN_A_MILLION, PERCENT, Quantity, of_scene, timed_of_scene};
-use crate::papers::rows::{MILLION, SceneRows, beyond, beyond_of, false_misses, footprint, statistic, trace};
+use crate::papers::rows::{
+    MILLION, SceneRows, beyond, beyond_of, false_misses, footprint, of_cause, share_of_all, statistic, trace,
+};
 use crate::papers::vvp16::{ABUFFER, PAPER, row};
 use crate::papers::wkp15;
-use crate::results::{Judgement, TraceRecord, TracerRun};
+use crate::results::{TraceRecord, TracerRun};
 
 pub(super) const QUANTITIES: &[Quantity] = &[
     timed_of_scene("seven_views_over_one", "", seven_views_over_one),
@@ -123,15 +125,7 @@ fn resolution_exponent(scene: &SceneRows<'_>) -> Option<Estimate> {
 
 /// Rays in a million of all closest-hit sets of a row that are wrong for a cause.
 fn rays_of_cause(run: &TracerRun, cause: &str) -> Option<f64> {
-    let mut sums = [0_u64; 2];
-    for trace in &run.traces {
-        let Judgement::Closest(closest) = &trace.judgement else { continue };
-        let Some(causes) = closest.causes.get("tight") else { continue };
-        let lost = causes.get(cause).copied().unwrap_or(0);
-        sums = [sums[0] + trace.count.saturating_sub(closest.left_out()), sums[1] + lost];
-    }
-    let [rays, lost] = sums.map(|sum| sum as f64);
-    (rays > 0.0).then(|| lost / rays * MILLION)
+    share_of_all(run, |trace| of_cause(trace, "tight", cause)).map(|share| share * MILLION)
 }
 
 /// Of rays whose true hit lies in none of six faces.

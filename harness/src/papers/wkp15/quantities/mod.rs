@@ -11,8 +11,8 @@ pub(super) mod tree;
 use super::one_and_two;
 use crate::papers::Quantity;
 use crate::papers::estimate::Estimate;
-use crate::papers::rows::{SceneRows, per_ray};
-use crate::results::{Judgement, TraceRecord, TracerRun};
+use crate::papers::rows::{SceneRows, counted, of_cause, per_ray};
+use crate::results::{TraceRecord, TracerRun};
 
 /// All of them.
 pub(super) const QUANTITIES: &[&[Quantity]] = &[
@@ -52,22 +52,14 @@ pub(super) fn share_behind_first(trace: &TraceRecord) -> Option<f64> {
     per_ray(trace, BEHIND_FIRST)
 }
 
-/// Rays that count, and of them those wrong for a cause under `footprint`; of closest-hit sets alone.
-fn of_cause(trace: &TraceRecord, cause: &str) -> Option<[u64; 2]> {
-    let Judgement::Closest(closest) = &trace.judgement else { return None };
-    let rays = closest.causes.get("footprint")?.get(cause).copied().unwrap_or(0);
-    Some([trace.count.saturating_sub(closest.left_out()), rays])
-}
-
-/// The same as a share of the rays of one trace.
+/// The share of a trace's rays that are wrong for a cause under `footprint`; of closest-hit sets alone.
 pub(super) fn share_of_cause(trace: &TraceRecord, cause: &str) -> Option<f64> {
-    share(of_cause(trace, cause)?)
+    share(of_cause(trace, "footprint", cause)?)
 }
 
 /// Rays that count, and of them those wrongly missed, under `footprint`; of closest-hit sets alone.
 fn missed(trace: &TraceRecord) -> Option<[u64; 2]> {
-    let Judgement::Closest(closest) = &trace.judgement else { return None };
-    Some([trace.count.saturating_sub(closest.left_out()), closest.classes.footprint.false_miss])
+    counted(trace, |closest| Some(closest.classes.footprint.false_miss))
 }
 
 /// The same as a share of the rays of one trace.

@@ -1,9 +1,9 @@
 //! Table 5: reflections in the cube.
 
-use super::{OFF_VIEW, of_cause};
+use super::OFF_VIEW;
 use crate::papers::estimate::Estimate;
 use crate::papers::quantity::{IN_A_MILLION, Quantity, of_scene, timed_of_scene};
-use crate::papers::rows::{SceneRows, beyond};
+use crate::papers::rows::{SceneRows, beyond, of_cause};
 use crate::papers::wkp15::row;
 
 pub(super) const QUANTITIES: &[Quantity] = &[
@@ -36,5 +36,5 @@ fn second_layer_time(scene: &SceneRows<'_>) -> Option<Estimate> {
 /// Rays in a million whose true hit no view holds with one view beyond those with six faces; two layers, all reflections.
 fn one_view_off_view_beyond_cube(scene: &SceneRows<'_>) -> Option<f64> {
     let [one, six] = ["frame", "six"].map(|views| row(scene, &[("layers", "2"), ("views", views)]));
-    beyond(one?, six?, |trace| of_cause(trace, OFF_VIEW))
+    beyond(one?, six?, |trace| of_cause(trace, "footprint", OFF_VIEW))
 }

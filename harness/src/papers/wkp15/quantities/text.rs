@@ -3,7 +3,7 @@
 use super::{NODES, SAMPLES, missed, share_asking_second};
 use crate::papers::estimate::Estimate;
 use crate::papers::quantity::{IN_A_MILLION, PERCENT, Quantity, least, of_scene, timed_of_scene, timed_of_scenes};
-use crate::papers::rows::{SceneRows, beyond, footprint, has, per_ray, trace};
+use crate::papers::rows::{self, SceneRows, beyond, footprint, has, per_ray, trace};
 use crate::papers::times::{rank_correlation, ratio, traced};
 use crate::papers::wkp15::{DDA, QUADTREE, experiments, row};
 use crate::results::{Judgement, Timed, TracerRun};
@@ -55,13 +55,7 @@ fn without_stack_saves(scene: &SceneRows<'_>) -> Option<Estimate> {
 /// The share of ray sets that have the same hits with another value of a parameter.
 fn same_hits(scene: &SceneRows<'_>, other: (&str, &str)) -> Option<f64> {
     let scene = near(scene);
-    let (one, other) = (row(&scene, &[])?, row(&scene, &[other])?);
-    let same = one.traces.iter().filter_map(|own| {
-        let theirs = trace(other, &own.rays).filter(|theirs| theirs.rays_sha256 == own.rays_sha256)?;
-        Some(theirs.hits_sha256 == own.hits_sha256)
-    });
-    let same: Vec<bool> = same.collect();
-    (!same.is_empty()).then(|| same.iter().filter(|same| **same).count() as f64 / same.len() as f64)
+    rows::same_hits(row(&scene, &[])?, row(&scene, &[other])?)
 }
 
 /// Time through every layer over that where the first tells whether to go on, two layers.

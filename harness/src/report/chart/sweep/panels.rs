@@ -1,5 +1,6 @@
 //! What the panels of a sweep's chart show, taken from its views.
 
+use itertools::Itertools as _;
 use tracebench_api::{ClockKind, Query};
 
 use super::super::axis::log_range;
@@ -90,14 +91,9 @@ pub(super) fn speed(view: &View<'_>, values: &Values, styles: &[Style]) -> Panel
 
 /// The clocks of what a panel shows.
 fn clock_names(view: &View<'_>, clock: impl Fn(&TracerRun, &TraceRecord) -> ClockKind) -> String {
-    let mut names: Vec<&str> = Vec::new();
-    for (run, trace) in view.curves.iter().flat_map(|curve| &curve.cells).filter_map(|cell| cell.measured) {
-        let name = format::clock(clock(run, trace));
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
-    if names.is_empty() { "nothing timed".to_owned() } else { names.join(" / ") }
+    let measured = view.curves.iter().flat_map(|curve| &curve.cells).filter_map(|cell| cell.measured);
+    let names = measured.map(|(run, trace)| format::clock(clock(run, trace))).unique().join(" / ");
+    if names.is_empty() { "nothing timed".to_owned() } else { names }
 }
 
 /// Errors by several rules, with a style each, of a view with one curve.
