@@ -1,5 +1,8 @@
 //! Hashes as text.
 
+use std::fs::File;
+use std::path::Path;
+
 use sha2::{Digest, Sha256};
 
 /// Lower-case hexadecimal digits.
@@ -9,6 +12,16 @@ pub fn hex(bytes: &[u8]) -> String {
         let _ = write!(text, "{byte:02x}");
         text
     })
+}
+
+/// SHA-256 of a regular file; `None` of anything else, and of what cannot be read.
+pub fn sha256_of_file(path: &Path) -> Option<String> {
+    // Opening a pipe would wait for who writes to it.
+    let is_file = path.metadata().is_ok_and(|found| found.is_file());
+    let mut file = is_file.then(|| File::open(path).ok()).flatten()?;
+    let mut hasher = Sha256::new();
+    std::io::copy(&mut file, &mut hasher).ok()?;
+    Some(hex(&hasher.finalize()))
 }
 
 /// SHA-256 of a slice of plain data, in memory order (little-endian on every supported machine).

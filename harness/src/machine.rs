@@ -64,8 +64,8 @@ fn host_name() -> String {
 
 /// Hash of the running program's file; empty if it cannot be read.
 pub fn program_sha256() -> String {
-    let program = std::env::current_exe().and_then(std::fs::read).unwrap_or_default();
-    if program.is_empty() { String::new() } else { crate::hash::sha256_of(&program) }
+    let program = std::env::current_exe().ok();
+    program.and_then(|path| crate::hash::sha256_of_file(&path)).unwrap_or_default()
 }
 
 /// Looks at this machine, and at the device that is used.

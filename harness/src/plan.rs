@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde_json::json;
 use tracebench_api::{EndPoint, ParameterError, ParameterScope, Parameters, Preset, Value};
 
-use crate::hash::sha256_of;
+use crate::hash::sha256_of_file;
 use crate::machine;
 use crate::rays::RaySet;
 use crate::registry::Registration;
@@ -253,7 +253,7 @@ impl Plan {
     pub fn describe(&self) -> serde_json::Value {
         let file = |source: &SceneSource| match source {
             SceneSource::Catalogue(_) => None,
-            SceneSource::File { path, .. } => std::fs::read(path).ok().map(|bytes| sha256_of(&bytes)),
+            SceneSource::File { path, .. } => sha256_of_file(path),
         };
         let tracer = |request: &TracerRequest| {
             let resolution = request.resolution.map(|of| (of.frame, of.face));

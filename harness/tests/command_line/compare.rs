@@ -109,6 +109,9 @@ fn planted_changes_are_found() {
         let verdict = &mut run["runs"][0]["traces"][0]["judgement"];
         verdict["agreement"]["tight"] = json!(0.5);
         verdict["interval"]["tight"] = json!([0.45, 0.55]);
+        let classes = &mut verdict["classes"]["tight"];
+        let all = ["true_hit", "true_miss"].map(|name| classes[name].as_u64().unwrap()).iter().sum::<u64>();
+        *classes = json!({ "true_hit": all / 2, "true_miss": 0, "false_hit": 0, "false_miss": 0, "early": all / 2, "late": 0 });
     };
     let outcome = held(&lost, &["--fail-on-regression"]);
     assert!(outcome.status == 1 && outcome.stderr.contains("less accurate by tight"), "{outcome:?}");
