@@ -1,6 +1,7 @@
 //! Hashes as text.
 
 use std::fs::File;
+use std::io::{BufRead as _, BufReader};
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
@@ -18,10 +19,17 @@ pub fn hex(bytes: &[u8]) -> String {
 pub fn sha256_of_file(path: &Path) -> Option<String> {
     // Opening a pipe would wait for who writes to it.
     let is_file = path.metadata().is_ok_and(|found| found.is_file());
-    let mut file = is_file.then(|| File::open(path).ok()).flatten()?;
+    let mut file = BufReader::new(is_file.then(|| File::open(path).ok()).flatten()?);
     let mut hasher = Sha256::new();
-    std::io::copy(&mut file, &mut hasher).ok()?;
-    Some(hex(&hasher.finalize()))
+    loop {
+        let part = file.fill_buf().ok()?;
+        if part.is_empty() {
+            return Some(hex(&hasher.finalize()));
+        }
+        hasher.update(part);
+        let read = part.len();
+        file.consume(read);
+    }
 }
 
 /// SHA-256 of a slice of plain data, in memory order (little-endian on every supported machine).
