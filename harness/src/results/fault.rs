@@ -5,11 +5,17 @@ use serde_json::Deserializer;
 use tracebench_api::Query;
 
 use super::values::Checked;
-use super::{Classes, Judgement, RaceRecord, Run, Times, TraceRecord, TracerRun};
+use super::{
+    Classes, Judgement, Percentiles, Provenance, RULES_VERSION, RaceRecord, Run, Times, TraceRecord, TracerRun,
+    TrueCounts,
+};
 use crate::statistics::median;
 
 /// A field, whether its rule holds, and the rule.
 type Rule = (&'static str, bool, &'static str);
+
+/// Contenders whose score is known beforehand: a record has rows of all of them, whatever it says.
+pub const CONTROL_NAMES: [&str; 4] = ["oracle", "always-miss", "always-hit", "corrupted"];
 
 /// What figures may be off by that are made of others, a share.
 const ROUNDING: f64 = 1e-9;
@@ -32,6 +38,15 @@ impl Run {
 
     /// Whether it can be of a run; else which field is not as it must be.
     fn check(&self) -> Result<(), String> {
+        let Provenance { rules_version, .. } = self.provenance;
+        let asked = |name: &&str| self.control_names.iter().any(|one| one == name);
+        all(
+            "",
+            [
+                ("rules_version", rules_version <= RULES_VERSION, "that of this program or less: take a newer program"),
+                ("control_names", rules_version == 0 || CONTROL_NAMES.iter().all(|name| asked(&name)), "all controls"),
+            ],
+        )?;
         // Of a shard another one may have all rows; where cases were asked, a tracer may have been there for none.
         let may_be_empty = self.provenance.shard.is_some() || self.cases.is_some();
         all("", [("runs", may_be_empty || !self.runs.is_empty(), "filled: it has no rows")])?;
@@ -88,6 +103,8 @@ impl Run {
         let race = times.race.map(|race| self.races.get(race as usize));
         // Records of before races were told of have none.
         let rounds = race.flatten().map_or(0, |race| race.orders.len());
+        let ticks = race.flatten().and_then(|race| race.clock_ticks.as_ref());
+        let too_coarse = ticks.is_some_and(|ticks| ticks.too_coarse(times).is_some());
         let inside = (low - ROUNDING..=high + ROUNDING).contains(&times.median_ms);
         all(
             at,
@@ -96,7 +113,8 @@ impl Run {
                 ("interval_ms", samples == 0 || inside, "an interval with `median_ms` in it"),
                 ("submit_to_done_median_ms", by_host, "the median of `submit_to_done_samples_ms`"),
                 ("submit_to_done_samples_ms", submissions == 0 || submissions == samples, "as many as `samples_ms`"),
-                ("race", race != Some(None) || self.races.is_empty(), "the place of one of `races`"),
+                ("race", race != Some(None), "the place of one of `races`"),
+                ("void", !too_coarse || times.void.is_some(), "said: its times are below 20 ticks of their clock"),
                 ("samples_ms", rounds == 0 || samples <= rounds, "no more than its race has rounds"),
                 ("grown_samples", times.grown_samples <= samples as u64, "no more than `samples_ms`"),
             ],
@@ -147,7 +165,14 @@ fn trace_is_sound(at: &str, trace: &TraceRecord) -> Result<(), String> {
     let (ties, wrong_rays) = match &trace.judgement {
         Judgement::Closest(judged) => {
             let (share, within) = (&judged.agreement, &judged.interval);
-            let curve = judged.curve.iter().all(|[_, share]| (0.0..=1.0).contains(share));
+            let curve = judged.curve.iter().all(|[_, share]| (0.0..=1.0).contains(share))
+                && judged.curve.is_sorted_by(|[_, one], [_, other]| one <= other);
+            let Percentiles { p50, p95, p99 } = judged.position_error;
+            let errors: Vec<f64> = [p50, p95, p99].into_iter().flatten().collect();
+            let of_truth = |truth: &TrueCounts| {
+                let ambiguous = truth.ambiguous_hits + truth.ambiguous_misses;
+                ambiguous == judged.ties && truth.hits + truth.misses + ambiguous == *count
+            };
             let of = |classes: &Classes, wrong: u64, share: Option<f64>| {
                 share.is_none_or(|share| (1.0 - share - wrong as f64 / classes.all() as f64).abs() <= ROUNDING)
             };
@@ -156,7 +181,9 @@ fn trace_is_sound(at: &str, trace: &TraceRecord) -> Result<(), String> {
                 ("agreement.hit_miss", holds(within.hit_miss, share.hit_miss), "in its interval"),
                 ("agreement.tight", holds(within.tight, share.tight), "in its interval"),
                 ("agreement.footprint", holds(within.footprint, share.footprint), "in its interval"),
-                ("curve", curve, "pairs of a tolerance and a share"),
+                ("curve", curve, "pairs of a tolerance and a share that does not fall"),
+                ("position_error", errors.is_sorted(), "percentiles that rise"),
+                ("truth", judged.truth.as_ref().is_none_or(of_truth), "of `count` rays, `ties` of them ambiguous"),
                 ("agreement.tight", of(tight, tight.wrong(), share.tight), "that of its `classes`"),
                 ("agreement.footprint", of(footprint, footprint.wrong(), share.footprint), "that of its `classes`"),
                 (
@@ -245,8 +272,23 @@ mod tests {
             assert_eq!(refusal(whole), "");
         }
         let trace = |rest: &str| format!("/runs/0/traces/0{rest}");
-        let changes: [(&Value, &str, Value, &str); 34] = [
+        let changes: [(&Value, &str, Value, &str); 39] = [
             (&plain, "/runs", json!([]), "`runs` must be filled: it has no rows"),
+            (&plain, "/rules_version", json!(99), "`rules_version` must be that of this program or less"),
+            (&plain, "/control_names", json!(["oracle"]), "`control_names` must be all controls"),
+            (&plain, "/races", json!([]), "race` must be the place of one of `races`"),
+            (
+                &plain,
+                &trace("/judgement/position_error/p50"),
+                json!(1e9),
+                "position_error` must be percentiles that rise",
+            ),
+            (
+                &plain,
+                &trace("/judgement/curve/1/1"),
+                json!(0.1),
+                "curve` must be pairs of a tolerance and a share that",
+            ),
             (&plain, "/control_names", json!([]), "`control_names` is empty and must be filled"),
             (&plain, &trace("/count"), json!(-3), "`runs[0].traces[0].count` is -3 and must be 0 or more"),
             (&plain, &trace("/count"), json!(0), "`runs[0].traces[0].count` must be 1 or more"),

@@ -39,6 +39,7 @@ pub use cases::{
 pub use explanation::{
     Explained, ExplanationRecord, GIVEN_UP, MOST_UNEXPLAINED, RemedyRecord, SceneExplained, UNEXPLAINED,
 };
+pub use fault::CONTROL_NAMES;
 pub use judgement::{
     AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Headline, Judgement, NO_RAY_HITS, NO_RAY_MISSES,
     OCCLUSION, Occlusion, Percentiles, PieceDistance, Rule, SurfaceDistance, SurfaceJudgement, TrueCounts, WrongRay,
