@@ -44,7 +44,7 @@ impl Run {
             "",
             [
                 ("rules_version", rules_version <= RULES_VERSION, "that of this program or less: take a newer program"),
-                ("control_names", rules_version == 0 || CONTROL_NAMES.iter().all(|name| asked(&name)), "all controls"),
+                ("control_names", rules_version == 0 || CONTROL_NAMES.iter().all(asked), "all controls"),
             ],
         )?;
         // Of a shard another one may have all rows; where cases were asked, a tracer may have been there for none.
