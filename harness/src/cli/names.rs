@@ -79,7 +79,7 @@ fn tell_apart(sources: &mut [SceneSource]) {
         sources.iter().enumerate().map(end).collect::<Vec<String>>()
     };
     let longest = sources.iter().map(|source| Path::new(&source.to_string()).iter().count()).max().unwrap_or(0);
-    let different = |names: &Vec<String>| names.iter().enumerate().all(|(at, name)| !names[..at].contains(name));
+    let different = |names: &Vec<String>| names.iter().all_unique();
     // Of paths that differ in nothing but in what is no text all keep their names.
     let Some(ends) = (1..=longest).map(ends).find(different) else { return };
     for (source, end) in sources.iter_mut().zip(ends) {

@@ -237,3 +237,24 @@ fn documents_are_edited_in_place() {
     }
     assert_eq!(names(folder.path()).len(), if cfg!(unix) { 2 } else { 1 });
 }
+
+/// Proves that every list in results/ has each file beside it as it is, the record too: else it could not be measured over.
+#[test]
+fn committed_lists_are_true() {
+    let below =
+        |folder: &Path| -> Vec<_> { fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect() };
+    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("../results")];
+    let mut lists = 0;
+    while let Some(folder) = folders.pop() {
+        let (inner, files): (Vec<_>, Vec<_>) = below(&folder).into_iter().partition(|path| path.is_dir());
+        folders.extend(inner);
+        let Ok(list) = fs::read_to_string(folder.join(LIST)) else { continue };
+        lists += 1;
+        for path in files.iter().filter(|path| !path.ends_with(LIST)) {
+            let name = path.file_name().unwrap().to_str().unwrap();
+            let line = format!("{}  {name}", sha256_of(&fs::read(path).unwrap()));
+            assert!(list.lines().any(|one| one == line), "{}", path.display());
+        }
+    }
+    assert!(lists >= 3, "{lists}");
+}

@@ -10,13 +10,13 @@ use tracebench_api::{
 };
 use tracebench_scenes::CameraPath;
 
-use crate::judge::{Class, Judge, JudgeError, Rule, WRONG_RAYS_PER_CAUSE};
+use crate::judge::{Class, Judge, JudgeError, Rule, WRONG_RAYS_PER_CAUSE, true_counts};
 use crate::measure::controls::{Control, KnownAnswers};
 use crate::measure::place::Told;
 use crate::measure::{BuildSample, Contender};
 use crate::progress::Progress;
 use crate::rays::{self, Made, Pixel, RayError, RayParameters, RayScene, RaySet, Starts};
-use crate::results::{Judgement, NO_RAY_HITS, NO_RAY_MISSES, OCCLUSION, Skipped, SurfaceJudgement};
+use crate::results::{Judgement, OCCLUSION, Skipped, SurfaceJudgement, TrueCounts, one_sided};
 use crate::truth::{Answer, Cache, Truth, TruthError};
 
 /// Why a scene could not be measured.
@@ -102,17 +102,6 @@ pub struct RayRequest<'a> {
     pub mirrors: &'a [bool],
 }
 
-/// Why shares of right answers to a query say nothing; as [`crate::results::Judgement::one_sided`].
-fn one_sided(query: Query, answers: &[Answer]) -> Option<&'static str> {
-    let judged = || answers.iter().filter(|answer| query == Query::Closest || !answer.is_ambiguous());
-    let hits = judged().filter(|answer| answer.hit.is_some()).count();
-    match judged().count() - hits {
-        1.. if hits == 0 => Some(NO_RAY_HITS),
-        0 if hits > 0 && query == Query::Any => Some(NO_RAY_MISSES),
-        _ => None,
-    }
-}
-
 impl Session {
     /// Makes the rays, uploads them and tells their truth. `scene_name` is for messages.
     ///
@@ -164,7 +153,9 @@ impl Session {
             } else {
                 Arc::new(truth.answer(&rays, set.query, cache, progress)?)
             };
-            if let Some(why) = one_sided(set.query, &answers) {
+            let TrueCounts { hits, misses, ambiguous_hits, ambiguous_misses, .. } = true_counts(&answers);
+            let [may_hit, may_miss] = if set.query == Query::Any { [0; 2] } else { [ambiguous_hits, ambiguous_misses] };
+            if let Some(why) = one_sided(set.query, hits + may_hit, misses + may_miss) {
                 progress.say(&format!("  warning: rays {}: {why}, so shares of right answers say nothing", set.name));
             }
             prepared.push(PreparedRays { pixels, ..PreparedRays::new(*set, rays, answers, gpu.as_deref()) });

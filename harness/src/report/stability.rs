@@ -65,9 +65,9 @@ pub(super) fn knob_value(value: f64) -> String {
 }
 
 pub(super) fn page(stability: &Stability) -> String {
-    let Provenance { machine, commit, dirty, started, .. } = &stability.provenance;
+    let Provenance { machine, commit, dirty, started, rules_version, .. } = &stability.provenance;
     let mut text = format!(
-        "# Stability\n\n{started}, commit {}. Machine: {}.\n\n![Wrong rays over strength](error_vs_strength.svg)\n\n{}",
+        "# Stability\n\n{started}, commit {}, rules version {rules_version}. Machine: {}.\n\n![Wrong rays over strength](error_vs_strength.svg)\n\n{}",
         format::commit(commit, *dirty),
         machine.label(),
         matrix(stability)

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Deserializer, Serialize, de};
+use tracebench_api::Query;
 
 use crate::statistics::percentile;
 
@@ -96,11 +97,7 @@ impl Judgement {
                 (of.true_occluded + of.false_free, of.true_free + of.false_occluded)
             }
         };
-        match (hits, misses, self) {
-            (0, 1.., _) => Some(NO_RAY_HITS),
-            (1.., 0, Self::Any(_)) => Some(NO_RAY_MISSES),
-            _ => None,
-        }
+        one_sided(if matches!(self, Self::Any(_)) { Query::Any } else { Query::Closest }, hits, misses)
     }
 
     /// Why rays are wrong.
@@ -112,11 +109,14 @@ impl Judgement {
     }
 }
 
-/// Of rays that all miss.
-pub const NO_RAY_HITS: &str = "no ray hits anything";
-
-/// Of any-hit rays that all hit.
-pub const NO_RAY_MISSES: &str = "no ray misses everything";
+/// As [`Judgement::one_sided`], of so many rays that hit and that miss.
+pub(crate) fn one_sided(query: Query, hits: u64, misses: u64) -> Option<&'static str> {
+    match (hits, misses) {
+        (0, 1..) => Some("no ray hits anything"),
+        (1.., 0) if query == Query::Any => Some("no ray misses everything"),
+        _ => None,
+    }
+}
 
 /// What the causes of an any-hit set stand under, which has no rules.
 pub const OCCLUSION: &str = "occlusion";

@@ -40,9 +40,10 @@ pub use explanation::{
     Explained, ExplanationRecord, GIVEN_UP, MOST_UNEXPLAINED, RemedyRecord, SceneExplained, UNEXPLAINED,
 };
 pub use fault::CONTROL_NAMES;
+pub(crate) use judgement::one_sided;
 pub use judgement::{
-    AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Headline, Judgement, NO_RAY_HITS, NO_RAY_MISSES,
-    OCCLUSION, Occlusion, Percentiles, PieceDistance, Rule, SurfaceDistance, SurfaceJudgement, TrueCounts, WrongRay,
+    AnyJudgement, ByRule, Causes, Classes, ClosestJudgement, Headline, Judgement, OCCLUSION, Occlusion, Percentiles,
+    PieceDistance, Rule, SurfaceDistance, SurfaceJudgement, TrueCounts, WrongRay,
 };
 pub use key::{same_place, same_pose, same_rays, same_work};
 pub use means::{AtMeans, MARGIN, Means, MeansRecord, ProbeRecord, RAYS_PER_LANE, READS, at_means};
