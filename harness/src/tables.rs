@@ -8,7 +8,7 @@ use crate::files::OutputFolder;
 use crate::means;
 use crate::papers::{self, Experiment, PAPERS, Paper};
 use crate::peers::{self, Subject, TABLES};
-use crate::report::{self, ReportError};
+use crate::report::{self, Report, ReportError};
 use crate::results::Run;
 
 /// A table.
@@ -89,23 +89,23 @@ impl Table {
         }
     }
 
-    /// Its files over a run: name and contents.
-    fn files(self, run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
-        match self {
-            Self::Peers(table) => report::peers::files(table, run),
-            Self::Paper(paper, experiment) => papers::files(paper, experiment, run),
-            Self::Means => report::means::files(run),
-            Self::Ablation(ablation) => report::ablation::files(ablation, run),
-        }
+    /// It over a run.
+    fn report(self, run: &Run) -> Result<Report, ReportError> {
+        Ok(match self {
+            Self::Peers(table) => report::peers::report(table, run),
+            Self::Paper(paper, experiment) => papers::report(paper, experiment, run)?,
+            Self::Means => report::means::report(run),
+            Self::Ablation(ablation) => report::ablation::report(ablation, run),
+        })
     }
 }
 
-/// The files of the table that a run was made for, as [`report::Tables`].
+/// The table that a run was made for, as [`report::Tables`].
 ///
 /// # Errors
 /// If a chart cannot be drawn.
-pub fn of_run(run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
-    run.table.as_deref().and_then(Table::find).map_or_else(|| Ok(Vec::new()), |table| table.files(run))
+pub fn of_run(run: &Run) -> Result<Report, ReportError> {
+    run.table.as_deref().and_then(Table::find).map_or_else(|| Ok(Report::default()), |table| table.report(run))
 }
 
 /// Writes a table over a run that was made for it, or for no table, and gives the paths.
@@ -122,15 +122,15 @@ pub fn write(table: Table, run: &Run, folder: &OutputFolder) -> Result<Vec<PathB
             table.name()
         )));
     }
-    let contents = match (table.is_moving(), &run.updates) {
+    let report = match (table.is_moving(), &run.updates) {
         (true, _) => report::of_updates(run)?,
         (false, None) if !run.runs.iter().any(|one| table.holds(&one.tracer.name)) => {
             return Err(made("no tracer of this run belongs into it"));
         }
         (false, Some(_)) => return Err(made("the run follows animations")),
-        (false, None) => table.files(run)?,
+        (false, None) => table.report(run)?,
     };
-    report::write_all(&contents, folder)
+    report::write_all(&report.contents()?, folder)
 }
 
 #[cfg(test)]
@@ -162,12 +162,12 @@ mod tests {
     #[test]
     fn tables_are_made_of_runs() {
         let run = fixture::typical();
-        assert!(of_run(&run).unwrap().is_empty());
+        assert!(of_run(&run).unwrap().contents().unwrap().is_empty());
         let folder = TempDir::new().unwrap();
         let bvh = Table::find("bvh").unwrap();
         let folder = OutputFolder::open(folder.path()).unwrap();
         let paths = write(bvh, &run, &folder).unwrap();
-        let made = of_run(&Run { table: Some("bvh".to_owned()), ..run.clone() }).unwrap();
+        let made = of_run(&Run { table: Some("bvh".to_owned()), ..run.clone() }).unwrap().contents().unwrap();
         assert_eq!(paths.len(), made.len());
         for (path, (name, contents)) in paths.iter().zip(&made) {
             assert!(path.ends_with(name) && std::fs::read(path).unwrap() == *contents, "{name} differs");

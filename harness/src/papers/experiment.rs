@@ -7,6 +7,7 @@ use crate::plan::{Plan, RunPreset, TracerRequest};
 use crate::rays::{MOST_RAYS, ray_parameters};
 use crate::registry;
 use crate::report::chart::series::SeriesChart;
+use crate::report::document::Document;
 use crate::results::SceneRecord;
 
 /// A paper's table or figure, measured here.
@@ -40,7 +41,7 @@ pub struct Experiment {
 }
 
 /// Makes a section of a page, in Markdown.
-pub(crate) type Section = fn(&Page<'_>) -> String;
+pub(crate) type Section = fn(&Page<'_>) -> Document;
 
 /// Makes charts of a page.
 pub(crate) type Charts = fn(&Page<'_>) -> Vec<SeriesChart>;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use tracebench_api::{ClockKind, MemoryEntry, Query};
 
-use super::{Paper, Rows, files, find};
+use super::{Paper, Rows, find, report};
 pub(super) use crate::report::fixture::{COUNT, Quality, race, run};
 use crate::results::{CounterRecord, Judgement, PhaseRecord, Run, Times, TraceRecord, TracerRun};
 
@@ -117,7 +117,7 @@ pub(super) fn close(found: f64, expected: f64) {
 /// The page of an experiment over a run.
 pub(super) fn page_of(name: &str, run: &Run) -> String {
     let (paper, experiment) = find(name).unwrap();
-    let files = files(paper, experiment, run).unwrap();
+    let files = report(paper, experiment, run).unwrap().contents().unwrap();
     let own = format!("table_{}.md", name.replace('-', "_"));
     let page = files.into_iter().find(|(file, _)| *file == own).unwrap();
     String::from_utf8(page.1).unwrap()

@@ -30,7 +30,7 @@ pub use claims::{Claim, Decision, Over, Rule, Test};
 pub use duration::Duration;
 pub use estimate::Estimate;
 pub use experiment::{Experiment, Part, Row, StandIn, Step, TooManyRays};
-pub(crate) use page::files;
+pub(crate) use page::report;
 pub use page::{claims_files, claims_of, claims_text};
 pub(crate) use part::PART_SETTINGS;
 pub use published::{Publication, Published, PublishedColumn, PublishedRow, PublishedTable, Setting};

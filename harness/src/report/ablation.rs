@@ -1,12 +1,11 @@
 //! The table of an ablation over one run: `table_NAME.md` and `table_NAME.csv`.
 
-use std::fmt::Write as _;
-
-use super::ReportError;
-use super::group::{Group, RaySet, Role, TracedRow, groups, sections, traced_rows};
+use super::Report;
+use super::document::Document;
+use super::group::{Group, RaySet, TracedRow, groups, sections, traced, traced_rows};
 use super::metrics::{COUNT, SPEED};
 use super::peers::stem;
-use super::sheet::{Cell, Column, Sheet};
+use super::sheet::{Cell, Column, Sheet, Table};
 use super::{cells, metrics, summary};
 use crate::ablation::peer;
 use crate::contenders::Ablation;
@@ -15,16 +14,13 @@ use crate::results::{Ratio, Run, TracerRun};
 /// Statistics of structures that have columns of their own.
 const STATISTICS: [&str; 2] = ["references", "nodes"];
 
-/// The files: name and contents.
-pub(crate) fn files(ablation: &Ablation, run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+/// The table.
+pub(crate) fn report(ablation: &Ablation, run: &Run) -> Report {
     let mut run = run.clone();
     run.runs.retain(|row| ablation.holds(&row.tracer.name));
     run.skipped.retain(|row| row.tracer.as_deref().is_none_or(|name| ablation.holds(name)));
     let groups = groups(&run);
-    let stem = stem(ablation.name);
-    let file = format!("{stem}.csv");
-    let rows = csv(&file, &run, &groups)?;
-    Ok(vec![(format!("{stem}.md"), page(ablation, &run, &groups).into_bytes()), (file, rows)])
+    Report::of_table(&stem(ablation.name), page(ablation, &run, &groups), csv(&run, &groups))
 }
 
 /// The rows that times are set against: the first one of the tracer, as published, and the peer.
@@ -40,24 +36,27 @@ fn speed_over(run: &Run, set: &RaySet<'_>, reference: Option<&TracerRun>, row: &
     set.paired(run, reference?, row)?.ratio
 }
 
-fn page(ablation: &Ablation, run: &Run, groups: &[Group<'_>]) -> String {
-    let mut text = summary::head(run, &format!("Table {}: {}", ablation.name, ablation.summary));
+fn page(ablation: &Ablation, run: &Run, groups: &[Group<'_>]) -> Document {
     let name = peer().map_or("", |peer| peer.name());
-    let _ = writeln!(
-        text,
-        "\nRows are one switch after the other from the published form on, then the improved form, and that with single switches taken \
+    let how = format!(
+        "Rows are one switch after the other from the published form on, then the improved form, and that with single switches taken \
          back. × first and × {name} are how many times as fast a row is as the first one, and as {name} as published, in the same run."
     );
-    text + &sections(run, groups, structures, |group, set| traces(run, group, set))
+    summary::head(run, &format!("Table {}: {}", ablation.name, ablation.summary)).words(how).and(sections(
+        run,
+        groups,
+        structures,
+        |group, set| traces(run, group, set),
+    ))
 }
 
-fn structures(group: &Group<'_>) -> String {
+fn structures(group: &Group<'_>) -> Table {
     let sheet = Sheet::<&TracerRun>::new()
-        .told("row", |row| row.label())
+        .told("tracer", |row| row.label())
         .build(|row| Some(row))
         .then(|sheet| statistics(sheet, |row| row))
         .build_phases("phases of the build (ms)", ", ", |row| row);
-    sheet.markdown(&group.contenders)
+    sheet.table(&group.contenders)
 }
 
 /// Statistics of structures.
@@ -69,28 +68,18 @@ fn statistics<'a, R>(sheet: Sheet<'a, R>, of: impl Fn(&R) -> &TracerRun + Copy +
     sheet.with(STATISTICS.map(column).into())
 }
 
-fn traces(run: &Run, group: &Group<'_>, set: &RaySet<'_>) -> String {
-    let all = group.traces(set);
-    let rows: Vec<_> = all.iter().filter(|(role, ..)| *role == Role::Contender).copied().collect();
+fn traces(run: &Run, group: &Group<'_>, set: &RaySet<'_>) -> Document {
     let references = references(group);
     let over = |place: usize| {
         // A ratio is a speed: never without its accuracy.
-        move |(_, row, trace): &cells::Row<'_>| {
-            speed_over(run, set, references[place], row).filter(|_| metrics::judged(trace))
-        }
+        let reference = references[place];
+        move |(_, row, trace): &cells::Row<'_>| speed_over(run, set, reference, row).filter(|_| metrics::judged(trace))
     };
     let name = peer().map_or("", |peer| peer.name());
-    let sheet = Sheet::<cells::Row<'_>>::new()
-        .told("row", |(_, row, _)| row.label())
-        .taken(SPEED, cells::own)
-        .told("× first ↑", over(0))
-        .told(format!("× {name} ↑"), over(1))
-        .right(set.query, cells::own)
-        .counted(&rows, cells::own);
-    format!("\n### {}\n{}\n{}", set.heading(), cells::coverage(&all), sheet.markdown(&rows))
+    cells::traces(group, set, |sheet| sheet.told("× first ↑", over(0)).told(format!("× {name} ↑"), over(1)))
 }
 
-fn csv(file: &str, run: &Run, groups: &[Group<'_>]) -> Result<Vec<u8>, ReportError> {
+fn csv(run: &Run, groups: &[Group<'_>]) -> Table {
     let over = |place: usize| {
         move |row: &TracedRow<'_>| {
             speed_over(run, row.set, references(row.group)[place], row.row).map(|ratio| ratio.value)
@@ -108,10 +97,6 @@ fn csv(file: &str, run: &Run, groups: &[Group<'_>]) -> Result<Vec<u8>, ReportErr
         .trace(SPEED, |row| Some(row.trace))
         .column("speed_over_first", over(0))
         .column("speed_over_peer", over(1))
-        .accuracy(|row| Some(row.trace))
-        .hits(|row| Some(row.trace))
-        .commit(&run.provenance)
-        .machine_of(&run.provenance, |row| row.row)
-        .counters(&run.runs, |row| Some(&row.trace.counters));
-    sheet.csv(file, &traced_rows(groups))
+        .then(|sheet| traced(sheet, run));
+    sheet.table(&traced_rows(groups))
 }

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use tracebench_api::Query;
 
+use super::document::Document;
 use super::format::{significant, statistic, thousands};
-use super::group::Role;
-use super::metrics::{Better, Metric, headed, judged};
+use super::group::{Group, RaySet, Role};
+use super::metrics::{Better, Metric, SPEED, headed, judged};
 use super::sheet::{Cell, Column, Sheet};
 use crate::results::{CounterRecord, TraceRecord, TracerRun};
 
@@ -56,6 +57,19 @@ impl<'a, R> Sheet<'a, R> {
     }
 }
 
+/// The traces of contenders over a ray set below its heading: tracer, clock, speed, what further columns tell, accuracy and counters.
+pub(super) fn traces<'a>(
+    group: &'a Group<'_>,
+    set: &'a RaySet<'_>,
+    further: impl FnOnce(Sheet<'a, Row<'a>>) -> Sheet<'a, Row<'a>>,
+) -> Document {
+    let all = group.traces(set);
+    let rows: Vec<Row<'_>> = all.iter().copied().filter(contends).collect();
+    let sheet =
+        further(Sheet::new().name(own).own_clock(own).taken(SPEED, own)).right(set.query, own).counted(&rows, own);
+    set.headed(3, "").words(coverage(&all)).table(sheet.table(&rows))
+}
+
 fn contends((role, ..): &Row<'_>) -> bool {
     *role == Role::Contender
 }
@@ -74,7 +88,7 @@ pub(crate) fn coverage(rows: &[Row<'_>]) -> String {
     }
     let share = |share: f64| format!("{:.1} %", share * 100.0);
     let range = if low == high { share(low) } else { format!("{} to {}", share(low), share(high)) };
-    format!("\nAt least {samples} samples a row; the intervals of times cover the median with {range}.\n")
+    format!("At least {samples} samples a row; the intervals of times cover the median with {range}.")
 }
 
 /// How much of what a structure stores a set of rays touched: the count, and the share where the structure says how many of

@@ -1,47 +1,41 @@
 //! A comparison of two runs as text.
 
-use std::fmt::Write as _;
-
+use super::document::Document;
 use super::format::{self, NONE, clock, optional, percent, significant, thousands};
-use super::markdown::inline;
-use super::sheet::{Cell, Sheet};
+use super::sheet::{Cell, Sheet, Table};
 use crate::compare::{Accuracy, BuildRow, Changes, Comparison, Key, Shift, Side, Speed, TraceRow};
 use crate::results::{LEAST_ROUNDS, Movement, Ratio};
 
 /// The whole comparison, as Markdown.
 pub fn comparison_text(comparison: &Comparison) -> String {
-    let mut text = "# Comparison of two runs\n\n".to_owned();
-    for (name, side) in [("A", &comparison.a), ("B", &comparison.b)] {
+    let side = |(name, side): (&str, &Side)| {
         let Side { path, started, machine, .. } = side;
-        let commit = format::commit(&side.commit, side.dirty);
-        let _ = writeln!(text, "- {name}: {}, {started}, commit {commit}, {}", inline(path), inline(machine));
-    }
-    for difference in &comparison.differences {
-        let _ = writeln!(text, "- **differs**, {}", inline(difference));
-    }
-    let _ = writeln!(
-        text,
-        "\nRatios are speed of B over speed of A: below 1 is slower. Intervals combine order statistics of both; what they \
+        format!("{name}: {path}, {started}, commit {}, {machine}", format::commit(&side.commit, side.dirty))
+    };
+    let sides = [("A", &comparison.a), ("B", &comparison.b)].map(side).into_iter();
+    let items = sides.chain(comparison.differences.iter().map(|difference| format!("**differs**, {difference}")));
+    let mut page = Document::titled("Comparison of two runs").and(items.map(|item| Document::default().item(item))).words(format!(
+        "Ratios are speed of B over speed of A: below 1 is slower. Intervals combine order statistics of both; what they \
          cover stands beside. A time moved if its interval excludes 1 and the slower takes more than {threshold} % longer; it is within \
          {threshold} % if the whole interval is; else it is undecided, as it is with fewer than {LEAST_ROUNDS} samples, with void \
          times, and where the fixed kernel tells of a machine that changed its speed. An accuracy moved if the 95 % intervals \
          are disjoint.",
         threshold = significant(comparison.threshold * 100.0, 3)
-    );
-    text += &moved(comparison);
+    ));
+    page = page.and(moved(comparison));
     if comparison.is_empty() {
-        text += "\nNothing stands in both runs.\n";
+        page = page.words("Nothing stands in both runs.");
     } else {
-        text += &builds(comparison);
-        text += &traces(comparison);
+        page = page.heading(2, "Builds").table(builds(comparison));
+        if !comparison.traces.is_empty() {
+            page = page.heading(2, "Traces").table(traces(comparison));
+        }
     }
-    for (name, keys) in [("A", &comparison.only_in_a), ("B", &comparison.only_in_b)] {
-        text += &only(name, keys);
-    }
-    text
+    page.and([("A", &comparison.only_in_a), ("B", &comparison.only_in_b)].map(|(name, keys)| only(name, keys)))
+        .markdown()
 }
 
-fn moved(comparison: &Comparison) -> String {
+fn moved(comparison: &Comparison) -> Document {
     let mut lines = Vec::new();
     for row in &comparison.builds {
         lines.extend(
@@ -65,20 +59,15 @@ fn moved(comparison: &Comparison) -> String {
     let builds = comparison.builds.iter().filter(exact).count();
     let changed = |row: &&TraceRow| !row.same_hits || !row.bytes.is_empty() || !row.counters.is_empty();
     let traces = comparison.traces.iter().filter(changed).count();
-    let mut text = "\n## Moved beyond noise\n\n".to_owned();
-    for line in &lines {
-        let _ = writeln!(text, "- {}", inline(line));
-    }
-    if lines.is_empty() {
-        text += "Nothing.\n";
-    }
-    let _ = writeln!(
-        text,
-        "\nExactly changed: {builds} of {} structures (bytes, statistics), {traces} of {} traces (answers, bytes, counters).",
-        comparison.builds.len(),
-        comparison.traces.len()
-    );
-    text
+    Document::default()
+        .heading(2, "Moved beyond noise")
+        .words(if lines.is_empty() { "Nothing." } else { "" })
+        .and(lines.into_iter().map(|line| Document::default().item(line)))
+        .words(format!(
+            "Exactly changed: {builds} of {} structures (bytes, statistics), {traces} of {} traces (answers, bytes, counters).",
+            comparison.builds.len(),
+            comparison.traces.len()
+        ))
 }
 
 fn movement(speed: &Speed) -> Option<String> {
@@ -122,7 +111,7 @@ fn changed(changes: &Changes) -> String {
     if changes.is_empty() { "same".to_owned() } else { changes.iter().map(each).collect::<Vec<_>>().join("; ") }
 }
 
-fn builds(comparison: &Comparison) -> String {
+fn builds(comparison: &Comparison) -> Table {
     let sheet = Sheet::<(&BuildRow, &str, &Speed)>::new()
         .told("scene", |(row, ..)| Cell::Name(row.key.scene.clone()))
         .told("tracer", |(row, ..)| row.key.tracer.clone())
@@ -132,10 +121,10 @@ fn builds(comparison: &Comparison) -> String {
         .told("structure", |(row, ..)| changed(&row.statistics));
     let of_row = |row| BuildRow::speeds(row).map(move |(what, speed)| (row, what, speed));
     let rows: Vec<_> = comparison.builds.iter().flat_map(of_row).collect();
-    format!("\n## Builds\n\n{}", sheet.markdown(&rows))
+    sheet.table(&rows)
 }
 
-fn traces(comparison: &Comparison) -> String {
+fn traces(comparison: &Comparison) -> Table {
     let sheet = Sheet::<TraceRow>::new()
         .told("scene", |row| Cell::Name(row.key.scene.clone()))
         .told("tracer", |row| row.key.tracer.clone())
@@ -146,7 +135,7 @@ fn traces(comparison: &Comparison) -> String {
         .told("answers", |row| if row.same_hits { "same" } else { "differ" })
         .told("counters, totals", |row| changed(&row.counters))
         .told("bytes", |row| changed(&row.bytes));
-    sheet.below("## Traces", &comparison.traces)
+    sheet.table(&comparison.traces)
 }
 
 fn accuracy(accuracy: &Accuracy) -> String {
@@ -166,17 +155,16 @@ fn accuracy(accuracy: &Accuracy) -> String {
     }
 }
 
-fn only(name: &str, keys: &[Key]) -> String {
+fn only(name: &str, keys: &[Key]) -> Document {
     if keys.is_empty() {
-        return String::new();
+        return Document::default();
     }
-    let mut text = format!("\n## Only in {name}\n\n");
-    for key in keys {
+    let item = |key: &Key| {
         let Key { scene_sha256, viewpoint, rays_sha256, .. } = key;
         let rays =
             rays_sha256.as_ref().map_or_else(String::new, |hash| format!(", rays {}", format::hash_prefix(hash)));
         let about = format!("scene {}{rays}, viewpoint {viewpoint}", format::hash_prefix(scene_sha256));
-        let _ = writeln!(text, "- {} ({})", inline(&key.sentence()), inline(&about));
-    }
-    text
+        Document::default().item(format!("{} ({about})", key.sentence()))
+    };
+    Document::default().heading(2, format!("Only in {name}")).and(keys.iter().map(item))
 }

@@ -2,24 +2,25 @@
 //! the measure that such a method is built for.
 
 use super::cells::Row;
+use super::document::Document;
 use super::format::significant;
 use super::group::Role;
 use super::metrics::{self, SURFACE_DISTANCE, WITHIN_OWN_TEXEL, WITHIN_TEXEL};
-use super::sheet::{Cell, Sheet};
+use super::sheet::{Cell, Sheet, Table};
 use crate::results::{PieceDistance, SurfaceDistance};
 
 /// Pieces of mesh that a table shows of each tracer.
 const SHOWN_PIECES: usize = 6;
 
 /// Every table; nothing where no tracer has texels of its own.
-pub(super) fn tables(rows: &[Row<'_>]) -> String {
+pub(super) fn tables(rows: &[Row<'_>]) -> Document {
     let told: Vec<(Row<'_>, &SurfaceDistance)> = rows
         .iter()
         .filter(|row| row.0 == Role::Contender)
         .filter_map(|row| Some((*row, metrics::distance(row.2)?)))
         .collect();
     if told.iter().all(|(_, told)| told.own_texel.is_none()) {
-        return String::new();
+        return Document::default();
     }
     let sheet = Sheet::<Told<'_>>::new()
         .name(|(row, _)| Some(*row))
@@ -29,19 +30,21 @@ pub(super) fn tables(rows: &[Row<'_>]) -> String {
         .told("its texel (scene units)", |(_, told)| told.own_texel.map(|texel| Cell::Number(texel, 3)))
         .trace(SURFACE_DISTANCE, |((.., trace), _)| Some(trace));
     let common = told.first().map_or(0.0, |(_, told)| told.common_texel);
-    format!(
-        "\nTold hits by their distance from the connected piece of mesh that is truly hit; a common texel is {} scene units:\n\n{}{}",
-        significant(common, 3),
-        sheet.markdown(&told),
-        pieces(&told)
-    )
+    let words = format!(
+        "Told hits by their distance from the connected piece of mesh that is truly hit; a common texel is {} scene units:",
+        significant(common, 3)
+    );
+    Document::of(words)
+        .table(sheet.table(&told))
+        .words("The pieces of mesh that most rays truly hit, and what is left without each:")
+        .table(pieces(&told))
 }
 
 /// A trace with how far its hits are off.
 type Told<'a> = (Row<'a>, &'a SurfaceDistance);
 
 /// The pieces that have the most rays, of tracers with texels of their own.
-fn pieces(told: &[Told<'_>]) -> String {
+fn pieces(told: &[Told<'_>]) -> Table {
     let mut rows: Vec<(Row<'_>, &SurfaceDistance, &PieceDistance)> = Vec::new();
     for (row, told) in told.iter().filter(|(_, told)| told.own_texel.is_some()) {
         rows.extend(told.pieces.iter().take(SHOWN_PIECES).map(|piece| (*row, *told, piece)));
@@ -66,8 +69,5 @@ fn pieces(told: &[Told<'_>]) -> String {
         .told("rays that hit other pieces ↑", move |(_, told, piece)| {
             share(within_others(told, piece), told.rays - piece.rays)
         });
-    format!(
-        "\nThe pieces of mesh that most rays truly hit, and what is left without each:\n\n{}",
-        sheet.markdown(&rows)
-    )
+    sheet.table(&rows)
 }

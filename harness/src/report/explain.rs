@@ -1,62 +1,64 @@
 //! `explain.md`: wrong rays by class and cause, from an explanation.
 
 use std::collections::BTreeSet;
-use std::fmt::Write as _;
 
-use super::format::{self, thousands};
-use super::markdown::{inline, literal};
-use super::sheet::{Cell, Column, Columns, Sheet};
-use super::summary;
+use super::document::Document;
+use super::format;
+use super::sheet::{Cell, Column, Columns, Sheet, Table};
+use super::{Report, ReportError, Tables, summary};
 use crate::results::{Explained, ExplanationRecord, MOST_UNEXPLAINED, RemedyRecord, Run, SceneExplained};
 
 /// The page's file.
 pub const EXPLAIN_PAGE: &str = "explain.md";
 
-/// The page.
+/// The page as Markdown.
 pub fn explanation_page(run: &Run, found: &ExplanationRecord) -> String {
+    page(run, found).markdown()
+}
+
+/// What is made of an explanation.
+pub(super) fn report(run: &Run, _: Tables) -> Result<Report, ReportError> {
+    let page = run.explanation.iter().map(|found| (EXPLAIN_PAGE.to_owned(), page(run, found)));
+    Ok(Report { pages: page.collect(), ..Report::default() })
+}
+
+/// The page.
+fn page(run: &Run, found: &ExplanationRecord) -> Document {
     let dirty = if run.provenance.dirty == Some(true) { ", changed tree" } else { "" };
-    let mut page = format!(
-        "# Why rays of {} are wrong\n\n{}\n\nCommit {}{dirty}, rules version {}, {}, run preset {}, seed {}.\n\n",
-        inline(&found.tracer.label()),
-        inline(&run.provenance.machine.label()),
-        run.provenance.commit,
-        run.provenance.rules_version,
-        run.provenance.started,
-        run.preset,
-        run.seed
-    );
-    page.push_str(&summary::notes(run));
     let has_ambiguous = run.runs.iter().flat_map(|row| &row.traces).any(|trace| trace.judgement.has_ambiguous());
     let of_ambiguous = if has_ambiguous { "" } else { "; ties left out" };
-    let _ = write!(
-        page,
-        "Every ray is traced on every rung of the ladder below, each of which takes one weakness away and keeps what the rungs \
-         before have taken. A wrong ray (under `tight`{of_ambiguous}) has the cause that is taken away by the rung from which \
-         on it is right; what is wrong on the last rung was given up there (`step_cap`) or is unexplained",
-    );
-    if found.judged {
-        let _ = write!(
-            page,
+    let judged = if found.judged {
+        format!(
             ", but for what the judge finds the cause of: the method samples, and no samples are fine enough for `tight`. Of no set may \
              more than {} % be unexplained",
             100.0 * MOST_UNEXPLAINED
-        );
-    }
-    page.push_str(".\n\n");
+        )
+    } else {
+        String::new()
+    };
     let ladder = Sheet::<(usize, &RemedyRecord)>::new()
         .told("rung", |(rung, _)| rung.to_string())
         .told("cause", |(_, remedy)| remedy.cause.clone())
         .told("taken away by", |(_, remedy)| format!("`{}={}`", remedy.parameter, remedy.value))
         .told("source", |(_, remedy)| remedy.source.clone());
-    page.push_str(&ladder.markdown(&(1..).zip(&found.ladder).collect::<Vec<_>>()));
-    page.push_str("\n## By scene\n\n");
-    page.push_str(&scenes(found));
-    page.push_str("\n## By class\n\n");
-    page.push_str(&classes(found));
-    for scene in &found.scenes {
-        page.push_str(&one_scene(found, scene));
-    }
-    page
+    Document::titled(&format!("Why rays of {} are wrong", found.tracer.label()))
+        .words(run.provenance.machine.label())
+        .words(format!(
+            "Commit {}{dirty}, rules version {}, {}, run preset {}, seed {}.",
+            run.provenance.commit, run.provenance.rules_version, run.provenance.started, run.preset, run.seed
+        ))
+        .and(summary::notes(run))
+        .words(format!(
+            "Every ray is traced on every rung of the ladder below, each of which takes one weakness away and keeps what the rungs \
+             before have taken. A wrong ray (under `tight`{of_ambiguous}) has the cause that is taken away by the rung from which \
+             on it is right; what is wrong on the last rung was given up there (`step_cap`) or is unexplained{judged}."
+        ))
+        .table(ladder.table(&(1..).zip(&found.ladder).collect::<Vec<_>>()))
+        .heading(2, "By scene")
+        .table(scenes(found))
+        .heading(2, "By class")
+        .and(classes(found))
+        .and(found.scenes.iter().map(|scene| one_scene(found, scene)))
 }
 
 /// A column a cause.
@@ -65,7 +67,7 @@ fn by_cause<'a, R>(found: &'a ExplanationRecord, of: impl Fn(&R, &str) -> u64 + 
     found.causes().into_iter().map(column).collect()
 }
 
-fn scenes(found: &ExplanationRecord) -> String {
+fn scenes(found: &ExplanationRecord) -> Table {
     type Row<'a> = (&'a str, Vec<&'a Explained>);
     let sum = |(_, sets): &Row<'_>, of: &dyn Fn(&Explained) -> u64| sets.iter().map(|set| of(set)).sum::<u64>();
     let sheet = Sheet::<Row<'_>>::new()
@@ -78,31 +80,25 @@ fn scenes(found: &ExplanationRecord) -> String {
     let mut rows: Vec<Row<'_>> =
         found.scenes.iter().map(|scene| (&*scene.scene.name, scene.sets.iter().collect())).collect();
     rows.push(("all", found.scenes.iter().flat_map(|scene| &scene.sets).collect()));
-    sheet.markdown(&rows)
+    sheet.table(&rows)
 }
 
-fn classes(found: &ExplanationRecord) -> String {
+fn classes(found: &ExplanationRecord) -> Document {
     let sets = || found.scenes.iter().flat_map(|scene| &scene.sets);
     let known: BTreeSet<&String> = sets().flat_map(|set| set.causes.keys()).collect();
     if known.is_empty() {
-        return "No ray is wrong.\n".to_owned();
+        return Document::of("No ray is wrong.");
     }
     let of = |class: &&String, cause: &str| sets().filter_map(|set| set.causes.get(*class)?.get(cause)).sum();
     let sheet = Sheet::<&String>::new().told("class", |class| (*class).clone()).with(by_cause(found, of));
-    sheet.markdown(&Vec::from_iter(known))
+    Document::default().table(sheet.table(&Vec::from_iter(known)))
 }
 
-fn one_scene(found: &ExplanationRecord, scene: &SceneExplained) -> String {
+fn one_scene(found: &ExplanationRecord, scene: &SceneExplained) -> Document {
     let view = &scene.viewpoint;
-    let mut text = format!(
-        "\n## {}: {} triangles\n\nFrame {}x{}, faces {}, rays from {}x{} pixels. Wrong rays on each rung:\n\n",
-        literal(&scene.scene.name),
-        thousands(scene.scene.triangles),
-        view.frame[0],
-        view.frame[1],
-        view.face,
-        view.ray_image[0],
-        view.ray_image[1]
+    let words = format!(
+        "Frame {}x{}, faces {}, rays from {}x{} pixels. Wrong rays on each rung:",
+        view.frame[0], view.frame[1], view.face, view.ray_image[0], view.ray_image[1]
     );
     let mut sheet = Sheet::<Explained>::new()
         .told("rays", |set| set.rays.clone())
@@ -114,9 +110,7 @@ fn one_scene(found: &ExplanationRecord, scene: &SceneExplained) -> String {
         sheet = sheet.told(heading, move |set| set.wrong_by_rung.get(place).copied());
     }
     sheet = sheet.told("right at first, wrong on a later rung", |set| set.wrong_on_the_way);
-    text += &sheet.markdown(&scene.sets);
-    for (rung, reason) in &scene.left_out {
-        let _ = write!(text, "\n`{rung}` took nothing away here: {}\n", inline(reason));
-    }
-    text
+    let left_out =
+        scene.left_out.iter().map(|(rung, reason)| Document::of(format!("`{rung}` took nothing away here: {reason}")));
+    Document::default().scene(2, &scene.scene, "").words(words).table(sheet.table(&scene.sets)).and(left_out)
 }

@@ -11,7 +11,7 @@ pub(crate) use fronts::{FrontQuality, fronts};
 
 use crate::files::OutputFolder;
 use crate::machine::Machine;
-use crate::report::{self, ReportError, Tables};
+use crate::report::{self, Report, ReportError, Tables};
 use crate::results::{
     AnyJudgement, BuildRecord, ByRule, Classes, ClosestJudgement, CounterRecord, EndedBy, Headline, Judgement,
     MemoryRecord, Occlusion, Percentiles, PhaseRecord, PieceDistance, Provenance, RaceRecord, Run, SCHEMA, Sampling,
@@ -546,7 +546,7 @@ fn wrong_rays(quality: Quality) -> Vec<WrongRay> {
 }
 
 /// The table of peers that a run was made for.
-pub(crate) fn tables(run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+pub(crate) fn tables(run: &Run) -> Result<Report, ReportError> {
     let table = run.table.as_deref().and_then(crate::peers::find);
-    table.map_or_else(|| Ok(Vec::new()), |table| super::peers::files(table, run))
+    Ok(table.map(|table| super::peers::report(table, run)).unwrap_or_default())
 }

@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 
 use tracebench_api::Query;
 
+use super::document::{Document, set_heading};
 use super::format;
-use super::markdown::{inline, literal};
+use super::sheet::{Sheet, Table};
 use super::summary::skipped;
 use crate::results::{Paired, Run, SceneRecord, Timed, TraceRecord, TracerRun, ViewpointRecord};
 
@@ -90,9 +91,10 @@ impl<'a> Group<'a> {
 }
 
 impl RaySet<'_> {
-    /// What a page calls it.
-    pub(super) fn heading(&self) -> String {
-        set_heading(&self.title, self.query, self.count)
+    /// Below its heading, which says more.
+    pub(super) fn headed(&self, level: usize, more: &str) -> Document {
+        let heading = set_heading(&self.title, self.query, self.count);
+        Document::default().rays(level, self.name, heading + more)
     }
 
     /// Whether a trace is of these rays.
@@ -128,24 +130,28 @@ pub(super) fn traced_rows<'a>(groups: &'a [Group<'a>]) -> Vec<TracedRow<'a>> {
     groups.iter().flat_map(|group| group.contenders.iter().flat_map(move |row| of_row(group, row))).collect()
 }
 
+/// What tables of such rows end with.
+pub(super) fn traced<'a>(sheet: Sheet<'a, TracedRow<'a>>, run: &'a Run) -> Sheet<'a, TracedRow<'a>> {
+    sheet
+        .accuracy(|row| Some(row.trace))
+        .hits(|row| Some(row.trace))
+        .commit(&run.provenance)
+        .machine_of(&run.provenance, |row| row.row)
+        .counters(&run.runs, |row| Some(&row.trace.counters))
+}
+
 /// A section a group of a table's page: structures, then each ray set; then what did not run.
 pub(super) fn sections(
     run: &Run,
     groups: &[Group<'_>],
-    structures: impl Fn(&Group<'_>) -> String,
-    traces: impl Fn(&Group<'_>, &RaySet<'_>) -> String,
-) -> String {
+    structures: impl Fn(&Group<'_>) -> Table,
+    traces: impl Fn(&Group<'_>, &RaySet<'_>) -> Document,
+) -> Document {
     let section = |group: &Group<'_>| {
-        let (scene, triangles) = (literal(&group.scene.name), format::thousands(group.scene.triangles));
-        let sets: String = group.ray_sets.iter().map(|set| traces(group, set)).collect();
-        format!("\n## {scene} ({triangles} triangles)\n\n{}{sets}", structures(group))
+        let sets = group.ray_sets.iter().map(|set| traces(group, set));
+        Document::default().scene(2, group.scene, "").table(structures(group)).and(sets)
     };
-    groups.iter().map(section).collect::<String>() + &skipped(&run.skipped)
-}
-
-/// What a page calls rays.
-pub(crate) fn set_heading(name: &str, query: Query, count: u64) -> String {
-    format!("{}: {}, {} rays", inline(name), format::query(query), format::thousands(count))
+    Document::default().and(groups.iter().map(section)).and(skipped(&run.skipped))
 }
 
 /// Sorts a run into groups, in order of first appearance.

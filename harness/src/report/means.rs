@@ -1,12 +1,11 @@
 //! The table of equal means over one run: `table_means.md` and `table_means.csv`.
 
-use std::fmt::Write as _;
-
-use super::ReportError;
+use super::Report;
+use super::document::Document;
 use super::format::significant;
-use super::group::{Group, RaySet, Role, TracedRow, groups, sections, traced_rows};
+use super::group::{Group, RaySet, TracedRow, groups, sections, traced, traced_rows};
 use super::metrics::{COUNT, SPEED};
-use super::sheet::{Cell, Sheet};
+use super::sheet::{Cell, Sheet, Table};
 use super::{cells, metrics, summary};
 use crate::results::{Answer, AtMeans, Means, Paired, Ratio, Run, TracerRun, at_means};
 use itertools::Itertools as _;
@@ -14,14 +13,12 @@ use itertools::Itertools as _;
 /// By how much speeds may differ and still be the same, a share.
 const SAME: f64 = 0.05;
 
-/// The files: name and contents.
-pub(crate) fn files(run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+/// The table.
+pub(crate) fn report(run: &Run) -> Report {
     let mut run = run.clone();
     run.runs.retain(|row| row.tracer.means().is_some());
     let groups = groups(&run);
-    let file = "table_means.csv";
-    let rows = csv(file, &run, &groups)?;
-    Ok(vec![("table_means.md".to_owned(), page(&run, &groups).into_bytes()), (file.to_owned(), rows)])
+    Report::of_table("table_means", page(&run, &groups), csv(&run, &groups))
 }
 
 /// The row of the same tracer by the means that all take where nothing is set.
@@ -32,14 +29,12 @@ fn by_default<'a>(run: &Run, group: &Group<'a>, of: &TracerRun) -> Option<&'a Tr
     group.contenders.iter().copied().find(is_default)
 }
 
-fn page(run: &Run, groups: &[Group<'_>]) -> String {
-    let mut text =
-        summary::head(run, "Table means: every tracer that searches on the device, by each way to read and to launch");
-    let _ = writeln!(
-        text,
-        "\n`reads` is what a search reads the structure from, `rays_per_lane` how many rays a lane answers one after the other; both are \
+fn page(run: &Run, groups: &[Group<'_>]) -> Document {
+    let title = "Table means: every tracer that searches on the device, by each way to read and to launch";
+    let mut how = String::from(
+        "`reads` is what a search reads the structure from, `rays_per_lane` how many rays a lane answers one after the other; both are \
          the same choice for every tracer. × default is how many times as fast a row is as the same tracer by the means that are taken \
-         here where nothing is set."
+         here where nothing is set.",
     );
     if let Some(taken) = &run.provenance.means {
         let told = taken.probe.as_ref().map(|probe| {
@@ -50,12 +45,14 @@ fn page(run: &Run, groups: &[Group<'_>]) -> String {
                 probe.many_rays
             )
         });
-        let _ = writeln!(text, "Default: {}{}.", taken.means, told.unwrap_or_else(|| ", as given".to_owned()));
+        how += &format!(" Default: {}{}.", taken.means, told.unwrap_or_else(|| ", as given".to_owned()));
     }
-    text + &sections(run, groups, structures, |group, set| traces(run, group, set) + &between(run, group, set))
+    summary::head(run, title)
+        .words(how)
+        .and(sections(run, groups, structures, |group, set| traces(run, group, set).and(between(run, group, set))))
 }
 
-fn structures(group: &Group<'_>) -> String {
+fn structures(group: &Group<'_>) -> Table {
     // The launch does not shape it.
     let built = group.contenders.iter().filter_map(|row| Some((*row, row.tracer.means()?.reads)));
     let rows = built.unique_by(|(row, reads)| (&row.tracer.name, reads.clone())).collect_vec();
@@ -63,26 +60,25 @@ fn structures(group: &Group<'_>) -> String {
         .told("tracer", |(row, reads)| format!("{} reads={reads}", row.tracer.name))
         .build(|(row, _)| Some(row))
         .build_phases("phases of the build (ms)", ", ", |(row, _)| row);
-    sheet.markdown(&rows)
+    sheet.table(&rows)
 }
 
-fn traces(run: &Run, group: &Group<'_>, set: &RaySet<'_>) -> String {
-    let all = group.traces(set);
-    let rows: Vec<_> = all.iter().filter(|(role, ..)| *role == Role::Contender).copied().collect();
-    let sheet = Sheet::<cells::Row<'_>>::new()
-        .name(cells::own)
-        .own_clock(cells::own)
-        .taken(SPEED, cells::own)
-        // A ratio is a speed: never without its accuracy.
-        .told("× default ↑", |(_, row, trace)| over_default(run, group, set, row).filter(|_| metrics::judged(trace)))
-        .told("hits", |(_, row, trace)| {
-            let first = rows.iter().find(|(_, other, _)| other.tracer.name == row.tracer.name);
-            let same = first.is_none_or(|(.., first)| first.hits_sha256 == trace.hits_sha256);
-            if same { "the same" } else { "OTHERS" }
-        })
-        .right(set.query, cells::own)
-        .counted(&rows, cells::own);
-    format!("\n### {}\n{}\n{}", set.heading(), cells::coverage(&all), sheet.markdown(&rows))
+fn traces(run: &Run, group: &Group<'_>, set: &RaySet<'_>) -> Document {
+    let first = move |row: &TracerRun| {
+        let of_tracer = |other: &&&TracerRun| other.tracer.name == row.tracer.name;
+        group.contenders.iter().filter(of_tracer).find_map(|other| set.trace_of(other))
+    };
+    cells::traces(group, set, |sheet| {
+        sheet
+            // A ratio is a speed: never without its accuracy.
+            .told("× default ↑", move |(_, row, trace)| {
+                over_default(run, group, set, row).filter(|_| metrics::judged(trace))
+            })
+            .told("hits", move |(_, row, trace)| {
+                let same = first(row).is_none_or(|first| first.hits_sha256 == trace.hits_sha256);
+                if same { "the same" } else { "OTHERS" }
+            })
+    })
 }
 
 /// How many times as fast a row is as the same tracer by the means that all take where nothing is set.
@@ -101,7 +97,7 @@ fn said(answer: &Answer) -> &'static str {
 }
 
 /// Every two methods at equal means and at each one's best.
-fn between(run: &Run, group: &Group<'_>, set: &RaySet<'_>) -> String {
+fn between(run: &Run, group: &Group<'_>, set: &RaySet<'_>) -> Document {
     type Pair<'a> = (&'a str, &'a str, AtMeans<Paired>);
     let names = group.contenders.iter().map(|row| row.tracer.name.as_str()).unique();
     let of = |name: &str| -> Vec<&TracerRun> {
@@ -130,10 +126,10 @@ fn between(run: &Run, group: &Group<'_>, set: &RaySet<'_>) -> String {
             Some(format!("{} ({one} beside {other})", ratio(found)))
         })
         .told("so it is", |(.., found)| found.agreed(|found| said(&found.answer(SAME))).unwrap_or("undecided"));
-    if rows.is_empty() { String::new() } else { format!("\n{}", sheet.markdown(&rows)) }
+    Document::default().below("", sheet.table(&rows))
 }
 
-fn csv(file: &str, run: &Run, groups: &[Group<'_>]) -> Result<Vec<u8>, ReportError> {
+fn csv(run: &Run, groups: &[Group<'_>]) -> Table {
     let sheet = Sheet::<TracedRow<'_>>::new()
         .scene(|row| &row.row.scene)
         .column("viewpoint", |row| row.row.viewpoint.name.clone())
@@ -148,10 +144,6 @@ fn csv(file: &str, run: &Run, groups: &[Group<'_>]) -> Result<Vec<u8>, ReportErr
         .ends(["speed_over_default", "speed_over_default_low", "speed_over_default_high"], |row| {
             over_default(run, row.group, row.set, row.row)
         })
-        .accuracy(|row| Some(row.trace))
-        .hits(|row| Some(row.trace))
-        .commit(&run.provenance)
-        .machine_of(&run.provenance, |row| row.row)
-        .counters(&run.runs, |row| Some(&row.trace.counters));
-    sheet.csv(file, &traced_rows(groups))
+        .then(|sheet| traced(sheet, run));
+    sheet.table(&traced_rows(groups))
 }

@@ -9,6 +9,7 @@ pub(crate) mod chart;
 pub(crate) mod columns;
 mod compare;
 mod distances;
+pub(crate) mod document;
 mod error;
 mod explain;
 #[cfg(test)]
@@ -58,9 +59,10 @@ pub use tune::{TUNE_PAGE, tuning_overview};
 
 use crate::files::{self, OutputFolder};
 use crate::results::{FrontScene, PICTURES_FOLDER, Run, SCHEMA};
-use crate::studies::stability::Stability;
-use crate::studies::tune::Tuning;
+use chart::Charts;
+use document::Document;
 use kept::Kept;
+use sheet::Table;
 
 /// The file that holds everything.
 pub const RUN_FILE: &str = "run.json";
@@ -71,9 +73,123 @@ const PACKED: &str = "run.json.gz";
 /// The page of a run in full.
 const SUMMARY: &str = "summary.md";
 
-/// Makes the files of the table that a run was made for, name and contents; none of one that was made for none. Tables know
-/// reports, reports know no table.
-pub type Tables = fn(&Run) -> Result<Contents, ReportError>;
+/// What is made of a record, each part with its name.
+#[derive(Debug, Default)]
+pub struct Report {
+    /// Documents.
+    pub(crate) pages: Vec<(String, Document)>,
+    /// Tables for other programs.
+    pub(crate) tables: Vec<(String, Table)>,
+    /// Charts, without the ends of their files.
+    pub(crate) charts: Charts,
+    /// Other files.
+    pub(crate) data: Contents,
+}
+
+impl Report {
+    /// A page and a table of one name.
+    pub(crate) fn of_table(stem: &str, page: Document, table: Table) -> Self {
+        Self {
+            pages: vec![(format!("{stem}.md"), page)],
+            tables: vec![(format!("{stem}.csv"), table)],
+            ..Self::default()
+        }
+    }
+
+    /// With what another has.
+    pub(crate) fn and(mut self, other: Self) -> Self {
+        self.pages.extend(other.pages);
+        self.tables.extend(other.tables);
+        self.charts.extend(other.charts);
+        self.data.extend(other.data);
+        self
+    }
+
+    /// As files, each written by the one writer of its format.
+    ///
+    /// # Errors
+    /// If two columns of a table have the same name, or a chart cannot be drawn.
+    pub(crate) fn contents(&self) -> Result<Contents, ReportError> {
+        let pages = self.pages.iter().map(|(name, page)| Ok((name.clone(), page.markdown().into_bytes())));
+        let tables = self.tables.iter().map(|(name, table)| Ok((name.clone(), table.csv(name)?)));
+        let mut contents = pages.chain(tables).collect::<Result<Contents, ReportError>>()?;
+        contents.extend(self.data.iter().cloned());
+        contents.extend(chart::files(&self.charts)?);
+        Ok(contents)
+    }
+}
+
+/// Makes the table that a run was made for; nothing of one that was made for none. Tables know reports, reports know no table.
+pub type Tables = fn(&Run) -> Result<Report, ReportError>;
+
+/// Where pages of records stand in a page of several.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Section {
+    /// Fronts, which have sections of their own.
+    Fronts,
+    /// What structures need.
+    Need,
+    /// A table of peers or of a paper.
+    Table,
+    /// Cases.
+    Matrix,
+    /// Other studies.
+    Study,
+    /// Plain runs.
+    Run,
+}
+
+/// A study as far as reports know it.
+pub(crate) struct Study {
+    /// The verb that measures it.
+    pub verb: &'static str,
+    /// Where its pages stand.
+    pub section: Section,
+    /// What the names of its charts begin with.
+    stems: &'static [&'static str],
+    /// Whether a record is of it.
+    is_of: fn(&Run) -> bool,
+    /// What is made of such a record.
+    report: Maker,
+}
+
+/// Makes what derives from a record.
+type Maker = fn(&Run, Tables) -> Result<Report, ReportError>;
+
+/// Every study, a line each. The first that a record is of makes what derives from it.
+const STUDIES: &[Study] = &[
+    study("tune", Section::Study, &[tune::STEM], |run| run.tuning.is_some(), tune::report),
+    study("table", Section::Table, &[], |run| run.updates.is_some(), |run, _| of_updates(run)),
+    study("stability", Section::Matrix, &[], |run| run.cases.is_some(), stability::report),
+    study("pareto", Section::Fronts, &[pareto::STEM], |run| run.pareto.is_some(), pareto::report),
+    study("need", Section::Need, &[need::STEM], |run| run.need.is_some(), need::report),
+    study("explain", Section::Study, &[], |run| run.explanation.is_some(), explain::report),
+    study("sweep", Section::Study, &chart::STEMS, |run| run.sweep.is_some(), of_run),
+    study("table", Section::Table, &chart::STEMS, |run| run.table.is_some(), of_run),
+    study("run", Section::Run, &chart::STEMS, |_| true, of_run),
+];
+
+const fn study(
+    verb: &'static str,
+    section: Section,
+    stems: &'static [&'static str],
+    is_of: fn(&Run) -> bool,
+    report: Maker,
+) -> Study {
+    Study { verb, section, stems, is_of, report }
+}
+
+impl Study {
+    /// The study of a record.
+    pub(crate) fn of(run: &Run) -> &'static Self {
+        STUDIES.iter().find(|study| (study.is_of)(run)).unwrap_or(&STUDIES[STUDIES.len() - 1])
+    }
+
+    /// What derives from its record.
+    pub(crate) fn report(&self, run: &Run, tables: Tables) -> Result<Report, ReportError> {
+        (self.report)(run, tables)
+    }
+}
 
 /// Files: name and contents.
 pub type Contents = Vec<(String, Vec<u8>)>;
@@ -132,12 +248,14 @@ fn picture_files(run: &Run) -> impl Iterator<Item = &str> {
 /// # Errors
 /// If a file cannot be written, or a chart cannot be drawn.
 pub fn write_derived(run: &Run, folder: &OutputFolder, tables: Tables) -> Result<Vec<PathBuf>, ReportError> {
-    let (contents, stems) = derived(&run.aligned(), tables)?;
+    let run = &*run.aligned();
+    let study = Study::of(run);
+    let contents = study.report(run, tables)?.contents()?;
     let paths = write_all(&contents, folder)?;
     // Charts of scenes that only an older run in the same folder had would pass for this one's.
     for name in folder.listed().iter().filter(|name| contents.iter().all(|(written, _)| written != *name)) {
         let is_picture = [".svg", ".png"].iter().any(|ending| name.ends_with(ending));
-        if is_picture && stems.iter().any(|stem| name.starts_with(stem)) {
+        if is_picture && study.stems.iter().any(|stem| name.starts_with(stem)) {
             folder.remove(name);
         }
     }
@@ -149,7 +267,8 @@ pub fn write_derived(run: &Run, folder: &OutputFolder, tables: Tables) -> Result
 /// # Errors
 /// If a chart cannot be drawn.
 pub fn contents(run: &Run, tables: Tables) -> Result<Contents, ReportError> {
-    Ok(derived(&run.aligned(), tables)?.0)
+    let run = &*run.aligned();
+    Study::of(run).report(run, tables)?.contents()
 }
 
 /// Writes files into a folder, and gives their paths.
@@ -157,72 +276,40 @@ pub(crate) fn write_all(contents: &Contents, folder: &OutputFolder) -> Result<Ve
     Ok(folder.write_all(contents.iter().map(|(name, contents)| (name.as_str(), contents.as_slice())))?)
 }
 
-/// The files that derive from a record, by name, and what the names of its charts begin with.
-fn derived(run: &Run, tables: Tables) -> Result<(Contents, &'static [&'static str]), ReportError> {
-    if let Some(tuning) = Tuning::of(run) {
-        return Ok((tune::files(&tuning)?, &[tune::STEM]));
-    }
-    if let Some(updates) = &run.updates {
-        return Ok((updates::files(run, updates)?, &[]));
-    }
-    if let Some(stability) = Stability::of(run) {
-        let mut contents = vec![(STABILITY_TABLE.to_owned(), stability::page(&stability).into_bytes())];
-        contents.extend(chart::strength_charts(&stability)?.into_iter().map(|file| (file.name, file.contents)));
-        return Ok((contents, &[]));
-    }
-    if let Some(record) = &run.pareto {
-        return Ok(([pareto::files(run, record)?, traces(run)?].concat(), &[pareto::STEM]));
-    }
-    if let Some(record) = &run.need {
-        return Ok(([need::files(run, record)?, traces(run)?].concat(), &[need::STEM]));
-    }
-    if let Some(found) = &run.explanation {
-        let page = explanation_page(run, found);
-        return Ok((vec![(EXPLAIN_PAGE.to_owned(), page.into_bytes())], &[]));
-    }
-    Ok((of_run(run, tables)?, &chart::STEMS))
-}
-
 /// Every trace, and every wrong ray that was kept.
-fn traces(run: &Run) -> Result<Contents, ReportError> {
+fn traces(run: &Run) -> Report {
     let groups = group::groups(run);
-    Ok(vec![
-        ("traces.csv".to_owned(), tables::traces(run, &groups)?),
-        ("wrong_rays.csv".to_owned(), tables::wrong_rays(&groups)?),
-    ])
+    let tables = vec![
+        ("traces.csv".to_owned(), tables::traces(run, &groups)),
+        ("wrong_rays.csv".to_owned(), tables::wrong_rays(&groups)),
+    ];
+    Report { tables, ..Report::default() }
 }
 
-/// The files of a plain run: `summary.md`, `traces.csv`, `wrong_rays.csv`, charts; of one that was made for a table the table;
-/// of a sweep also `sweep.md`, `sweep.csv` and its charts.
-fn of_run(run: &Run, of_table: Tables) -> Result<Contents, ReportError> {
-    let groups = group::groups(run);
+/// What is made of a plain run: summary, traces and charts; of one that was made for a table or a sweep that, too.
+fn of_run(run: &Run, of_table: Tables) -> Result<Report, ReportError> {
     let labelled = sweep::labelled(run);
     let shown = group::groups(&labelled);
-    let mut contents = vec![
-        (SUMMARY.to_owned(), summary::summary(&labelled, &shown).into_bytes()),
-        ("traces.csv".to_owned(), tables::traces(run, &groups)?),
-        ("wrong_rays.csv".to_owned(), tables::wrong_rays(&groups)?),
-    ];
-    contents.extend(of_table(run)?);
-    contents.extend(chart::charts(&labelled, &shown)?.into_iter().map(|file| (file.name, file.contents)));
-    if let Some(record) = &run.sweep {
-        let views = sweep::views(record, &groups);
-        contents.extend(sweep::files(run, record, &views)?);
-        contents.extend(chart::sweep_charts(run, &views)?.into_iter().map(|file| (file.name, file.contents)));
-    }
-    Ok(contents)
+    let summary = Report {
+        pages: vec![(SUMMARY.to_owned(), summary::summary(&labelled, &shown))],
+        charts: chart::charts(&labelled, &shown),
+        ..traces(run)
+    };
+    let groups = group::groups(run);
+    let sweep = run.sweep.as_ref().map(|record| sweep::report(run, record, &groups)).unwrap_or_default();
+    Ok(summary.and(of_table(run)?).and(sweep))
 }
 
-/// The table of a record that follows animations: names and contents.
+/// The table of a record that follows animations.
 ///
 /// # Errors
 /// If the record follows none.
-pub(crate) fn of_updates(run: &Run) -> Result<Contents, ReportError> {
+pub(crate) fn of_updates(run: &Run) -> Result<Report, ReportError> {
     let none = || ReportError::Made {
         what: "a table over animations".to_owned(),
         reason: "the run follows no animation".to_owned(),
     };
-    updates::files(run, run.updates.as_ref().ok_or_else(none)?)
+    Ok(updates::report(run, run.updates.as_ref().ok_or_else(none)?))
 }
 
 /// Where the table of a folder stands.

@@ -1,13 +1,13 @@
 //! Tables of peers over one run: `table_NAME.md` and `table_NAME.csv`.
 
 use std::collections::BTreeSet;
-use std::fmt::Write as _;
 
-use super::ReportError;
+use super::Report;
+use super::document::Document;
 use super::format::significant;
-use super::group::{Group, RaySet, Role, groups, sections};
+use super::group::{Group, RaySet, groups, sections};
 use super::metrics::{COUNT, SPEED, STEADY_BUILD, STRUCTURE};
-use super::sheet::{Cell, Column, Sheet};
+use super::sheet::{self, Cell, Column, Sheet};
 use super::{cells, metrics, summary};
 use crate::peers::Table;
 use crate::results::host_ms;
@@ -17,18 +17,15 @@ use crate::results::{Run, Times, TraceRecord, TracerRun};
 const NODES: &str = "nodes";
 const SAH_COST: &str = "sah_cost";
 
-/// The files of a table: name and contents. Rows are the tracers of the table's family.
-pub(crate) fn files(table: &Table, run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+/// A table: rows are the tracers of its family.
+pub(crate) fn report(table: &Table, run: &Run) -> Report {
     let mut run = run.clone();
     run.runs.retain(|one| table.holds(&one.tracer.name));
     // What follows a name is a preset, or what was set.
     let is_held = |label: &str| table.holds(label.split([':', ' ']).next().unwrap_or_default());
     run.skipped.retain(|one| one.tracer.as_deref().is_none_or(is_held));
     let groups = groups(&run);
-    let stem = stem(table.name);
-    let file = format!("{stem}.csv");
-    let rows = csv(&file, table, &run, &groups)?;
-    Ok(vec![(format!("{stem}.md"), page(table, &run, &groups).into_bytes()), (file, rows)])
+    Report::of_table(&stem(table.name), page(table, &run, &groups), csv(table, &run, &groups))
 }
 
 /// What the files of a table are called, without their ends.
@@ -64,17 +61,16 @@ fn reference_of<'a>(table: &Table, group: &Group<'a>) -> Option<&'a TracerRun> {
     group.contenders.iter().find(|run| run.tracer.name == table.reference()).copied()
 }
 
-fn page(table: &Table, run: &Run, groups: &[Group<'_>]) -> String {
-    let mut text = summary::head(run, &format!("Table {}: {}", table.name, table.summary));
-    let _ = writeln!(
-        text,
-        "\n× {0} is how many times as fast as {0} (its first row) a tracer is in the same run, both by the host's clock: work on \
+fn page(table: &Table, run: &Run, groups: &[Group<'_>]) -> Document {
+    let how = format!(
+        "× {0} is how many times as fast as {0} (its first row) a tracer is in the same run, both by the host's clock: work on \
          the host as it is timed, work on the device from submission until done (`submit_to_done_median_ms`). Rates of device \
          work beside them are by the clock that their row names. SAH cost: node visits and triangle tests that a random line \
          through the root is expected to take; nodes of different widths differ in what a visit costs.",
         table.reference()
     );
-    text + &sections(run, groups, |group| structures(table, group), |group, set| traces(table, group, set))
+    let sections = sections(run, groups, |group| structures(table, group), |group, set| traces(table, group, set));
+    summary::head(run, &format!("Table {}: {}", table.name, table.summary)).words(how).and(sections)
 }
 
 /// Columns of structures beside the reference's.
@@ -106,30 +102,23 @@ fn of_structures<'a, R>(
         .told("SAH cost ↓", move |row| statistic_of(of(row), SAH_COST))
 }
 
-fn structures(table: &Table, group: &Group<'_>) -> String {
+fn structures(table: &Table, group: &Group<'_>) -> sheet::Table {
     let reference = reference_of(table, group);
     let sheet = Sheet::<&TracerRun>::new()
         .told("tracer", |run| run.label())
         .then(|sheet| of_structures(sheet, table, |run| run, move |_| reference));
-    sheet.markdown(&group.contenders)
+    sheet.table(&group.contenders)
 }
 
-fn traces(table: &Table, group: &Group<'_>, set: &RaySet<'_>) -> String {
-    let all = group.traces(set);
-    let rows: Vec<_> = all.iter().filter(|(role, ..)| *role == Role::Contender).copied().collect();
-    let reference = rows.iter().find(|(_, run, _)| run.tracer.name == table.reference()).map(|(.., trace)| *trace);
-    let sheet = Sheet::<cells::Row<'_>>::new()
-        .name(cells::own)
-        .own_clock(cells::own)
-        .taken(SPEED, cells::own)
+fn traces(table: &Table, group: &Group<'_>, set: &RaySet<'_>) -> Document {
+    let beside = reference_of(table, group).and_then(|run| set.trace_of(run));
+    cells::traces(group, set, |sheet| {
         // A ratio is a speed: never without its accuracy.
-        .told(format!("× {} ↑", table.reference()), |(.., trace)| {
-            let ratio = ratio(reference.map(|trace| &trace.times), &trace.times).filter(|_| metrics::judged(trace));
+        sheet.told(format!("× {} ↑", table.reference()), move |(.., trace)| {
+            let ratio = ratio(beside.map(|trace| &trace.times), &trace.times).filter(|_| metrics::judged(trace));
             ratio.map(|ratio| Cell::Number(ratio, 3))
         })
-        .right(set.query, cells::own)
-        .counted(&rows, cells::own);
-    format!("\n### {}\n{}\n{}", set.heading(), cells::coverage(&all), sheet.markdown(&rows))
+    })
 }
 
 /// A tracer with one of its traces; one without any has a structure all the same.
@@ -163,7 +152,7 @@ fn rows<'a>(table: &Table, groups: &[Group<'a>]) -> Vec<Row<'a>> {
     rows
 }
 
-fn csv(file: &str, table: &Table, run: &Run, groups: &[Group<'_>]) -> Result<Vec<u8>, ReportError> {
+fn csv(table: &Table, run: &Run, groups: &[Group<'_>]) -> sheet::Table {
     let statistics: BTreeSet<&String> = run.runs.iter().flat_map(|one| one.structure_statistics.keys()).collect();
     let statistic = |name: &&'_ String| {
         let name = (*name).clone();
@@ -187,5 +176,5 @@ fn csv(file: &str, table: &Table, run: &Run, groups: &[Group<'_>]) -> Result<Vec
         .whole_provenance(run, None)
         .with(statistics.iter().map(statistic).collect())
         .counters(&run.runs, |row| row.trace.map(|trace| &trace.counters));
-    sheet.csv(file, &rows(table, groups))
+    sheet.table(&rows(table, groups))
 }

@@ -43,6 +43,8 @@ pub(crate) enum Cell {
     Shares([Option<f64>; 3], u64),
     /// Median, 95th and 99th percentile.
     Percentiles(Percentiles),
+    /// Parts of a whole: name, share, colour.
+    Parts(Vec<(String, f64, String)>),
 }
 
 /// A share of right answers; nothing where no ray is judged.
@@ -75,7 +77,8 @@ impl Cell {
             | Self::Name(_)
             | Self::Named(..)
             | Self::Flag(_)
-            | Self::Shares(..) => None,
+            | Self::Shares(..)
+            | Self::Parts(_) => None,
             Self::Count(count) => Some(*count as f64),
             Self::Bytes(value)
             | Self::Statistic(value)
@@ -97,6 +100,7 @@ impl Cell {
         match self {
             Self::None | Self::Absent => one(String::new()),
             Self::Text(text) | Self::Name(text) => one(text.clone()),
+            Self::Parts(_) => one(self.told()),
             Self::Named(code, _) => one((*code).to_owned()),
             Self::Flag(flag) => one(flag.to_string()),
             Self::Count(count) => one(count.to_string()),
@@ -132,6 +136,10 @@ impl Cell {
                     format!("{share}; {} wrong of {}", thousands(*wrong), thousands(*trials))
                 },
             ),
+            Self::Parts(parts) => {
+                let told = |(name, share, _): &(String, f64, String)| format!("{name} {:.1} %", share * 100.0);
+                parts.iter().map(told).collect::<Vec<_>>().join(", ")
+            }
             Self::Shares(shares, trials) => {
                 let told = |share: Option<f64>| share.map_or_else(|| NONE.to_owned(), |share| percent(share, *trials));
                 format!("{} %", shares.map(told).join(" / "))
@@ -239,12 +247,6 @@ impl<'a, R> Column<'a, R> {
         Self { heading: Some(heading.into()), ..self }
     }
 
-    /// Whether any of some rows can have it.
-    fn is_there(&self, rows: &[R]) -> bool {
-        let cells: Vec<Cell> = rows.iter().map(|row| (self.cell)(row)).collect();
-        !cells.contains(&Cell::Absent) || cells.iter().any(|cell| !matches!(cell, Cell::None | Cell::Absent))
-    }
-
     /// With names for what else its cells have.
     pub(crate) fn beside(mut self, names: &[&str]) -> Self {
         self.names.extend(names.iter().map(|name| (*name).to_owned()));
@@ -298,48 +300,82 @@ impl<'a, R> Sheet<'a, R> {
         self.and(Column::told(heading, cell))
     }
 
-    /// The table as CSV, for the file of a name.
+    /// The table over some rows, without the columns that none of them can have.
+    pub(crate) fn table(&self, rows: &[R]) -> Table {
+        let mut columns = Vec::new();
+        let mut cells: Vec<Vec<Cell>> = rows.iter().map(|_| Vec::new()).collect();
+        for Column { names, heading, cell } in &self.columns {
+            let own: Vec<Cell> = rows.iter().map(cell).collect();
+            let is_there = own.iter().any(|cell| !matches!(cell, Cell::None | Cell::Absent));
+            if is_there || !own.contains(&Cell::Absent) {
+                columns.push((names.clone(), heading.clone()));
+                cells.iter_mut().zip(own).for_each(|(row, cell)| row.push(cell));
+            }
+        }
+        Table { columns, rows: cells }
+    }
+}
+
+/// A table as data.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Table {
+    /// Of each column its names for programs, and what it is called on pages.
+    columns: Vec<(Vec<String>, Option<String>)>,
+    rows: Vec<Vec<Cell>>,
+}
+
+impl Table {
+    /// Whether it has no rows.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// Headings of the columns for people.
+    pub(crate) fn headings(&self) -> impl Iterator<Item = &str> {
+        self.columns.iter().filter_map(|(_, heading)| heading.as_deref())
+    }
+
+    /// The cells of each row below these.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = impl Iterator<Item = &Cell>> {
+        self.rows
+            .iter()
+            .map(|row| row.iter().zip(&self.columns).filter_map(|(cell, (_, heading))| heading.as_ref().map(|_| cell)))
+    }
+
+    /// As CSV, for the file of a name.
     ///
     /// # Errors
     /// If two columns have the same name.
-    pub(crate) fn csv(&self, file: &str, rows: &[R]) -> Result<Vec<u8>, ReportError> {
+    pub(crate) fn csv(&self, file: &str) -> Result<Vec<u8>, ReportError> {
         let fail = |reason: String| ReportError::Made { what: file.to_owned(), reason };
-        let columns: Vec<_> = self.columns.iter().filter(|column| column.is_there(rows)).collect();
-        let header: Vec<&String> = columns.iter().flat_map(|column| &column.names).collect();
+        let header: Vec<&String> = self.columns.iter().flat_map(|(names, _)| names).collect();
         let mut known = BTreeSet::new();
         if let Some(twice) = header.iter().find(|name| !known.insert(**name)) {
             return Err(fail(format!("two columns are called {twice}")));
         }
         let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(header).map_err(|error| fail(error.to_string()))?;
-        for row in rows {
-            let shown = columns.iter().filter(|column| !column.names.is_empty());
-            let fields = shown.flat_map(|column| (column.cell)(row).fields().into_iter().take(column.names.len()));
+        for row in &self.rows {
+            let shown = row.iter().zip(&self.columns).filter(|(_, (names, _))| !names.is_empty());
+            let fields = shown.flat_map(|(cell, (names, _))| cell.fields().into_iter().take(names.len()));
             writer.write_record(fields.collect::<Vec<_>>()).map_err(|error| fail(error.to_string()))?;
         }
         writer.into_inner().map_err(|error| fail(error.to_string()))
     }
 
-    /// The table in Markdown.
-    pub(crate) fn markdown(&self, rows: &[R]) -> String {
-        let columns: Vec<_> = self.columns.iter().filter(|column| column.is_there(rows)).collect();
-        let shown = || columns.iter().filter_map(|column| Some((column.heading.as_ref()?, &column.cell)));
+    /// In Markdown.
+    pub(crate) fn markdown(&self) -> String {
         let line = |cells: &mut dyn Iterator<Item = String>| {
             cells.map(|cell| format!("| {cell} ")).collect::<String>() + "|\n"
         };
-        let told = |cell: Cell| match cell {
-            Cell::Name(name) => literal(&name),
+        let told = |cell: &Cell| match cell {
+            Cell::Name(name) => literal(name),
             other => inline(&other.told()),
         };
-        let mut text = line(&mut shown().map(|(heading, _)| inline(heading)));
-        text += &format!("|{}\n", " --- |".repeat(shown().count()));
-        text.extend(rows.iter().map(|row| line(&mut shown().map(|(_, cell)| told(cell(row))))));
+        let mut text = line(&mut self.headings().map(inline));
+        text += &format!("|{}\n", " --- |".repeat(self.headings().count()));
+        text.extend(self.rows().map(|row| line(&mut row.map(told))));
         text
-    }
-
-    /// The table in Markdown below some words, and nothing at all where it has no rows.
-    pub(crate) fn below(&self, words: &str, rows: &[R]) -> String {
-        if rows.is_empty() { String::new() } else { format!("\n{words}\n\n{}", self.markdown(rows)) }
     }
 }
 
@@ -366,21 +402,19 @@ mod tests {
             .and(Column::new("share", share).beside(&["share_low", "share_high"]).headed("share ↑"))
             .column("bytes", |row| row.map(|_| Cell::Bytes(f64::from(3 << 20))))
             .told("is | there", Option::is_some);
-        let csv = String::from_utf8(sheet.csv("a.csv", &rows).unwrap()).unwrap();
+        let csv = String::from_utf8(sheet.table(&rows).csv("a.csv").unwrap()).unwrap();
         assert_eq!(csv, "share,share_low,share_high,bytes\n0.5,0.25,0.75,3145728\n,,,\n");
         let markdown = "| share ↑ | is \\| there |\n| --- | --- |\n| 50.00 % [25.000, 75.000] | yes |\n| – | no |\n";
-        assert_eq!(sheet.markdown(&rows), markdown);
-        assert_eq!(sheet.below("Words:", &rows), format!("\nWords:\n\n{markdown}"));
-        assert_eq!(sheet.below("Words:", &[]), "");
+        assert_eq!(sheet.table(&rows).markdown(), markdown);
         // What none of the rows can have is no column; one that some can have is, and one that all could have.
         let absent = |row: &Option<f64>| if row.is_some() { Cell::Absent } else { Cell::None };
         let sheet = Sheet::new().told("is there", Option::is_some).and(Column::new("absent", absent).headed("absent"));
-        assert_eq!(sheet.markdown(&rows), "| is there |\n| --- |\n| yes |\n| no |\n");
-        let csv = |rows: &[Option<f64>]| String::from_utf8(sheet.csv("a.csv", rows).unwrap()).unwrap();
-        assert!(sheet.markdown(&[None]).contains("absent") && csv(&[None]).contains("absent"));
+        assert_eq!(sheet.table(&rows).markdown(), "| is there |\n| --- |\n| yes |\n| no |\n");
+        let csv = |rows: &[Option<f64>]| String::from_utf8(sheet.table(rows).csv("a.csv").unwrap()).unwrap();
+        assert!(sheet.table(&[None]).markdown().contains("absent") && csv(&[None]).contains("absent"));
         assert!(!csv(&rows).contains("absent"));
         let twice = Sheet::new().column("share_low", |_| 1_u64);
-        let error = twice.column("share_low", |_| 1_u64).csv("a.csv", &rows).unwrap_err();
+        let error = twice.column("share_low", |_| 1_u64).table(&rows).csv("a.csv").unwrap_err();
         assert!(error.to_string().contains("share_low"), "{error}");
     }
 }

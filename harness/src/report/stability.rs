@@ -2,40 +2,42 @@
 
 use std::fmt::Write as _;
 
+use super::chart::{self, Drawing};
+use super::document::Document;
 use super::format;
 use super::sheet::Sheet;
+use super::{Report, ReportError, Tables};
 use crate::cases;
-use crate::results::{Provenance, Strength};
+use crate::results::{Provenance, Run, Strength};
 use crate::studies::stability::{CaseMatrix, Cell, Stability, Verdict, percent};
 
 /// The file with the matrix.
 pub const STABILITY_TABLE: &str = "stability.md";
 
+/// The chart, without its end.
+const CHART: &str = "error_vs_strength";
+
 /// The matrix of cases and tracers with the reasons below it, as Markdown.
 pub fn matrix(stability: &Stability) -> String {
+    document(stability).markdown()
+}
+
+fn document(stability: &Stability) -> Document {
     let mut sheet = Sheet::<CaseMatrix>::new().told("case", |CaseMatrix { case, .. }| {
         if case.void.is_some() { format!("{} (VOID)", case.name) } else { case.name.clone() }
     });
     for (place, tracer) in stability.tracers().into_iter().enumerate() {
         sheet = sheet.told(tracer, move |of| of.cells.get(place).map(|cell| cell.text.clone()));
     }
-    let mut text = sheet.markdown(&stability.cases);
-    if !stability.counts {
-        text.push_str("\nParameters were changed: verdicts are shown but do not count.\n");
-    }
-    for skipped in &stability.skipped {
-        let _ = writeln!(text, "\nSkipped {}: {}", skipped.tracer.as_deref().unwrap_or("all"), skipped.reason);
-    }
-    for CaseMatrix { case, .. } in &stability.cases {
-        if let Some(reason) = &case.void {
-            let _ = writeln!(text, "\n**{}** is void: {reason}", case.name);
-        }
-    }
-    let reasons: Vec<String> = reasons(stability);
-    if !reasons.is_empty() {
-        let _ = writeln!(text, "\n{}", reasons.join("\n"));
-    }
-    text
+    let counts = if stability.counts { "" } else { "Parameters were changed: verdicts are shown but do not count." };
+    let skipped = stability.skipped.iter().map(|skipped| {
+        Document::of(format!("Skipped {}: {}", skipped.tracer.as_deref().unwrap_or("all"), skipped.reason))
+    });
+    let void = stability.cases.iter().filter_map(|CaseMatrix { case, .. }| {
+        Some(Document::of(format!("**{}** is void: {}", case.name, case.void.as_ref()?)))
+    });
+    let reasons = reasons(stability).into_iter().map(|reason| Document::default().item(reason));
+    Document::default().table(sheet.table(&stability.cases)).words(counts).and(skipped).and(void).and(reasons)
 }
 
 /// Why tracers may be wrong where they may; the same words for several cases once.
@@ -55,7 +57,7 @@ fn reasons(stability: &Stability) -> Vec<String> {
             }
         }
     }
-    said.into_iter().map(|(tracer, reason, cases)| format!("- {tracer}, {}: {reason}.", cases.join("; "))).collect()
+    said.into_iter().map(|(tracer, reason, cases)| format!("{tracer}, {}: {reason}.", cases.join("; "))).collect()
 }
 
 /// A knob's value: plain where that is short.
@@ -64,31 +66,39 @@ pub(super) fn knob_value(value: f64) -> String {
     if plain.len() <= 6 { plain } else { format!("{value:e}") }
 }
 
-pub(super) fn page(stability: &Stability) -> String {
+/// What is made of a run of cases: page and chart.
+pub(super) fn report(run: &Run, _: Tables) -> Result<Report, ReportError> {
+    let Some(stability) = &Stability::of(run) else { return Ok(Report::default()) };
+    Ok(Report {
+        pages: vec![(STABILITY_TABLE.to_owned(), page(stability))],
+        charts: vec![(CHART.to_owned(), Drawing::Panels(chart::strength::chart(stability)))],
+        ..Report::default()
+    })
+}
+
+fn page(stability: &Stability) -> Document {
     let Provenance { machine, commit, dirty, started, rules_version, .. } = &stability.provenance;
-    let mut text = format!(
-        "# Stability\n\n{started}, commit {}, rules version {rules_version}. Machine: {}.\n\n![Wrong rays over strength](error_vs_strength.svg)\n\n{}",
-        format::commit(commit, *dirty),
-        machine.label(),
-        matrix(stability)
-    );
-    for CaseMatrix { case, cells } in &stability.cases {
-        let _ = writeln!(text, "\n## {}\n\n{}.\n", case.name, case.summary);
-        let knob = cases::label(&case.knob.name, &case.knob.unit);
-        let mut sheet = Sheet::<(usize, &Strength)>::new()
-            .told(knob, |(_, at)| knob_value(at.strength))
-            .told("rays", |(_, at)| at.rays)
-            .told("hit", |(_, at)| at.true_hits)
-            .told("miss", |(_, at)| at.true_misses)
-            .told("ties", |(_, at)| at.ties)
-            .told("show the difficulty", |(_, at)| percent(at.featured));
-        for cell in cells {
-            sheet = sheet.told(format!("{}: tight, footprint", cell.tracer), move |(place, _)| figures(cell, *place));
-        }
-        let rows: Vec<_> = case.strengths.iter().enumerate().collect();
-        let _ = writeln!(text, "{}\nThe difficulty: rays that {}.", sheet.markdown(&rows), case.feature);
+    let (commit, machine) = (format::commit(commit, *dirty), machine.label());
+    let head = format!("{started}, commit {commit}, rules version {rules_version}. Machine: {machine}.");
+    let head = Document::titled("Stability").words(head).chart(CHART, "Wrong rays over strength");
+    head.and(document(stability)).and(stability.cases.iter().map(section))
+}
+
+fn section(CaseMatrix { case, cells }: &CaseMatrix) -> Document {
+    let knob = cases::label(&case.knob.name, &case.knob.unit);
+    let mut sheet = Sheet::<(usize, &Strength)>::new()
+        .told(knob, |(_, at)| knob_value(at.strength))
+        .told("rays", |(_, at)| at.rays)
+        .told("hit", |(_, at)| at.true_hits)
+        .told("miss", |(_, at)| at.true_misses)
+        .told("ties", |(_, at)| at.ties)
+        .told("show the difficulty", |(_, at)| percent(at.featured));
+    for cell in cells {
+        sheet = sheet.told(format!("{}: tight, footprint", cell.tracer), move |(place, _)| figures(cell, *place));
     }
-    text
+    let rows: Vec<_> = case.strengths.iter().enumerate().collect();
+    let page = Document::default().heading(2, &case.name).words(format!("{}.", case.summary)).table(sheet.table(&rows));
+    page.words(format!("The difficulty: rays that {}.", case.feature))
 }
 
 fn figures(cell: &Cell, place: usize) -> Option<String> {

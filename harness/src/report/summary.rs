@@ -1,106 +1,91 @@
 //! `summary.md`: the run for people. No row tells a speed without the accuracy of the same trace.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 
 use itertools::Itertools as _;
-use tracebench_api::{Query, Rasterizer};
+use tracebench_api::{AdapterListing, Query, Rasterizer};
 
 use super::cells::{self, Row, coverage, label, touched};
 use super::distances;
+use super::document::Document;
 use super::format::{self, mib, significant, statistic, thousands};
 use super::group::{Group, RaySet, Role};
-use super::markdown::{inline, literal};
+use super::markdown::literal;
 use super::metrics::{
     self, AMBIGUOUS, BUILD_PEAK, BUILD_TIME, FALSE_FREE, FALSE_OCCLUDED, GEOMETRY, IDENTITY, Metric, POSITION, SPEED,
     STRUCTURE, TRACE_TIME, TRUE_FREE, TRUE_OCCLUDED,
 };
-use super::sheet::{Cell, Columns, Sheet};
+use super::sheet::{Cell, Columns, Sheet, Table};
 use super::surfaces;
 use super::verdict::{self, Verdict};
 use crate::results::{
-    Classes, CounterRecord, EndedBy, Judgement, LEAST_ROUNDS, MARK, Provenance, RaceRecord, Run, Skipped, TracerRun,
+    Classes, CounterRecord, EndedBy, Judgement, LEAST_ROUNDS, MARK, Provenance, RaceRecord, Run, Skipped, TraceRecord,
+    TracerRun,
 };
 
 /// How many causes a row names.
 const TOP_CAUSES: usize = 5;
 
 /// The whole summary.
-pub(super) fn summary(run: &Run, groups: &[Group<'_>]) -> String {
-    let mut text = head(run, "tracebench: speed and accuracy of the same rays");
+pub(super) fn summary(run: &Run, groups: &[Group<'_>]) -> Document {
+    let mut page = head(run, "tracebench: speed and accuracy of the same rays");
     if groups.is_empty() {
-        text += "\nNothing ran.\n";
+        page = page.words("Nothing ran.");
     }
     for group in groups {
-        text += &scene(group);
-        text += &build_table(group);
-        for set in &group.ray_sets {
-            text += &ray_set(group, set);
-        }
+        page = page.and(scene(group)).and(builds(group)).and(group.ray_sets.iter().map(|set| ray_set(group, set)));
     }
-    text + &skipped(&run.skipped)
+    page.and(skipped(&run.skipped))
 }
 
 /// What holds of the whole run, below a title.
-pub(crate) fn head(run: &Run, title: &str) -> String {
-    let mut text = head_of(&run.provenance, &run.preset, run.seed, &verdict::controls(run), title);
+pub(crate) fn head(run: &Run, title: &str) -> Document {
+    let mut page = head_of(&run.provenance, &run.preset, run.seed, &verdict::controls(run), title);
     if !run.races.is_empty() {
-        let _ = writeln!(text, "- Clock: {}", inline(&clock(run)));
+        page = page.item(format!("Clock: {}", clock(run)));
     }
-    text += "\n";
     if run.provenance.machine.adapter.as_ref().is_some_and(|adapter| adapter.kind == "software") {
-        text += "**The adapter is software: accuracy, counters and bytes lead; device times are those of a software \
-                 adapter and say little of hardware.**\n\n";
-    }
-    if run.runs.iter().any(|row| row.window > 0) {
-        let _ = writeln!(
-            text,
-            "Not all contenders fit one window, in which they take turns. Rows with{MARK} were measured in a later one; their times \
-             are set as the first contender's of their scene, which every window has, was slower or faster there.\n"
+        page = page.words(
+            "**The adapter is software: accuracy, counters and bytes lead; device times are those of a software adapter and say \
+             little of hardware.**",
         );
     }
-    text += &notes(run);
+    if run.runs.iter().any(|row| row.window > 0) {
+        page = page.words(format!(
+            "Not all contenders fit one window, in which they take turns. Rows with{MARK} were measured in a later one; their times \
+             are set as the first contender's of their scene, which every window has, was slower or faster there."
+        ));
+    }
     let judged = run.runs.iter().flat_map(|row| &row.traces).map(|trace| &trace.judgement);
-    let _ = writeln!(
-        text,
+    page.and(notes(run)).words(format!(
         "Times are medians with an order-statistic interval in brackets; shares have 95 % Wilson intervals. {} Each time names its clock; \
          times of different clocks do not compare. ↑ more is better, ↓ less is better. 1 MiB is 2^20 bytes.",
         metrics::of_ambiguous(judged)
-    );
-    text
+    ))
 }
 
 /// What is to be known before any figure: what the import of a scene warns of, and rays of which shares of right answers say nothing.
-pub(super) fn notes(run: &Run) -> String {
-    let mut notes: Vec<String> = Vec::new();
-    let mut note = |text: String| {
-        if !notes.contains(&text) {
-            notes.push(text);
-        }
-    };
-    for row in &run.runs {
+pub(super) fn notes(run: &Run) -> Document {
+    let of_row = |row: &TracerRun| {
         let scene = literal(&row.scene.name);
-        for warning in &row.scene.warnings {
-            note(format!("- Import of {scene}: {}.", literal(warning.trim_end_matches('.'))));
-        }
-        for trace in &row.traces {
-            if let Some(why) = trace.judgement.one_sided() {
-                let view = literal(&row.viewpoint.name);
-                note(format!(
-                    "- {scene}, viewpoint {view}, rays {}: {why}, so shares of right answers say nothing.",
-                    trace.rays
-                ));
-            }
-        }
-    }
-    if notes.is_empty() { String::new() } else { notes.join("\n") + "\n\n" }
+        let warning = |text: &String| format!("Import of {scene}: {}.", literal(text.trim_end_matches('.')));
+        let one_sided = |trace: &TraceRecord| {
+            let (why, view) = (trace.judgement.one_sided()?, literal(&row.viewpoint.name));
+            let rays = &trace.rays;
+            Some(format!("{scene}, viewpoint {view}, rays {rays}: {why}, so shares of right answers say nothing."))
+        };
+        let warnings = row.scene.warnings.iter().map(warning);
+        warnings.chain(row.traces.iter().filter_map(one_sided)).collect::<Vec<_>>()
+    };
+    let notes = run.runs.iter().flat_map(of_row).unique();
+    Document::default().and(notes.map(|note| Document::default().item(note)))
 }
 
 /// How long was sampled, and which races decide nothing.
 fn clock(run: &Run) -> String {
     let rounds = || run.races.iter().map(|race| race.orders.len());
     let (fewest, most) = (rounds().min(), rounds().max());
-    let name = |race: &RaceRecord| format!("{} of {}", race.work, literal(&race.scene).replace("\\|", "|"));
+    let name = |race: &RaceRecord| format!("{} of {}", race.work, literal(&race.scene));
     let those = |what: &str, wanted: &dyn Fn(&RaceRecord) -> bool| {
         let found: Vec<String> = run.races.iter().filter(|race| wanted(race)).map(name).collect();
         if found.is_empty() { String::new() } else { format!("; {what} in {}: {}", found.len(), counted(&found)) }
@@ -136,95 +121,80 @@ fn counted(names: &[String]) -> String {
 }
 
 /// Where, when and of what something was measured, below a title.
-pub(super) fn head_of(from: &Provenance, preset: &str, seed: u64, controls: &Verdict, title: &str) -> String {
-    let mut text = format!("# {title}\n\n");
-    let mut item = |name: &str, value: String| {
-        let _ = writeln!(text, "- {name}: {}", inline(&value));
-    };
-    item("Machine", from.machine.label());
+pub(super) fn head_of(from: &Provenance, preset: &str, seed: u64, controls: &Verdict, title: &str) -> Document {
+    let mut items = vec![("Machine", from.machine.label())];
     if let Some(adapter) = &from.machine.adapter {
         let timestamps = if adapter.timestamps { "device timestamps" } else { "no device timestamps" };
-        item(
-            "Adapter",
-            format!(
-                "{} ({}, {}, {} {}), {timestamps}",
-                adapter.name, adapter.kind, adapter.backend, adapter.driver, adapter.driver_version
-            ),
-        );
+        let AdapterListing { name, kind, backend, driver, driver_version, .. } = adapter;
+        items.push(("Adapter", format!("{name} ({kind}, {backend}, {driver} {driver_version}), {timestamps}")));
     }
     if let Some(found) = &from.machine.rasterizer {
         let Rasterizer { snap_pixels, depth_error, depth_error_beyond_view, reach } = found;
-        item(
+        items.push((
             "Rasterizer",
             format!(
                 "borders drawn up to {snap_pixels:.4} pixels from where they are; interpolated depth off by {depth_error:.1e}, of \
                  triangles that reach far out of the view by {depth_error_beyond_view:.1e}; triangles drawn whole up to {reach:.0} heights of \
                  the eye above them"
             ),
-        );
+        ));
     }
     let memory = from.machine.memory_bytes.map_or_else(|| "unknown".to_owned(), |bytes| format!("{} MiB", mib(bytes)));
-    item("System", format!("{}; memory {memory}; {}", from.machine.os, from.machine.rustc));
     let tree = match from.dirty {
         Some(true) => " with uncommitted changes",
         Some(false) => "",
         None => " (unknown whether the tree was changed)",
     };
-    item("Commit", format!("{}{tree}", from.commit));
-    item("Rules", format!("version {}", from.rules_version));
     let preset = match preset {
         "smoke" => "smoke (smoke run: figures only show that things work)",
         other => other,
     };
-    item("Preset", preset.to_owned());
-    item("Seed", seed.to_string());
-    item("Started", from.started.clone());
-    item("Controls", controls.sentence());
-    text
+    items.extend([
+        ("System", format!("{}; memory {memory}; {}", from.machine.os, from.machine.rustc)),
+        ("Commit", format!("{}{tree}", from.commit)),
+        ("Rules", format!("version {}", from.rules_version)),
+        ("Preset", preset.to_owned()),
+        ("Seed", seed.to_string()),
+        ("Started", from.started.clone()),
+        ("Controls", controls.sentence()),
+    ]);
+    let items = items.into_iter().map(|(name, value)| Document::default().item(format!("{name}: {value}")));
+    Document::titled(title).and(items)
 }
 
-fn scene(group: &Group<'_>) -> String {
+fn scene(group: &Group<'_>) -> Document {
     let (scene, viewpoint) = (group.scene, group.viewpoint);
-    let mut text = format!("\n## {} ({} triangles)\n\n", literal(&scene.name), thousands(scene.triangles));
-    let _ = write!(
-        text,
-        "Hash `{}`, diagonal {} scene units",
-        format::hash_prefix(&scene.sha256),
-        significant(scene.diagonal, 4)
-    );
-    if let Some(scale) = scene.scale {
-        let _ = write!(text, ", scale {scale}");
-    }
+    let scale = scene.scale.map_or_else(String::new, |scale| format!(", scale {scale}"));
     let [x, y, z] = viewpoint.eye.map(|each| significant(f64::from(each), 4));
-    let _ = writeln!(
-        text,
-        ". Viewpoint {} at ({x}, {y}, {z}), {}° vertical field of view, time {} s; rays start from the pixels of a \
-         {} image{}.",
+    let mut page = Document::default().scene(2, scene, "").words(format!(
+        "Hash `{}`, diagonal {} scene units{scale}. Viewpoint {} at ({x}, {y}, {z}), {}° vertical field of view, time {} s; rays start from \
+         the pixels of a {} image{}.",
+        format::hash_prefix(&scene.sha256),
+        significant(scene.diagonal, 4),
         literal(&viewpoint.name),
         significant(f64::from(viewpoint.vertical_fov_degrees), 4),
         viewpoint.time_s,
         size(viewpoint.ray_image),
         viewpoint.said_of_rays()
-    );
+    ));
     if scene.zero_area_triangles_dropped + scene.duplicate_triangles_kept > 0 {
-        let _ = writeln!(
-            text,
-            "\nImport: {} triangles of zero area dropped, {} duplicate triangles kept.",
+        page = page.words(format!(
+            "Import: {} triangles of zero area dropped, {} duplicate triangles kept.",
             thousands(scene.zero_area_triangles_dropped),
             thousands(scene.duplicate_triangles_kept)
-        );
+        ));
     }
     let stem = &group.stem;
-    let _ = writeln!(text, "\n![Error against speed](error_vs_speed_{stem}.svg)");
+    page = page.chart(format!("error_vs_speed_{stem}"), "Error against speed");
     if group.ray_sets.iter().any(|set| set.query == Query::Closest) {
-        let _ = writeln!(text, "\n![Agreement over tolerance](agreement_over_tolerance_{stem}.svg)");
+        page = page.chart(format!("agreement_over_tolerance_{stem}"), "Agreement over tolerance");
     }
-    text
+    page
 }
 
-fn build_table(group: &Group<'_>) -> String {
+fn builds(group: &Group<'_>) -> Document {
     if group.contenders.is_empty() {
-        return String::new();
+        return Document::default();
     }
     let mut sheet = Sheet::<&TracerRun>::new()
         .told("tracer", |run| run.label())
@@ -243,26 +213,23 @@ fn build_table(group: &Group<'_>) -> String {
             said.collect::<Vec<_>>().join("; ")
         });
     }
-    format!("\n### Build\n\n{}", sheet.markdown(&group.contenders))
+    Document::default().heading(3, "Build").table(sheet.table(&group.contenders))
 }
 
-fn ray_set(group: &Group<'_>, set: &RaySet<'_>) -> String {
+fn ray_set(group: &Group<'_>, set: &RaySet<'_>) -> Document {
     let rows = group.traces(set);
-    let mut text = format!("\n### {}{}\n", set.heading(), surfaces::heading(&rows));
-    if rows.iter().any(|(_, _, trace)| many_ties(&trace.judgement)) {
-        text += "\n**More than one ray in a thousand is a tie.**\n";
-    }
-    text += &coverage(&rows);
-    match set.query {
-        Query::Closest => closest_tables(&mut text, &rows),
-        Query::Any => any_tables(&mut text, &rows),
-    }
-    text += &distances::tables(&rows);
-    text += &surfaces::tables(&rows);
-    text += &causes(&rows);
-    text += &counters(&rows);
-    text += &statuses(&rows);
-    text
+    let many_ties = rows.iter().any(|(_, _, trace)| many_ties(&trace.judgement));
+    let many_ties = if many_ties { "**More than one ray in a thousand is a tie.**" } else { "" };
+    let page = set.headed(3, surfaces::heading(&rows)).words(many_ties).words(coverage(&rows));
+    let page = match set.query {
+        Query::Closest => page.and(closest_tables(&rows)),
+        Query::Any => page.table(any_table(&rows)),
+    };
+    page.and(distances::tables(&rows))
+        .and(surfaces::tables(&rows))
+        .below("Causes of wrong answers:", causes(&rows))
+        .below("Counters, from a variant that is not timed:", counters(&rows))
+        .below("How rays ended:", statuses(&rows))
 }
 
 /// What every table of traces begins with.
@@ -280,7 +247,7 @@ fn metrics<'a>(metrics: impl IntoIterator<Item = Metric>) -> Columns<'a, Row<'a>
     metrics.into_iter().map(|metric| metric.of_trace(|(.., trace): &Row<'_>| Some(trace))).collect()
 }
 
-fn closest_tables(text: &mut String, rows: &[Row<'_>]) {
+fn closest_tables(rows: &[Row<'_>]) -> Document {
     let beside = metrics::with_ambiguous(rows.iter().map(|(.., trace)| *trace));
     let main = traced(Query::Closest).with(metrics(beside.into_iter().chain([POSITION, IDENTITY, AMBIGUOUS])));
     let mut by_rule: Vec<(String, &str, &Classes)> = Vec::new();
@@ -298,12 +265,12 @@ fn closest_tables(text: &mut String, rows: &[Row<'_>]) {
         .told("false miss", |(.., classes)| classes.false_miss)
         .told("early", |(.., classes)| classes.early)
         .told("late", |(.., classes)| classes.late);
-    let _ = write!(text, "\n{}\nClasses, rays:\n\n{}", main.markdown(rows), classes.markdown(&by_rule));
+    Document::default().table(main.table(rows)).words("Classes, rays:").table(classes.table(&by_rule))
 }
 
-fn any_tables(text: &mut String, rows: &[Row<'_>]) {
+fn any_table(rows: &[Row<'_>]) -> Table {
     let counts = [TRUE_OCCLUDED, TRUE_FREE, FALSE_OCCLUDED, FALSE_FREE, AMBIGUOUS];
-    let _ = write!(text, "\n{}", traced(Query::Any).with(metrics(counts)).markdown(rows));
+    traced(Query::Any).with(metrics(counts)).table(rows)
 }
 
 /// The rows of tracers that are no controls, each with everything of a kind that its trace tells.
@@ -312,7 +279,7 @@ fn each<'a, T>(rows: &[Row<'a>], of: impl Fn(&Row<'a>) -> Vec<T>) -> Vec<(Row<'a
     contenders.flat_map(|row| of(row).into_iter().map(move |each| (*row, each))).collect()
 }
 
-fn causes(rows: &[Row<'_>]) -> String {
+fn causes(rows: &[Row<'_>]) -> Table {
     type Caused<'a> = (Row<'a>, (&'a String, u64, Vec<String>));
     let listed = |causes: &BTreeMap<String, u64>| {
         let all: u64 = causes.values().sum();
@@ -335,10 +302,10 @@ fn causes(rows: &[Row<'_>]) -> String {
         .told("rule", |(_, (rule, ..))| (*rule).clone())
         .told("wrong rays", |(_, (_, all, _))| *all)
         .told("causes, most frequent first", |(_, (.., listed))| listed.join(", "));
-    sheet.below("Causes of wrong answers:", &rows)
+    sheet.table(&rows)
 }
 
-fn counters(rows: &[Row<'_>]) -> String {
+fn counters(rows: &[Row<'_>]) -> Table {
     type Counted<'a> = (Row<'a>, (&'a String, &'a CounterRecord));
     let whole = |((_, run, _), (name, counter)): &Counted<'_>| touched(run, name, counter);
     let sheet = Sheet::<Counted<'_>>::new()
@@ -348,10 +315,10 @@ fn counters(rows: &[Row<'_>]) -> String {
         .told("greatest per ray", |(_, (_, counter))| counter.greatest_per_ray)
         .told("over the whole set", whole);
     let rows = each(rows, |(.., trace)| trace.counters.iter().collect());
-    sheet.below("Counters, from a variant that is not timed:", &rows)
+    sheet.table(&rows)
 }
 
-fn statuses(rows: &[Row<'_>]) -> String {
+fn statuses(rows: &[Row<'_>]) -> Table {
     let sheet = Sheet::<(Row<'_>, String)>::new()
         .name(|(row, _)| Some(*row))
         .told("rays by the status that the tracer gave", |(_, listed)| listed.clone());
@@ -360,11 +327,11 @@ fn statuses(rows: &[Row<'_>]) -> String {
         let listed: Vec<_> = named.map(|(name, rays)| format!("{name} {}", thousands(*rays))).collect();
         if listed.is_empty() { Vec::new() } else { vec![listed.join(", ")] }
     });
-    sheet.below("How rays ended:", &rows)
+    sheet.table(&rows)
 }
 
 /// What did not run, each once: studies ask again from every viewpoint.
-pub(crate) fn skipped(skipped: &[Skipped]) -> String {
+pub(crate) fn skipped(skipped: &[Skipped]) -> Document {
     let once: Vec<Skipped> = skipped.iter().unique().cloned().collect();
     let or_all = |name: &Option<String>| name.clone().unwrap_or_else(|| "all".to_owned());
     let sheet = Sheet::<Skipped>::new()
@@ -372,7 +339,8 @@ pub(crate) fn skipped(skipped: &[Skipped]) -> String {
         .told("scene", |each| Cell::Name(each.scene.clone()))
         .told("rays", |each| or_all(&each.rays))
         .told("reason", |each| each.reason.clone());
-    if once.is_empty() { "\n## Skipped\n\nNothing.\n".to_owned() } else { sheet.below("## Skipped", &once) }
+    let page = Document::default().heading(2, "Skipped");
+    if once.is_empty() { page.words("Nothing.") } else { page.table(sheet.table(&once)) }
 }
 
 fn many_ties(judgement: &Judgement) -> bool {

@@ -2,15 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use super::ReportError;
 use super::cells::Row;
 use super::format::end;
 use super::group::Group;
-use super::sheet::{Column, Columns, Sheet};
+use super::sheet::{Column, Columns, Sheet, Table};
 use crate::results::{Judgement, Run, TraceRecord, WrongRay};
 
 /// One row a ray set and tracer or control, with every scalar.
-pub(super) fn traces(run: &Run, groups: &[Group<'_>]) -> Result<Vec<u8>, ReportError> {
+pub(super) fn traces(run: &Run, groups: &[Group<'_>]) -> Table {
     let rows = all_traces(groups);
     let sheet = Sheet::<Row<'_>>::new()
         .column("role", |(role, ..)| role.name())
@@ -31,11 +30,11 @@ pub(super) fn traces(run: &Run, groups: &[Group<'_>]) -> Result<Vec<u8>, ReportE
         .whole_provenance(run, Some(run.seed))
         .metrics(&run.runs, |(_, run, trace)| Some((run, trace)))
         .with(of_maps(&rows));
-    sheet.csv("traces.csv", &rows)
+    sheet.table(&rows)
 }
 
 /// Every wrong ray that the judge kept.
-pub(super) fn wrong_rays(groups: &[Group<'_>]) -> Result<Vec<u8>, ReportError> {
+pub(super) fn wrong_rays(groups: &[Group<'_>]) -> Table {
     type Wrong<'a> = (Row<'a>, &'a WrongRay);
     let rows: Vec<Wrong<'_>> =
         all_traces(groups).into_iter().flat_map(|row| wrong_rays_of(row.2).iter().map(move |ray| (row, ray))).collect();
@@ -63,7 +62,7 @@ pub(super) fn wrong_rays(groups: &[Group<'_>]) -> Result<Vec<u8>, ReportError> {
         .column("status", |(_, ray)| ray.status.clone())
         .column("class", |(_, ray)| ray.class.clone())
         .column("cause", |(_, ray)| ray.cause.clone());
-    sheet.csv("wrong_rays.csv", &rows)
+    sheet.table(&rows)
 }
 
 fn all_traces<'a>(groups: &[Group<'a>]) -> Vec<Row<'a>> {

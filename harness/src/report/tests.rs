@@ -57,7 +57,7 @@ fn derived_files_can_be_made_again() {
 #[test]
 fn the_summary_is_complete() {
     let run = fixture::crowded();
-    let summary = summary::summary(&run, &group::groups(&run));
+    let summary = summary::summary(&run, &group::groups(&run)).markdown();
     for wanted in [
         run.provenance.machine.label(),
         run.provenance.commit.clone(),
@@ -80,7 +80,7 @@ fn the_summary_is_complete() {
     assert_eq!(summary::skipped(&twice), summary::skipped(&run.skipped));
     assert!(!summary.contains("smoke"));
     let smoke = Run { preset: "smoke".to_owned(), ..run };
-    assert!(summary::summary(&smoke, &[]).contains("figures only show that things work"));
+    assert!(summary::summary(&smoke, &[]).markdown().contains("figures only show that things work"));
 }
 
 /// Where a tracer has texels of its own the summary says how far told hits are from the mesh, of all pieces together and of each; where
@@ -89,7 +89,7 @@ fn the_summary_is_complete() {
 fn distances_are_told_by_texels() {
     let run = fixture::crowded();
     let heading = "Told hits by their distance from the connected piece of mesh";
-    let summary_of = |run: &Run| summary::summary(run, &group::groups(run));
+    let summary_of = |run: &Run| summary::summary(run, &group::groups(run)).markdown();
     let told = summary_of(&run);
     assert!(told.contains(heading) && told.contains("The pieces of mesh that most rays truly hit"));
     let changed = |change: fn(&mut ClosestJudgement)| {
@@ -114,7 +114,7 @@ fn distances_are_told_by_texels() {
 #[test]
 fn no_speed_without_accuracy() {
     let run = fixture::crowded();
-    let summary = summary::summary(&run, &group::groups(&run));
+    let summary = summary::summary(&run, &group::groups(&run)).markdown();
     let cells = |line: &str| line.replace("\\|", "").split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
     let mut heading: Vec<String> = Vec::new();
     let mut speeds = 0;
@@ -144,7 +144,7 @@ fn no_speed_without_accuracy() {
             (judgement.agreement, judgement.interval) = Default::default();
         }
     }
-    let summary = summary::summary(&run, &group::groups(&run));
+    let summary = summary::summary(&run, &group::groups(&run)).markdown();
     let row = summary.lines().find(|line| line.contains("| bvh-cpu |") && line.contains("tie")).unwrap();
     assert!(!row.contains("17."), "{row}");
 }
@@ -154,7 +154,7 @@ fn no_speed_without_accuracy() {
 #[test]
 fn ambiguous_rays_count() {
     let mut run = fixture::typical();
-    let page = |run: &Run| summary::summary(run, &group::groups(run));
+    let page = |run: &Run| summary::summary(run, &group::groups(run)).markdown();
     let (beside, column) =
         ("without ambiguous rays: hit_miss / tight / footprint ↑", "agreement_without_ambiguous_tight_share");
     let older = page(&run);
@@ -208,9 +208,9 @@ fn failing_controls_are_told() {
         assert!(verdict.sentence().contains("is missing on") && verdict.sentence().contains("void"), "{verdict:?}");
         // A chart of such a run says so, one of a sound run does not.
         let said = |run: &Run| {
-            let charts = chart::charts(run, &group::groups(run)).unwrap();
-            let svgs = charts.iter().filter(|file| file.name.ends_with(".svg"));
-            svgs.map(|file| String::from_utf8(file.contents.clone()).unwrap().contains("VOID")).collect::<Vec<_>>()
+            let charts = chart::files(&chart::charts(run, &group::groups(run))).unwrap();
+            let svgs = charts.iter().filter(|(name, _)| name.ends_with(".svg"));
+            svgs.map(|(_, svg)| String::from_utf8(svg.clone()).unwrap().contains("VOID")).collect::<Vec<_>>()
         };
         assert!(said(&bad).iter().all(|said| *said) && said(&run).iter().all(|said| !said));
     }
@@ -383,7 +383,7 @@ fn tables_set_peers_side_by_side() {
     );
     let plain = Run { table: None, ..run.clone() };
     assert!(write(&plain).1.keys().all(|name| !name.starts_with("table_")));
-    for (name, contents) in peers::files(crate::peers::find("bvh").unwrap(), &plain).unwrap() {
+    for (name, contents) in peers::report(crate::peers::find("bvh").unwrap(), &plain).contents().unwrap() {
         assert!(contents == files[&name], "{name} differs");
     }
 }
@@ -419,7 +419,7 @@ fn tables_tell_no_speed_without_accuracy() {
 #[test]
 fn the_summary_tells_statistics() {
     let mut run = fixture::typical();
-    let summary = |run: &Run| summary::summary(run, &group::groups(run));
+    let summary = |run: &Run| summary::summary(run, &group::groups(run)).markdown();
     assert!(summary(&run).contains("nodes 4,321; sah_cost 57.25"));
     for one in run.runs.iter_mut().chain(&mut run.controls) {
         one.structure_statistics.clear();

@@ -50,7 +50,7 @@ fn text(found: &Reproduction, out: &str, took: Duration, pages: impl Fn(&Taken) 
         })
         .told("by itself", |step| command(step));
     let (left, taken): (Vec<&Taken>, _) = found.steps.iter().partition(|step| step.state == State::LeftOut);
-    text += &sheet.markdown(&taken);
+    text += &sheet.table(&taken).markdown();
     if !left.is_empty() {
         text += "\n## Left out\n\nThese were not reached. With more time `reproduce` goes on:\n\n```sh\n";
         let _ = writeln!(text, "tracebench reproduce --out {out} --resume --budget 1h\n```\n");

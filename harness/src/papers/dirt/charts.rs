@@ -44,6 +44,7 @@ fn over_buckets_of(experiment: &Experiment, scene: &SceneRows<'_>) -> SeriesChar
             }
         });
         SeriesPanel {
+            of: None,
             title: title.to_owned(),
             setting: "B (buckets)".to_owned(),
             steps: buckets.iter().map(u64::to_string).collect(),
@@ -104,6 +105,7 @@ fn mixes_of(experiment: &Experiment, scene: &SceneRows<'_>) -> SeriesChart {
             [line(values(tracer, &traced), false), line(values(tracer, &|run| host_ms(run.build.steady())), true)]
         });
         SeriesPanel {
+            of: None,
             title: (*name).to_owned(),
             setting: "rays from the pixels of".to_owned(),
             steps: names(&steps),
@@ -135,6 +137,7 @@ pub(super) fn memory_over_resolution(page: &Page<'_>) -> Vec<SeriesChart> {
             Series { label: scene.label.clone(), values, dashed: tracer == ABUFFER }
         });
         SeriesPanel {
+            of: None,
             title: title.to_owned(),
             setting: "R_h = R_l".to_owned(),
             steps: names(&steps),

@@ -7,6 +7,7 @@ use crate::papers::SceneRows;
 use crate::papers::page::Page;
 use crate::papers::page::measured::{Row, of_rows, over, speed_with_accuracy};
 use crate::papers::rows::{integer, statistic, trace};
+use crate::report::document::Document;
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::results::{TracerRun, host_ms};
 
@@ -19,7 +20,7 @@ const FORMULA: [f64; 3] = [8.0, 4.0, 8.0];
 const MIPMAPS: [f64; 2] = [1.33, 1.5];
 
 /// Rays a second of each kind, and ratios to the last kind beside the published ones.
-pub(super) fn throughput(page: &Page<'_>) -> String {
+pub(super) fn throughput(page: &Page<'_>) -> Document {
     let rows: Vec<Row<'_>> = page.all().collect();
     let found = |run: &TracerRun, rays| speed_with_accuracy(trace(run, rays)?);
     let speed = |(rays, _)| Column::told(rays, move |(_, run): &Row<'_>| found(run, rays));
@@ -31,12 +32,11 @@ pub(super) fn throughput(page: &Page<'_>) -> String {
             format!("{} here, {} published", over(own, base).told(), over(theirs, of).told())
         })
     };
-    format!(
-        "\nMrays/s with the agreement under tight of the same rays (any hit: balanced accuracy):\n\n{}\nRatios to diffuse rays, \
-         within one scene and tracer:\n\n{}",
-        of_rows::<Row<'_>>(|row| *row).with(KINDS.map(speed).into()).markdown(&rows),
-        of_rows::<Row<'_>>(|row| *row).with(kinds.map(ratio).into()).markdown(&rows)
-    )
+    let sheet = || of_rows::<Row<'_>>(|row| *row);
+    Document::of("Mrays/s with the agreement under tight of the same rays (any hit: balanced accuracy):")
+        .table(sheet().with(KINDS.map(speed).into()).table(&rows))
+        .words("Ratios to diffuse rays, within one scene and tracer:")
+        .table(sheet().with(kinds.map(ratio).into()).table(&rows))
 }
 
 /// Bytes by the formula of Table 3 with the device's own counts, and by the ledger.
@@ -77,7 +77,7 @@ impl Formula {
 }
 
 /// The formula of Table 3 beside what the ledger says is used.
-pub(super) fn formula(page: &Page<'_>) -> String {
+pub(super) fn formula(page: &Page<'_>) -> Document {
     let rows: Vec<_> = page.all().filter_map(|row| Some((row, Formula::of(row.1)?))).collect();
     let sheet = of_rows::<(Row<'_>, Formula)>(|(row, _)| *row)
         .told("tiles of all views", |(_, of)| of.tiles as u64)
@@ -89,11 +89,11 @@ pub(super) fn formula(page: &Page<'_>) -> String {
         .told("formula at 1.33 over ledger", |(_, of)| of.over_ledger(MIPMAPS[0]))
         .told("at 1.5 over ledger", |(_, of)| of.over_ledger(MIPMAPS[1]))
         .told("in the ledger and not in Table 3 (bytes)", |(_, of)| of.used_else as u64);
-    format!("\nBytes used:\n\n{}", sheet.markdown(&rows))
+    Document::of("Bytes used:").table(sheet.table(&rows))
 }
 
 /// Build and traces of every mix by the host's clock.
-pub(super) fn mixes(page: &Page<'_>) -> String {
+pub(super) fn mixes(page: &Page<'_>) -> Document {
     let at = |(name, mix)| {
         Column::told(format!("{name}: build and traces (ms) ↓"), move |(_, run): &Row<'_>| total_ms(run, mix))
     };
@@ -106,7 +106,7 @@ pub(super) fn mixes(page: &Page<'_>) -> String {
     let of_scene =
         |scene| SceneRows::by_resolution(scene).into_iter().flat_map(|at| at.runs).map(move |run| (scene, run));
     let rows: Vec<Row<'_>> = page.rows.scenes.iter().flat_map(of_scene).collect();
-    format!("\nThe accuracy of the same traces stands below, by scene and resolution.\n\n{}", sheet.markdown(&rows))
+    Document::of("The accuracy of the same traces stands below, by scene and resolution.").table(sheet.table(&rows))
 }
 
 /// Parts of triangles by the number of buckets that hold them, as structures tell them: statistic, heading.
@@ -123,7 +123,7 @@ const IN_BUCKETS: [(&str, &str); 9] = [
 ];
 
 /// Copies of a part in several buckets as a histogram, and tiles that one surface fills; nothing of structures that do not tell.
-pub(super) fn copies(page: &Page<'_>) -> String {
+pub(super) fn copies(page: &Page<'_>) -> Document {
     let tells = |name: &str, (_, run): &Row<'_>| statistic(run, name).is_some();
     let rows: Vec<Row<'_>> = page.of_tracer(DIRT).filter(|row| tells("one_surface_tiles", row)).collect();
     let over = |(_, run): &Row<'_>, part: &str, whole: &str| Some(statistic(run, part)? / statistic(run, whole)?);
@@ -137,10 +137,8 @@ pub(super) fn copies(page: &Page<'_>) -> String {
         .and(share("in every bucket (%)", "parts_in_every_bucket", "parts"))
         .and(share("tiles of one surface (%)", "one_surface_tiles", "occupied_tiles"))
         .and(share("references in these (%)", "references_in_one_surface_tiles", "references"));
-    sheet.below(
-        "Parts of triangles, one a tile that it touches, by the number of the tile's buckets that hold a copy. Equation 1 divides \
+    let words = "Parts of triangles, one a tile that it touches, by the number of the tile's buckets that hold a copy. Equation 1 divides \
          the depths that a tile holds, whatever these are: where one surface, triangles that hang together by their corners, fills a \
-         tile, it is spread over all buckets.",
-        &rows,
-    )
+         tile, it is spread over all buckets.";
+    Document::default().below(words, sheet.table(&rows))
 }

@@ -5,11 +5,12 @@ use super::quantities::octree::{FRAME, pair};
 use crate::papers::page::Page;
 use crate::papers::page::measured::{Row, TIMES, ms_of, of_rows, over, time_of};
 use crate::papers::rows::trace;
+use crate::report::document::Document;
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::results::{TraceRecord, TracerRun, host_ms};
 
 /// Table 1: what the octree takes over what the A-buffers take, beside the same of the paper.
-pub(super) fn octree(page: &Page<'_>) -> String {
+pub(super) fn octree(page: &Page<'_>) -> Document {
     // With the first of the A-buffers in its scene.
     let rows: Vec<_> = page.all().filter_map(|row| Some((row, pair(row.0)?[1]))).collect();
     let build = |run: &TracerRun| host_ms(run.build.steady());
@@ -32,11 +33,11 @@ pub(super) fn octree(page: &Page<'_>) -> String {
         .and(printed("published: build × A-buffers", "Construction"))
         .and(printed("traces ×", "Tracing Rays"))
         .and(printed("all ×", "Total"));
-    format!("\n{TIMES} A frame is mirrored, refracted and shadow rays once each.\n\n{}", sheet.markdown(&rows))
+    Document::of(format!("{TIMES} A frame is mirrored, refracted and shadow rays once each.")).table(sheet.table(&rows))
 }
 
 /// Figure 7: the time of a ray a pixel, over the number of rays.
-pub(super) fn a_ray(page: &Page<'_>) -> String {
+pub(super) fn a_ray(page: &Page<'_>) -> Document {
     let printed = page.printed().and_then(|table| table.rows.as_ref()?.first()?.values.first().copied()?);
     let runs = page.rows.scenes.iter().flat_map(|scene| scene.by_resolution()).flat_map(|scene| scene.runs);
     let rows: Vec<(&TracerRun, &TraceRecord)> = runs.filter_map(|run| Some((run, trace(run, "ao")?))).collect();
@@ -53,8 +54,6 @@ pub(super) fn a_ray(page: &Page<'_>) -> String {
         .told("a million rays (ms) ↓", times(1e6))
         .told("a ray a pixel of 800x600 (ms) ↓", times(800.0 * 600.0))
         .told("published (ms)", |_| Cell::number(printed, 3));
-    format!(
-        "\n{TIMES} The published time is of its own hardware and stands beside no time here.\n\n{}",
-        sheet.markdown(&rows)
-    )
+    Document::of(format!("{TIMES} The published time is of its own hardware and stands beside no time here."))
+        .table(sheet.table(&rows))
 }

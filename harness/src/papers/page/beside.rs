@@ -3,13 +3,14 @@
 use super::Page;
 use super::measured::{TIMES, ms_of, over_first, time_of};
 use crate::papers::Scope;
+use crate::report::document::Document;
 use crate::report::markdown::literal;
 use crate::report::sheet::{Cell, Sheet};
 use crate::results::{TracerRun, host_ms};
 
 /// Build and traces of every row, with ratios to the first of a tracer.
-pub(in crate::papers) fn beside(page: &Page<'_>, reference: &str) -> String {
-    let mut text = format!("\n{TIMES} Ratios are to the first row of {reference} in a scene.\n");
+pub(in crate::papers) fn beside(page: &Page<'_>, reference: &str) -> Document {
+    let mut section = Document::of(format!("{TIMES} Ratios are to the first row of {reference} in a scene."));
     let build = |run: &TracerRun| host_ms(run.build.steady());
     for scene in &page.rows.scenes {
         let Some(first) = scene.like_first(reference, &[]) else { continue };
@@ -26,7 +27,7 @@ pub(in crate::papers) fn beside(page: &Page<'_>, reference: &str) -> String {
                 .and(over_first("ratio", first, trace))
                 .and(over_first("build and trace: ratio", first, move |run| Some(trace(run)? + build(run)?)));
         }
-        text += &format!("\n**{}**\n\n{}", literal(&scene.label), sheet.markdown(&scene.runs));
+        section = section.words(format!("**{}**", literal(&scene.label))).table(sheet.table(&scene.runs));
     }
-    text
+    section
 }

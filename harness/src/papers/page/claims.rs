@@ -1,23 +1,21 @@
 //! Claims with their verdicts: on an experiment's page, and all of a paper together.
 
-use std::fmt::Write as _;
-
 use super::broken;
 use crate::files;
 use crate::papers::{Claim, JudgedClaim, PAPERS, Paper, SceneValue, Test, Verdict, judge_all};
+use crate::report::document::Document;
 use crate::report::format::significant;
-use crate::report::markdown::inline;
-use crate::report::sheet::Sheet;
+use crate::report::sheet::{Sheet, Table};
 use crate::report::{Contents, ReportError};
 use crate::results::Run;
 use itertools::Itertools as _;
 
 /// The claims that an experiment measures.
-pub(super) fn section(judged: &[JudgedClaim]) -> String {
+pub(super) fn section(judged: &[JudgedClaim]) -> Document {
     if judged.is_empty() {
-        return String::new();
+        return Document::default();
     }
-    format!("\n## Claims\n\n{HOW}\n\n{}", table(judged, false))
+    Document::default().heading(2, "Claims").words(HOW).table(table(judged, false))
 }
 
 const HOW: &str = "A claim holds if the values here lie in the range beside them; a percentage holds within 10 percentage points, \
@@ -86,7 +84,7 @@ fn rows_of([measured, all]: [usize; 2]) -> String {
     if measured < all { format!("{measured} of {all} rows, ") } else { String::new() }
 }
 
-fn table(judged: &[JudgedClaim], with_table: bool) -> String {
+fn table(judged: &[JudgedClaim], with_table: bool) -> Table {
     let sheet = Sheet::<JudgedClaim>::new()
         .told("claim", |each| format!("`{}`: {}", each.claim.id, each.claim.statement))
         .told("section", |each| each.claim.section.clone())
@@ -95,7 +93,7 @@ fn table(judged: &[JudgedClaim], with_table: bool) -> String {
         .told("here", measured)
         .told("holds if", |each| rule(&each.claim))
         .told("verdict", verdict);
-    if with_table { sheet.told("table", measured_by).markdown(judged) } else { sheet.markdown(judged) }
+    if with_table { sheet.told("table", measured_by).table(judged) } else { sheet.table(judged) }
 }
 
 /// The table with the run that it was measured in.
@@ -111,39 +109,46 @@ pub(super) fn json(name: &str, judged: &[JudgedClaim]) -> Result<Vec<u8>, Report
     Ok(files::json(name, &judged)?)
 }
 
-/// All claims of a paper together, by the runs that were made for its tables, as Markdown.
+/// All claims of a paper together, by the runs that were made for its tables.
 ///
 /// # Errors
 /// If the embedded data is not as it should be.
-pub fn claims_text(paper: &Paper, runs: &[Run]) -> Result<String, ReportError> {
+pub(crate) fn claims_page(paper: &Paper, runs: &[Run]) -> Result<Document, ReportError> {
     let published = paper.published().map_err(|error| broken(&error))?;
     let judged = judged(paper, runs)?;
-    let mut text = format!("# Claims of {}\n\n", inline(&published.paper.title));
-    for machine in judged.iter().filter_map(|each| each.measured_by.as_ref()).map(|by| &by.machine).unique() {
-        let _ = writeln!(text, "- Machine: {}", inline(machine));
-    }
-    for verdict in Verdict::ALL {
-        let count = judged.iter().filter(|each| each.verdict == verdict).count();
-        let _ = writeln!(text, "- {}: {count}", verdict.name());
-    }
-    let _ = write!(text, "\n{HOW}\n\n{}", table(&judged, true));
-    Ok(text)
+    let machines = judged.iter().filter_map(|each| each.measured_by.as_ref()).map(|by| &by.machine).unique();
+    let machines = machines.map(|machine| format!("Machine: {machine}"));
+    let verdicts = Verdict::ALL.iter().map(|verdict| {
+        let count = judged.iter().filter(|each| each.verdict == *verdict).count();
+        format!("{}: {count}", verdict.name())
+    });
+    let items = machines.chain(verdicts).map(|item| Document::default().item(item));
+    let title = format!("Claims of {}", published.paper.title);
+    Ok(Document::titled(&title).and(items).words(HOW).table(table(&judged, true)))
 }
 
-/// The claims of every paper for one of whose tables a run was made, a page a paper in Markdown.
+/// The claims of every paper for one of whose tables a run was made, a page a paper.
 ///
 /// # Errors
 /// If the embedded data is not as it should be.
-pub fn claims_of(runs: &[Run]) -> Result<Vec<String>, ReportError> {
+pub fn claims_of(runs: &[Run]) -> Result<Vec<Document>, ReportError> {
     let is_of = |paper: &&&Paper| {
         let tables = runs.iter().filter_map(|run| run.table.as_deref());
         tables.into_iter().any(|table| paper.experiments.iter().any(|experiment| experiment.name == table))
     };
-    PAPERS.iter().filter(is_of).map(|paper| claims_text(paper, runs)).collect()
+    PAPERS.iter().filter(is_of).map(|paper| claims_page(paper, runs)).collect()
 }
 
 fn judged(paper: &Paper, runs: &[Run]) -> Result<Vec<JudgedClaim>, ReportError> {
     judge_all(paper, runs).map_err(|error| broken(&error))
+}
+
+/// The same as Markdown.
+///
+/// # Errors
+/// If the embedded data is not as it should be.
+pub fn claims_text(paper: &Paper, runs: &[Run]) -> Result<String, ReportError> {
+    Ok(claims_page(paper, runs)?.markdown())
 }
 
 /// All claims of a paper together, `claims_PAPER.md` and `claims_PAPER.json`.
@@ -153,6 +158,6 @@ fn judged(paper: &Paper, runs: &[Run]) -> Result<Vec<JudgedClaim>, ReportError> 
 pub fn claims_files(paper: &Paper, runs: &[Run]) -> Result<Contents, ReportError> {
     let stem = format!("claims_{}", paper.name);
     let name = format!("{stem}.json");
-    let page = claims_text(paper, runs)?.into_bytes();
+    let page = claims_page(paper, runs)?.markdown().into_bytes();
     Ok(vec![(format!("{stem}.md"), page), (name.clone(), json(&name, &judged(paper, runs)?)?)])
 }

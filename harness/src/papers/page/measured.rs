@@ -3,46 +3,44 @@
 use super::Page;
 use crate::papers::rows::{self, trace};
 use crate::papers::{SceneRows, Scope};
+use crate::report::document::{Document, Of, set_heading};
 use crate::report::format::{self, significant, thousands};
-use crate::report::group::{Role, set_heading};
-use crate::report::markdown::{inline, literal};
+use crate::report::group::Role;
+use crate::report::markdown::literal;
 use crate::report::metrics::{BUILD_TIME, SPEED, STRUCTURE, TRACE_TIME};
-use crate::report::sheet::{Cell, Column, Sheet};
+use crate::report::sheet::{Cell, Column, Sheet, Table};
 use crate::report::{cells, metrics};
 use crate::results::{Judgement, TraceRecord, TracerRun};
 
 /// What was measured: the paper's own sections, then every scene and resolution.
-pub(super) fn sections(page: &Page<'_>) -> String {
-    let mut text = String::from("\n## Here\n");
-    text.extend(page.experiment.sections.iter().map(|section| section(page)));
-    for scene in &page.rows.scenes {
-        text.extend(scene.by_resolution().iter().map(|at| at_resolution(page, at)));
-    }
-    text
+pub(super) fn sections(page: &Page<'_>) -> Document {
+    let at = page.rows.scenes.iter().flat_map(SceneRows::by_resolution);
+    Document::default()
+        .heading(2, "Here")
+        .and(page.experiment.sections.iter().map(|section| section(page)))
+        .and(at.filter_map(|at| at_resolution(page, &at)))
 }
 
-fn at_resolution(page: &Page<'_>, scene: &SceneRows<'_>) -> String {
-    let Some(first) = scene.runs.first() else { return String::new() };
+fn at_resolution(page: &Page<'_>, scene: &SceneRows<'_>) -> Option<Document> {
+    let first = scene.runs.first()?;
     let viewpoint = &first.viewpoint;
     let size = |[width, height]: [u32; 2]| format!("{width}x{height}");
-    let mut text = format!(
-        "\n### {} ({} triangles), rays from {}, frame {}, faces {}{}\n\n",
+    let heading = format!(
+        "{} ({} triangles), rays from {}, frame {}, faces {}{}",
         literal(&scene.label),
         thousands(first.scene.triangles),
         size(viewpoint.ray_image),
         size(viewpoint.frame),
         viewpoint.face,
-        inline(&viewpoint.said_of_rays())
+        viewpoint.said_of_rays()
     );
-    text += &structures(page, scene);
-    for set in scene.ray_sets() {
-        text += &traces(scene, set);
-    }
-    text
+    let sets = scene.ray_sets().into_iter().map(|set| traces(scene, set));
+    let of = Of { scene: Some(first.scene.name.clone()), rays: None };
+    Some(Document::default().headed(3, heading, of).table(structures(page, scene)).and(sets))
 }
 
 /// Counts, bytes and builds; times only in runs that tell accuracies too.
-fn structures(page: &Page<'_>, scene: &SceneRows<'_>) -> String {
+fn structures(page: &Page<'_>, scene: &SceneRows<'_>) -> Table {
     let timed = scene.runs.iter().any(|run| !run.traces.is_empty());
     let known = |name: &str| scene.runs.iter().any(|run| run.structure_statistics.contains_key(name));
     let counts = page.paper.counts.iter().filter(|(name, _)| known(name));
@@ -64,13 +62,13 @@ fn structures(page: &Page<'_>, scene: &SceneRows<'_>) -> String {
             .builds(BUILD_TIME.label, |run| Some(run))
             .build_phases("phases (ms)", "; ", |run| run);
     }
-    sheet.markdown(&scene.runs)
+    sheet.table(&scene.runs)
 }
 
-fn traces(scene: &SceneRows<'_>, set: &str) -> String {
+fn traces(scene: &SceneRows<'_>, set: &str) -> Document {
     let all: Vec<cells::Row<'_>> =
         scene.runs.iter().filter_map(|run| Some((Role::Contender, *run, trace(run, set)?))).collect();
-    let Some((.., first)) = all.first() else { return String::new() };
+    let Some((.., first)) = all.first() else { return Document::default() };
     let mut sheet = Sheet::<cells::Row<'_>>::new()
         .name(cells::own)
         .own_clock(cells::own)
@@ -82,7 +80,7 @@ fn traces(scene: &SceneRows<'_>, set: &str) -> String {
     }
     let sheet = sheet.counted(&all, cells::own);
     let title = set_heading(set, first.query, first.count);
-    format!("\n**{title}**\n{}\n{}", cells::coverage(&all), sheet.markdown(&all))
+    Document::of(format!("**{title}**")).words(cells::coverage(&all)).table(sheet.table(&all))
 }
 
 /// A tracer's row in a scene.

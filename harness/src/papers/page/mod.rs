@@ -6,15 +6,13 @@ mod claims;
 pub(super) mod measured;
 mod published;
 
-use std::fmt::Write as _;
-
 pub use claims::{claims_files, claims_of, claims_text};
 use measured::Row;
 
 use super::{DataError, Experiment, Paper, PublishedTable, Rows, judge};
-use crate::report::chart::series::series_chart;
-use crate::report::markdown::inline;
-use crate::report::{ReportError, peers, summary};
+use crate::report::chart::series::series;
+use crate::report::document::Document;
+use crate::report::{Report, ReportError, peers, summary};
 use crate::results::{Run, TracerRun};
 
 /// What the sections and charts of a page are made from.
@@ -56,8 +54,8 @@ fn broken(error: &DataError) -> ReportError {
     ReportError::Made { what: "the page".to_owned(), reason: error.to_string() }
 }
 
-/// The files of an experiment: name and contents.
-pub(crate) fn files(paper: &Paper, experiment: &Experiment, run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+/// An experiment over a run.
+pub(crate) fn report(paper: &Paper, experiment: &Experiment, run: &Run) -> Result<Report, ReportError> {
     let mut run = run.clone();
     run.runs.retain(|one| experiment.holds(&one.tracer.name));
     let rows = Rows::of(&run);
@@ -67,50 +65,43 @@ pub(crate) fn files(paper: &Paper, experiment: &Experiment, run: &Run) -> Result
     let judged: Vec<_> = own.map(|claim| judge(paper, claim, &rows)).collect();
     let page = Page { paper, experiment, rows: &rows, published: &published.tables };
     let charts: Vec<_> = experiment.charts.iter().flat_map(|charts| charts(&page)).collect();
-    let mut text = summary::head(&run, &format!("Table {}: {}", experiment.name, experiment.summary));
-    text += &notes(experiment, &rows);
     let is_beside = |table: &&PublishedTable| experiment.published.contains(&table.id.as_str());
-    text += &published::section(&published.paper, &published.tables.iter().filter(is_beside).collect::<Vec<_>>());
-    text += &measured::sections(&page);
-    for chart in &charts {
-        let _ = writeln!(text, "\n![{}]({}.svg)", inline(&chart.title), chart.stem);
-    }
-    text += &claims::section(&judged);
-    text += &summary::skipped(&run.skipped);
-    let stem = peers::stem(experiment.name);
+    let beside: Vec<_> = published.tables.iter().filter(is_beside).collect();
+    let document = summary::head(&run, &format!("Table {}: {}", experiment.name, experiment.summary))
+        .and(notes(experiment, &rows))
+        .and(published::section(&published.paper, &beside))
+        .and(measured::sections(&page))
+        .and(charts.iter().map(|chart| Document::default().chart(&chart.stem, &chart.title)))
+        .and(claims::section(&judged))
+        .and(summary::skipped(&run.skipped));
     let verdicts = format!("verdicts_{}.json", experiment.name.replace('-', "_"));
-    let mut files =
-        vec![(format!("{stem}.md"), text.into_bytes()), (verdicts.clone(), claims::json(&verdicts, &judged)?)];
-    for chart in &charts {
-        files.extend(series_chart(&run, chart)?.into_iter().map(|file| (file.name, file.contents)));
-    }
-    Ok(files)
+    Ok(Report {
+        pages: vec![(format!("{}.md", peers::stem(experiment.name)), document)],
+        data: vec![(verdicts.clone(), claims::json(&verdicts, &judged)?)],
+        charts: charts.into_iter().map(|chart| series(&run, chart)).collect(),
+        ..Report::default()
+    })
 }
 
 /// What deviates from the paper, and which scenes stand for its own.
-fn notes(experiment: &Experiment, rows: &Rows<'_>) -> String {
-    let mut text = String::from("\n");
-    for note in experiment.notes {
-        let _ = writeln!(text, "- {note}");
-    }
+fn notes(experiment: &Experiment, rows: &Rows<'_>) -> Document {
+    let mut notes: Vec<String> = experiment.notes.iter().map(|note| (*note).to_owned()).collect();
     let [measured, all] = rows.of_all(experiment);
     if measured < all {
-        let _ = writeln!(
-            text,
-            "- {measured} of {all} rows of the table were measured on the scenes that stand for the paper's."
-        );
+        notes.push(format!(
+            "{measured} of {all} rows of the table were measured on the scenes that stand for the paper's."
+        ));
     }
-    for scene in &rows.scenes {
+    notes.extend(rows.scenes.iter().map(|scene| {
         let record = &scene.runs[0].scene;
-        let of = inline(&record.name);
-        let said = match experiment.stands_for(record) {
-            Some(published) => format!("{of} stands for the paper's {published}"),
+        let of = &record.name;
+        match experiment.stands_for(record) {
+            Some(published) => format!("{of} stands for the paper's {published}."),
             None if record.scale.is_some_and(|scale| scale != 1.0) => {
-                format!("{of} is scaled down and stands for none of the paper's scenes")
+                format!("{of} is scaled down and stands for none of the paper's scenes.")
             }
-            None => format!("{of} stands for none of the paper's scenes"),
-        };
-        let _ = writeln!(text, "- {said}.");
-    }
-    text
+            None => format!("{of} stands for none of the paper's scenes."),
+        }
+    }));
+    Document::default().and(notes.into_iter().map(|note| Document::default().item(note)))
 }

@@ -1,38 +1,28 @@
 //! What the paper printed, with hardware and scopes.
 
 use std::collections::BTreeSet;
-use std::fmt::Write as _;
 
 use crate::papers::{Publication, PublishedColumn, PublishedRow, PublishedTable};
-use crate::report::markdown::inline;
-use crate::report::sheet::Sheet;
+use crate::report::document::Document;
+use crate::report::sheet::{Sheet, Table};
 
 /// The published tables beside which an experiment stands.
-pub(super) fn section(paper: &Publication, tables: &[&PublishedTable]) -> String {
-    let mut text = format!(
-        "\n## Published\n\n{}, {} {}. Measured on: {}.\n",
-        inline(&paper.title),
-        inline(&paper.venue),
-        paper.year,
-        inline(&paper.hardware)
-    );
+pub(super) fn section(paper: &Publication, tables: &[&PublishedTable]) -> Document {
+    let Publication { title, venue, year, hardware, .. } = paper;
+    let page =
+        Document::default().heading(2, "Published").words(format!("{title}, {venue} {year}. Measured on: {hardware}."));
     if tables.is_empty() {
-        text += "\nThe claims below are all that is stated.\n";
+        return page.words("The claims below are all that is stated.");
     }
-    for table in tables {
-        let _ = writeln!(text, "\n**{}**: {}.\n", inline(&table.place), inline(&table.what));
-        match &table.rows {
-            None => text += "The figure is not available: its numbers stood in a picture alone.\n",
-            Some(_) => text += &rows(table),
-        }
-        for (names, scope) in scopes(table) {
-            let _ = writeln!(text, "\n{}: {}.", inline(&names.join(", ")), inline(scope));
-        }
-        for note in &table.notes {
-            let _ = writeln!(text, "\n{}", inline(note));
-        }
-    }
-    text
+    page.and(tables.iter().map(|table| {
+        let page = Document::of(format!("**{}**: {}.", table.place, table.what));
+        let page = match &table.rows {
+            None => page.words("The figure is not available: its numbers stood in a picture alone."),
+            Some(all) => page.table(rows(table, all)),
+        };
+        let scopes = scopes(table).into_iter().map(|(names, scope)| format!("{}: {scope}.", names.join(", ")));
+        page.and(scopes.chain(table.notes.iter().cloned()).map(Document::of))
+    }))
 }
 
 /// Scopes with the columns that share them.
@@ -47,8 +37,7 @@ fn scopes(table: &PublishedTable) -> Vec<(Vec<&str>, &str)> {
     scopes
 }
 
-fn rows(table: &PublishedTable) -> String {
-    let rows = table.rows.as_deref().unwrap_or_default();
+fn rows(table: &PublishedTable, rows: &[PublishedRow]) -> Table {
     let mut sheet = Sheet::<PublishedRow>::new();
     for name in rows.iter().flat_map(|row| row.labels.keys()).collect::<BTreeSet<_>>() {
         sheet = sheet.told(name, move |row| row.labels.get(name).cloned().unwrap_or_default());
@@ -57,5 +46,5 @@ fn rows(table: &PublishedTable) -> String {
         let heading = if unit.is_empty() { name.clone() } else { format!("{name} ({unit})") };
         sheet = sheet.told(heading, move |row| Some(row.values.get(place).copied()??.to_string()));
     }
-    sheet.markdown(rows)
+    sheet.table(rows)
 }

@@ -22,6 +22,7 @@ pub(super) fn variants(page: &Page<'_>) -> Vec<SeriesChart> {
             dashed: false,
         };
         SeriesPanel {
+            of: None,
             title: subtitle(scene),
             setting: "data and skipping".to_owned(),
             steps: WAYS.map(|(name, _)| name.to_owned()).to_vec(),

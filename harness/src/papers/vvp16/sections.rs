@@ -8,6 +8,7 @@ use crate::papers::page::Page;
 use crate::papers::page::measured::{Row, TIMES, ms_of, of_rows, over, over_first, time_of, time_with_accuracy};
 use crate::papers::rows::{statistic, trace};
 use crate::papers::{SceneRows, Scope};
+use crate::report::document::Document;
 use crate::report::markdown::literal;
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::results::{TraceRecord, TracerRun, host_ms};
@@ -63,7 +64,7 @@ fn first<'a>(page: &Page<'a>) -> Vec<Row<'a>> {
 }
 
 /// Table 1: layers, views, efficiency and times, with what skipping gains beside the published gain.
-pub(super) fn bounces(page: &Page<'_>) -> String {
+pub(super) fn bounces(page: &Page<'_>) -> Document {
     let rows = first(page);
     let own = |run: &TracerRun, name: &str| Cell::from(statistic(run, name).map(Cell::Statistic));
     let printed = |run: &TracerRun, column: &str, digits| Cell::number(page.printed_of(run, &[], column), digits);
@@ -97,14 +98,14 @@ pub(super) fn bounces(page: &Page<'_>) -> String {
         .told("efficiency (%)", |part| Cell::number(part.printed(page, "Empty space efficiency", ""), 3))
         .told("off over on", |part| over(part.printed(page, "1spp", ", skipping off"), part.printed(page, "1spp", "")));
     let parts: Vec<Part<'_>> = rows.iter().copied().flat_map(parts).collect();
-    format!("\n{}\n{TIMES}\n\n{}", structures.markdown(&rows), traces.markdown(&parts))
+    Document::default().table(structures.table(&rows)).words(TIMES).table(traces.table(&parts))
 }
 
 /// Bytes of each part of Table 2 by its formula with the device's own counts, and by the ledger, with all that is used.
 type Formula<'a> = (Row<'a>, [f64; 3], [f64; 3], f64);
 
 /// The formula of Table 2 beside what the ledger says is used.
-pub(super) fn formula(page: &Page<'_>) -> String {
+pub(super) fn formula(page: &Page<'_>) -> Document {
     let mut rows: Vec<Formula<'_>> = Vec::new();
     for row in page.of_tracer(ABUFFER) {
         let used = PAPER.bytes(row.1, Scope::Structure);
@@ -126,11 +127,11 @@ pub(super) fn formula(page: &Page<'_>) -> String {
     sheet = sheet
         .told("all three (MiB)", |(.., ledger, _)| Cell::Bytes(all(ledger)))
         .told("in the ledger and not in Table 2 (bytes)", |(.., ledger, used)| (used - all(ledger)) as u64);
-    format!("\nBytes used:\n\n{}", sheet.markdown(&rows))
+    Document::of("Bytes used:").table(sheet.table(&rows))
 }
 
 /// Figure 12: times of every storage and way, with what each step gains in speed.
-pub(super) fn variants(page: &Page<'_>) -> String {
+pub(super) fn variants(page: &Page<'_>) -> Document {
     let rows: Vec<_> = page.rows.scenes.iter().flat_map(|scene| STORAGES.map(|storage| (scene, storage))).collect();
     let time = |(scene, storage): &(&SceneRows<'_>, &str), way: usize| {
         time_of(with(scene, storage, WAYS[way].1)?, &[page.experiment.rays])
@@ -147,12 +148,12 @@ pub(super) fn variants(page: &Page<'_>) -> String {
         .told("gain in speed (%)", |row| gain(row, 0, 1))
         .told("with skipping (ms) ↓", |row| time(row, 2))
         .told("further gain (%)", |row| gain(row, 1, 2));
-    format!("\n{TIMES}\n\n{}", sheet.markdown(&rows))
+    Document::of(TIMES).table(sheet.table(&rows))
 }
 
 /// Figures 7 to 9: times of every row, as ratios to the first of the same resolution.
-pub(super) fn views_and_layers(page: &Page<'_>) -> String {
-    let mut text = format!("\n{TIMES} Ratios are to the first row of a part.\n");
+pub(super) fn views_and_layers(page: &Page<'_>) -> Document {
+    let mut section = Document::of(format!("{TIMES} Ratios are to the first row of a part."));
     for scene in page.rows.scenes.iter().flat_map(SceneRows::by_resolution) {
         let Some(first) = scene.runs.first().copied() else { continue };
         let mut sheet = Sheet::<&TracerRun>::new().told("tracer", |run| run.label());
@@ -165,18 +166,16 @@ pub(super) fn views_and_layers(page: &Page<'_>) -> String {
         }
         let name = page.experiment.stands_for(&first.scene).map_or_else(String::new, |name| format!(" for {name}"));
         let [[width, height], [columns, lines]] = [first.viewpoint.ray_image, first.viewpoint.frame];
-        text += &format!(
-            "\n**{}**{name}, rays from {width}x{height}, frame {columns}x{lines}, faces {}\n\n{}",
-            literal(&scene.label),
-            first.viewpoint.face,
-            sheet.markdown(&scene.runs)
-        );
+        let (label, face) = (literal(&scene.label), first.viewpoint.face);
+        section = section
+            .words(format!("**{label}**{name}, rays from {width}x{height}, frame {columns}x{lines}, faces {face}"))
+            .table(sheet.table(&scene.runs));
     }
-    text
+    section
 }
 
 /// Figure 10: build and samples of every frame, with their ratio beside the published one.
-pub(super) fn frames(page: &Page<'_>) -> String {
+pub(super) fn frames(page: &Page<'_>) -> Document {
     let samples = |run: &TracerRun| Some(SAMPLES * ms_of(run, &["diffuse"])?);
     let printed = |run: &TracerRun| ["Construction", "Tracing"].map(|column| page.printed_of(run, &[], column));
     let sheet = Sheet::<Row<'_>>::new()
@@ -193,5 +192,5 @@ pub(super) fn frames(page: &Page<'_>) -> String {
             let [build, samples] = printed(run);
             over(samples, build)
         });
-    format!("\n{TIMES}\n\n{}", sheet.markdown(&first(page)))
+    Document::of(TIMES).table(sheet.table(&first(page)))
 }

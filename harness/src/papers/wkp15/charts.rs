@@ -35,6 +35,7 @@ pub(super) fn thresholds(page: &Page<'_>) -> Vec<SeriesChart> {
                 dashed: false,
             };
             SeriesPanel {
+                of: None,
                 title: (*title).to_owned(),
                 setting: "gamma_norm / gamma_dist".to_owned(),
                 steps: steps.clone(),
@@ -71,6 +72,7 @@ pub(super) fn growing(page: &Page<'_>) -> Vec<SeriesChart> {
                 Series { label: rays.to_owned(), values, dashed: grows == GROWING }
             };
             SeriesPanel {
+                of: None,
                 title: (*title).to_owned(),
                 setting: "gamma_norm, gamma_dist".to_owned(),
                 steps: steps.clone(),

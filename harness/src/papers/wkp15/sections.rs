@@ -10,6 +10,7 @@ use crate::papers::SceneRows;
 use crate::papers::page::Page;
 use crate::papers::page::measured::{self, Accurate, TIMES, ms_of, over, time_of};
 use crate::papers::rows::{footprint, integer, per_ray, trace};
+use crate::report::document::Document;
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::results::{Judgement, TraceRecord, TracerRun, host_ms};
 
@@ -93,7 +94,7 @@ fn published_over(page: &Page<'_>, run: &TracerRun, column: &str) -> Cell {
 }
 
 /// Table 1: construction and drawing by triangles, beside the published construction.
-pub(super) fn construction(page: &Page<'_>) -> String {
+pub(super) fn construction(page: &Page<'_>) -> Document {
     let printed = |heading: &str, column: &'static str, digits| {
         Column::told(heading, move |(_, run): &measured::Row<'_>| {
             Cell::number(page.printed_of(run, &[], column), digits)
@@ -108,10 +109,7 @@ pub(super) fn construction(page: &Page<'_>) -> String {
         .told("drawing the layers (ms) ↓", |(_, run)| tree::phase_ms(run)[1])
         .and(printed("published: thousand triangles", "Triangle count", 4))
         .and(printed("published: trees (ms)", "Average construction time", 3));
-    format!(
-        "\nMedians of phases by the clock of the builds; the accuracy of the rays that were traced stands with each row below.\n\n{}",
-        sheet.markdown(&page.of_tracer(QUADTREE).collect::<Vec<_>>())
-    )
+    Document::of("Medians of phases by the clock of the builds; the accuracy of the rays that were traced stands with each row below.").table(sheet.table(&page.of_tracer(QUADTREE).collect::<Vec<_>>()))
 }
 
 /// What a table of peers is about: ray set, warps of a frame, published columns of a warp and of a frame.
@@ -130,7 +128,7 @@ fn visits(traced: &TraceRecord) -> Option<f64> {
 }
 
 /// A table of peers: traces and frames over those of the single layer, beside the same of the paper, with what they visit.
-fn beside_peers(page: &Page<'_>, warp: &Warp) -> String {
+fn beside_peers(page: &Page<'_>, warp: &Warp) -> Document {
     let Warp { rays, warps, published: [one, frame] } = *warp;
     let frame_ms = |run: &TracerRun| Some(host_ms(run.build.steady())? + warps * ms_of(run, &[rays])?);
     let printed = |column: &'static str| {
@@ -148,21 +146,21 @@ fn beside_peers(page: &Page<'_>, warp: &Warp) -> String {
         .told("depths a ray ↓", |row| row.number(|trace| per_ray(trace, SAMPLES)))
         .told("asking layer 2 (%)", |row| row.percent(share_asking_second));
     let rows = traced(page, |_| vec![rays]);
-    format!("\n{TIMES} Ratios are to the first row of a part.\n\n{}", sheet.markdown(&rows))
+    Document::of(format!("{TIMES} Ratios are to the first row of a part.")).table(sheet.table(&rows))
 }
 
 /// Table 2: an eye and a frame of two.
-pub(super) fn stereo(page: &Page<'_>) -> String {
+pub(super) fn stereo(page: &Page<'_>) -> Document {
     beside_peers(page, &Warp { rays: "stereo", warps: 2.0, published: ["T_eye", "T_total"] })
 }
 
 /// Table 3: a view, and the build with the three views that it serves.
-pub(super) fn temporal(page: &Page<'_>) -> String {
+pub(super) fn temporal(page: &Page<'_>) -> Document {
     beside_peers(page, &Warp { rays: "temporal", warps: 3.0, published: ["T_syn", "T_amt"] })
 }
 
 /// Table 4: rays a pixel and samples a ray, beside the published times.
-pub(super) fn lens(page: &Page<'_>) -> String {
+pub(super) fn lens(page: &Page<'_>) -> Document {
     let counts = |row: &Row<'_>| -> Option<[String; 2]> {
         let pixels: f64 = row.run.viewpoint.ray_image.map(f64::from).iter().product();
         let primary = (row.trace()?.count as f64 / pixels).round();
@@ -188,11 +186,11 @@ pub(super) fn lens(page: &Page<'_>) -> String {
         .told("published: N_pri/N_sec", |row| own(row).and_then(|_| Some(counts(row)?.join("/"))))
         .told("T_dof × one layer's N_pri/1", |row| over(own(row), of_one(row)));
     let rows = traced(page, |_| vec!["lens"]);
-    format!("\n{TIMES} Ratios are to the first row of a part.\n\n{}", sheet.markdown(&rows))
+    Document::of(format!("{TIMES} Ratios are to the first row of a part.")).table(sheet.table(&rows))
 }
 
 /// Table 5: the first bounce and all three, with their ratio beside the published one.
-pub(super) fn reflections(page: &Page<'_>) -> String {
+pub(super) fn reflections(page: &Page<'_>) -> Document {
     let ms = |run: &TracerRun| ms_of(run, &BOUNCES);
     let printed = |row: &Row<'_>, bounces| {
         let [_, layers] = printed_as(row.run)?;
@@ -208,11 +206,11 @@ pub(super) fn reflections(page: &Page<'_>) -> String {
         .told("× first row, three bounces", |row| over(ms(row.run), ms(row.first)))
         .told("published: three over one", |row| over(printed(row, "3"), printed(row, "1")));
     let rows = rows(page, |_| vec!["specular"]);
-    format!("\n{TIMES} Ratios are to the first row of a scene.\n\n{}", sheet.markdown(&rows))
+    Document::of(format!("{TIMES} Ratios are to the first row of a scene.")).table(sheet.table(&rows))
 }
 
 /// Figures 14 and 15: nodes, time and error by threshold.
-pub(super) fn thresholds(page: &Page<'_>) -> String {
+pub(super) fn thresholds(page: &Page<'_>) -> Document {
     let error = |trace: &TraceRecord| match &trace.judgement {
         Judgement::Closest(closest) => closest.position_error.p50,
         Judgement::Any(_) => None,
@@ -226,21 +224,21 @@ pub(super) fn thresholds(page: &Page<'_>) -> String {
         .told("wrong under footprint (%) ↓", |row| row.number(footprint).map(|agreement| 100.0 * (1.0 - agreement)))
         .told("median error of t (scene units) ↓", |row| Cell::number(row.number(error), 3));
     let rows = traced(page, SceneRows::ray_sets);
-    format!("\n{TIMES} Ratios are to the first row of a scene.\n\n{}", sheet.markdown(&rows))
+    Document::of(format!("{TIMES} Ratios are to the first row of a scene.")).table(sheet.table(&rows))
 }
 
 /// Section 5.3: a light field beside hierarchies.
-pub(super) fn light_field(page: &Page<'_>) -> String {
+pub(super) fn light_field(page: &Page<'_>) -> Document {
     let sheet = sheet()
         .told("trace (ms) ↓", Row::time)
         .told("× first row", Row::over_first)
         .told("asking layer 2 (%)", |row| row.percent(share_asking_second));
     let rows = rows(page, |_| vec![light_field::RAYS]);
-    format!("\n{TIMES} Ratios are to the first row of a part.\n\n{}", sheet.markdown(&rows))
+    Document::of(format!("{TIMES} Ratios are to the first row of a part.")).table(sheet.table(&rows))
 }
 
 /// The text: what rays cost, visit and lose as eye and camera move away, under `footprint`.
-pub(super) fn displacement(page: &Page<'_>) -> String {
+pub(super) fn displacement(page: &Page<'_>) -> Document {
     let missed_alone = |row: &Row<'_>| {
         let alone = row.at.like_first(QUADTREE, &[("layers", "1"), ("inpainting", "never")])?;
         share_missed(trace(alone, row.rays)?).filter(|share| *share > 0.0)
@@ -262,5 +260,5 @@ pub(super) fn displacement(page: &Page<'_>) -> String {
         .told("wrong: left out (%) ↓", |row| row.percent(|trace| share_of_cause(trace, LEFT_OUT)))
         .told("wrong: off view (%) ↓", |row| row.percent(|trace| share_of_cause(trace, OFF_VIEW)));
     let rows = traced(page, SceneRows::ray_sets);
-    format!("\n{TIMES} Ratios are to the first row of a part.\n\n{}", sheet.markdown(&rows))
+    Document::of(format!("{TIMES} Ratios are to the first row of a part.")).table(sheet.table(&rows))
 }

@@ -30,7 +30,7 @@ static FONT: &[u8] = include_bytes!("../../../assets/Roboto-Regular.ttf");
 /// Why a chart could not be drawn.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
-pub(super) struct DrawError(String);
+pub(in crate::report) struct DrawError(String);
 
 impl DrawError {
     fn new(error: impl Display) -> Self {

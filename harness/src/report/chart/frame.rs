@@ -3,7 +3,7 @@
 use plotters::prelude::DrawingBackend;
 use plotters::style::RGBColor;
 
-use super::canvas::{Align, Canvas, Drawn, shorten, text_width, wrap};
+use super::canvas::{Align, Canvas, Drawn, register, shorten, text_width, wrap};
 use super::palette::{CONTROL, GREY, GRID, INK, Style};
 
 /// Room on the left of a panel, for the axis's name and tick labels.
@@ -58,6 +58,13 @@ pub(super) struct Entry {
     pub sample: Sample,
     /// The text.
     pub label: String,
+}
+
+impl Entry {
+    /// One with a text.
+    pub(super) fn new(sample: Sample, label: impl Into<String>) -> Self {
+        Self { sample, label: label.into() }
+    }
 }
 
 /// Entries in rows and columns.
@@ -118,6 +125,8 @@ impl Frame {
         key: Vec<Entry>,
         legend: Vec<Entry>,
     ) -> Self {
+        // Texts are measured while the figure is laid out; a font that fails is reported when it is drawn.
+        let _ = register();
         let (panels, columns) = (panels.max(1), columns.max(1));
         let width = (columns as f64 * (LEFT + PLOT_WIDTH + RIGHT)).max(LEAST_WIDTH);
         let inner = width - 2.0 * MARGIN;

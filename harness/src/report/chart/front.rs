@@ -12,9 +12,9 @@ use plotters::style::RGBColor;
 use tracebench_api::Query;
 
 use super::axis::log_range;
-use super::canvas::{Align, Canvas, Drawn, Figure, register};
+use super::canvas::{Align, Canvas, Drawn, Figure};
 use super::frame::{Entry as Line, Frame, Rect, Sample};
-use super::palette::{GREY, INK, Shape, Style, Styles};
+use super::palette::{INK, PLAIN, Shape, Style, Styles};
 use super::panel::{self, Along, Axis, Scale};
 use super::{LONGEST_NAME, LONGEST_SET, cut, error_name, untimed_caption};
 use crate::report::format::{self, thousands};
@@ -82,7 +82,7 @@ struct Panel {
 
 /// The chart.
 #[derive(Debug)]
-pub(in crate::report) struct FrontFigure {
+pub(crate) struct FrontFigure {
     frame: Frame,
     panels: Vec<Panel>,
     /// Decimal logarithm of the least error that is shown.
@@ -132,8 +132,6 @@ impl FrontFigure {
         styles: &FrontStyles,
         columns: usize,
     ) -> Self {
-        // Texts are measured while the figure is laid out; a font that fails is reported when it is drawn.
-        let _ = register();
         let mut panels: Vec<Panel> = panels.into_iter().map(|asked| panel(field, by, &asked, styles)).collect();
         let drawn = panels.iter().flat_map(|panel| &panel.marks).map(|mark| mark.y);
         let floor = drawn.filter(|y| *y > 0.0).fold(0.1, f64::min).log10() - 0.25;
@@ -141,19 +139,16 @@ impl FrontFigure {
             // A little above 100 %, so that markers there are whole.
             panel.ground.y.scale = Scale::Shares((floor, 0.3), 0.0);
         }
-        let grey = Style { colour: GREY, shape: Shape::Circle };
-        let line = |sample, label: &str| Line { sample, label: label.to_owned() };
         let key = vec![
-            line(Sample::Filled(grey), "on the front of all tracers"),
-            line(Sample::Hollow(grey), "within noise of it"),
-            line(Sample::Filled(faint(grey)), "behind"),
-            line(Sample::Filled(Style { shape: Shape::Polygon(4, 0), ..grey }), "improved preset"),
-            line(Sample::Dashes, "control"),
-            line(Sample::Bars, "95 % interval of the error, order-statistic interval of the time"),
+            Line::new(Sample::Filled(PLAIN), "on the front of all tracers"),
+            Line::new(Sample::Hollow(PLAIN), "within noise of it"),
+            Line::new(Sample::Filled(faint(PLAIN)), "behind"),
+            Line::new(Sample::Filled(Style { shape: Shape::Polygon(4, 0), ..PLAIN }), "improved preset"),
+            Line::new(Sample::Dashes, "control"),
+            Line::new(Sample::Bars, "95 % interval of the error, order-statistic interval of the time"),
         ];
         let contenders = field.entries.iter().unique_by(|entry| entry.point.contender());
-        let line =
-            |entry: &Entry<'_>| Line { sample: Sample::Line(styles.get(entry.point)), label: entry.point.contender() };
+        let line = |entry: &Entry<'_>| Line::new(Sample::Line(styles.get(entry.point)), entry.point.contender());
         let legend = contenders.map(line).collect();
         let scene = &field.scene.scene;
         let name = cut(&scene.name, LONGEST_NAME);

@@ -11,31 +11,29 @@ mod panel;
 mod scale;
 pub(crate) mod series;
 mod speed;
-mod strength;
-mod sweep;
+pub(super) mod strength;
+pub(super) mod sweep;
 #[cfg(test)]
 mod tests;
 mod tolerance;
-mod tune;
+pub(super) mod tune;
 
 use itertools::Itertools as _;
 use tracebench_api::Query;
 
-use super::ReportError;
 use super::format;
 use super::group::{Group, RaySet};
 use super::metrics::BALANCED;
 use super::pareto::{Shown, as_read, rays_a_pixel};
-use super::sweep::View;
 use super::verdict::{self, Verdict};
+use super::{Contents, ReportError};
 use crate::results::{ParetoRecord, Provenance, Run, TracerRun};
 use crate::studies::pareto::{Amount, By, Class, Cost, Field, contested};
-use crate::studies::stability::Stability;
-use crate::studies::tune::Tuning;
+pub(super) use canvas::DrawError;
 pub use canvas::without_images;
-use canvas::{DrawError, Figure};
 use front::{FrontFigure, PanelOf};
 pub(super) use front::{FrontLayers, FrontStyles, PointMark};
+use series::SeriesChart;
 #[cfg(test)]
 pub(super) use tests::{check_png, check_svg};
 
@@ -52,85 +50,98 @@ const LONGEST_VALUE: usize = 32;
 /// What the names of the charts' files begin with.
 pub(super) const STEMS: [&str; 4] = ["error_vs_speed_", "agreement_over_tolerance_", super::sweep::STEM, "figure_"];
 
-/// A chart's file.
+/// A chart as data.
 #[derive(Debug)]
-pub(crate) struct ChartFile {
-    /// Its name.
-    pub name: String,
-    /// Its contents.
-    pub contents: Vec<u8>,
+pub(crate) enum Drawing {
+    /// Panels of marks.
+    Panels(panel::Chart),
+    /// Fronts.
+    Fronts(FrontFigure),
+    /// Values over settings, with its caption.
+    Series(SeriesChart, String),
+}
+
+/// Charts by their names, which are those of their files without the ends.
+pub(crate) type Charts = Vec<(String, Drawing)>;
+
+impl Drawing {
+    /// As SVG.
+    pub(super) fn svg(&self) -> Result<String, DrawError> {
+        match self {
+            Self::Panels(chart) => canvas::to_svg(chart),
+            Self::Fronts(figure) => canvas::to_svg(figure),
+            Self::Series(chart, caption) => canvas::to_svg(&series::figure(chart, caption)),
+        }
+    }
+
+    /// A chart a tracer, where its panels are of tracers.
+    pub(super) fn by_tracer(&self) -> Vec<(String, Self)> {
+        let Self::Series(chart, caption) = self else { return Vec::new() };
+        let parts = chart.by_tracer().into_iter();
+        parts.map(|(tracer, part)| (tracer.to_owned(), Self::Series(part, caption.clone()))).collect()
+    }
+
+    /// As PNG.
+    pub(super) fn png(&self) -> Result<Vec<u8>, DrawError> {
+        match self {
+            Self::Panels(chart) => canvas::to_png(chart),
+            Self::Fronts(figure) => canvas::to_png(figure),
+            Self::Series(chart, caption) => canvas::to_png(&series::figure(chart, caption)),
+        }
+    }
+}
+
+/// Charts as files, SVG and PNG.
+pub(super) fn files(charts: &Charts) -> Result<Contents, ReportError> {
+    let mut files = Vec::new();
+    for (stem, drawing) in charts {
+        let fail = |error: DrawError| made(stem, &error);
+        files.push((format!("{stem}.svg"), drawing.svg().map_err(fail)?.into_bytes()));
+        files.push((format!("{stem}.png"), drawing.png().map_err(fail)?));
+    }
+    Ok(files)
 }
 
 /// Every chart of a run.
-pub(super) fn charts(run: &Run, groups: &[Group<'_>]) -> Result<Vec<ChartFile>, ReportError> {
-    let mut files = Vec::new();
+pub(super) fn charts(run: &Run, groups: &[Group<'_>]) -> Charts {
+    let mut charts = Vec::new();
     let styles = palette::Styles::of(run);
     for group in groups.iter().filter(|group| !group.ray_sets.is_empty()) {
-        draw(&format!("{}{}", STEMS[0], group.stem), &speed::chart(run, group, &styles), &mut files)?;
+        let mut add = |begin: &str, chart| charts.push((format!("{begin}{}", group.stem), Drawing::Panels(chart)));
+        add(STEMS[0], speed::chart(run, group, &styles));
         if group.ray_sets.iter().any(|set| set.query == Query::Closest) {
-            draw(&format!("{}{}", STEMS[1], group.stem), &tolerance::chart(run, group, &styles), &mut files)?;
+            add(STEMS[1], tolerance::chart(run, group, &styles));
         }
     }
-    Ok(files)
-}
-
-/// The chart of a run of cases.
-pub(super) fn strength_charts(stability: &Stability) -> Result<Vec<ChartFile>, ReportError> {
-    let mut files = Vec::new();
-    draw("error_vs_strength", &strength::chart(stability), &mut files)?;
-    Ok(files)
-}
-
-/// The charts of a sweep.
-pub(super) fn sweep_charts(run: &Run, views: &[View<'_>]) -> Result<Vec<ChartFile>, ReportError> {
-    let mut files = Vec::new();
-    for view in views {
-        draw(&view.stem(), &sweep::chart(run, view), &mut files)?;
-    }
-    Ok(files)
-}
-
-/// The charts of a tuned parameter, one a scene by the names given.
-pub(super) fn tune_charts(tuning: &Tuning, stems: &[String]) -> Result<Vec<ChartFile>, ReportError> {
-    let mut files = Vec::new();
-    for (scene, stem) in tuning.scenes.iter().zip(stems) {
-        draw(stem, &tune::chart(tuning, scene), &mut files)?;
-    }
-    Ok(files)
+    charts
 }
 
 /// The charts of fronts: by ray set and rule the fronts of every cost and those at matched bytes and build time, by ray set who overtakes
 /// whom.
-pub(super) fn pareto_charts(
-    run: &Run,
-    record: &ParetoRecord,
-    shown: &[Shown<'_>],
-) -> Result<Vec<ChartFile>, ReportError> {
+pub(super) fn pareto_charts(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> Charts {
     let styles = FrontStyles::of(record);
-    let mut files = Vec::new();
-    for scene in shown {
-        for field in &scene.fronts.fields {
-            for by in By::all(field.query) {
-                let figure = fronts_of(run, record, field, *by, &styles);
-                draw(&scene.chart(field.rays, by.name()), &figure, &mut files)?;
-                let panels: Vec<PanelOf<'_>> =
-                    [Cost::Bytes, Cost::Build].into_iter().flat_map(|cost| matched(field, cost)).collect();
-                if !panels.is_empty() {
-                    let what = "Fronts at matched bytes and build time";
-                    let figure = FrontFigure::new(run, field, *by, what, panels, &styles, 3);
-                    draw(&scene.chart(field.rays, &format!("{}_matched", by.name())), &figure, &mut files)?;
-                }
-            }
-            // The last rule is the one by which charts show methods that sample.
-            let Some(by) = By::all(field.query).last() else { continue };
-            let classes = contested(&scene.fronts, field, *by);
-            if !classes.is_empty() {
-                let figure = overtaking::chart(run, field, &classes, &styles);
-                draw(&scene.chart(field.rays, "break_even"), &figure, &mut files)?;
+    let mut charts = Vec::new();
+    for (scene, field) in shown.iter().flat_map(|scene| scene.fronts.fields.iter().map(move |field| (scene, field))) {
+        for by in By::all(field.query) {
+            let figure = fronts_of(run, record, field, *by, &styles);
+            charts.push((scene.chart(field.rays, by.name()), Drawing::Fronts(figure)));
+            let panels: Vec<PanelOf<'_>> =
+                [Cost::Bytes, Cost::Build].into_iter().flat_map(|cost| matched(field, cost)).collect();
+            if !panels.is_empty() {
+                let what = "Fronts at matched bytes and build time";
+                let figure = FrontFigure::new(run, field, *by, what, panels, &styles, 3);
+                charts.push((scene.chart(field.rays, &format!("{}_matched", by.name())), Drawing::Fronts(figure)));
             }
         }
+        // The last rule is the one by which charts show methods that sample.
+        let Some(by) = By::all(field.query).last() else { continue };
+        let classes = contested(&scene.fronts, field, *by);
+        if !classes.is_empty() {
+            let figure = overtaking::chart(run, field, &classes, &styles);
+            charts.push((scene.chart(field.rays, "break_even"), Drawing::Panels(figure)));
+        }
     }
-    Ok(files)
+    charts
 }
 
 /// The fronts of every cost over one ray set by one rule.
@@ -167,7 +178,7 @@ pub(super) fn colour(index: usize) -> String {
     palette::hex(palette::COLOURS[index % palette::COLOURS.len()])
 }
 
-fn made(what: &str, error: &DrawError) -> ReportError {
+pub(super) fn made(what: &str, error: &DrawError) -> ReportError {
     ReportError::Made { what: what.to_owned(), reason: error.to_string() }
 }
 
@@ -191,16 +202,6 @@ fn matched<'a>(field: &Field<'a>, cost: Cost) -> Vec<PanelOf<'a>> {
         PanelOf { title, cost: Cost::Trace, entries: field.within(cost, budget) }
     };
     field.budgets(cost).into_iter().map(panel).collect()
-}
-
-fn draw(stem: &str, figure: &impl Figure, files: &mut Vec<ChartFile>) -> Result<(), ReportError> {
-    let name = format!("{stem}.svg");
-    let contents = canvas::to_svg(figure).map_err(|error| made(&name, &error))?.into_bytes();
-    files.push(ChartFile { name, contents });
-    let name = format!("{stem}.png");
-    let contents = canvas::to_png(figure).map_err(|error| made(&name, &error))?;
-    files.push(ChartFile { name, contents });
-    Ok(())
 }
 
 /// The title of a group's chart, and the line under it.

@@ -4,10 +4,9 @@ use itertools::Itertools as _;
 use plotters::style::RGBColor;
 
 use super::axis::log_range;
-use super::canvas::register;
 use super::frame::{Entry as Line, Frame, STRONG, Sample};
 use super::front::{FrontStyles, faint};
-use super::palette::{GREY, Shape, Style};
+use super::palette::{PLAIN, Style};
 use super::panel::{Aside, Axis, Chart, Mark, Panel, Place, Scale};
 use super::{LONGEST_NAME, LONGEST_SET, cut, untimed_caption};
 use crate::report::format::{self, percent, thousands};
@@ -38,17 +37,13 @@ impl<'a> Numbers<'a> {
 
 /// The chart of who overtakes whom: a panel a class.
 pub(super) fn chart(run: &Run, field: &Field<'_>, classes: &[Class<'_>], styles: &FrontStyles) -> Chart {
-    // Texts are measured while the figure is laid out; a font that fails is reported when it is drawn.
-    let _ = register();
     let numbers = Numbers::of(classes);
     let panels: Vec<Panel> = classes.iter().map(|class| panel(class, styles, &numbers)).collect();
-    let grey = Style { colour: GREY, shape: Shape::Circle };
-    let line = |sample, label: &str| Line { sample, label: label.to_owned() };
     let key = vec![
-        line(Sample::Strong(grey), "the cheapest"),
-        line(Sample::Line(faint(grey)), "never the cheapest"),
-        line(Sample::Filled(grey), "measured"),
-        line(Sample::Dashes, "the cheapest is overtaken, decided by intervals that do not overlap"),
+        Line::new(Sample::Strong(PLAIN), "the cheapest"),
+        Line::new(Sample::Line(faint(PLAIN)), "never the cheapest"),
+        Line::new(Sample::Filled(PLAIN), "measured"),
+        Line::new(Sample::Dashes, "the cheapest is overtaken, decided by intervals that do not overlap"),
     ];
     let named = |entry: &Entry<'_>| Line {
         sample: Sample::Line(styles.get(entry.point)),

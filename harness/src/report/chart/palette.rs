@@ -103,6 +103,9 @@ pub(super) struct Style {
     pub shape: Shape,
 }
 
+/// What stands for any tracer in a key.
+pub(super) const PLAIN: Style = Style { colour: GREY, shape: Shape::Circle };
+
 /// The styles of a run's contenders.
 #[derive(Debug)]
 pub(super) struct Styles {

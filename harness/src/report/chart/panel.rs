@@ -79,11 +79,11 @@ pub(super) struct Panel {
 
 /// A chart of such panels.
 #[derive(Debug)]
-pub(super) struct Chart {
+pub(crate) struct Chart {
     /// What is round them.
-    pub frame: Frame,
+    pub(super) frame: Frame,
     /// They.
-    pub panels: Vec<Panel>,
+    pub(super) panels: Vec<Panel>,
 }
 
 impl Figure for Chart {

@@ -1,13 +1,11 @@
 //! Values over a setting, a panel a quantity: lines through values at equal distances, whatever the setting's steps.
 
 use super::axis::log_range;
-use super::canvas::{register, to_svg};
 use super::curves::{Curve, Measured, Values, measured};
 use super::frame::{Entry, Frame, Sample};
-use super::palette::{GREY, Shape, Style, Styles};
+use super::palette::{PLAIN, Styles};
 use super::panel::{Aside, Axis, Chart, Panel, Scale};
-use super::{ChartFile, LONGEST_TRACER, cut, draw, made, untimed_caption};
-use crate::report::ReportError;
+use super::{Drawing, LONGEST_TRACER, cut, untimed_caption};
 use crate::results::Run;
 use itertools::Itertools as _;
 
@@ -25,6 +23,8 @@ pub(crate) struct Series {
 /// A panel.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SeriesPanel {
+    /// The tracer that it is of alone: a page leaves it out with that.
+    pub of: Option<String>,
     /// Its title.
     pub title: String,
     /// The setting's name.
@@ -52,33 +52,34 @@ pub(crate) struct SeriesChart {
     pub panels: Vec<SeriesPanel>,
 }
 
-/// The files of a chart.
-pub(crate) fn series_chart(run: &Run, chart: &SeriesChart) -> Result<Vec<ChartFile>, ReportError> {
-    let mut files = Vec::new();
-    draw(&chart.stem, &figure(run, chart), &mut files)?;
-    Ok(files)
+/// A chart of a record with its name.
+pub(crate) fn series(run: &Run, chart: SeriesChart) -> (String, Drawing) {
+    (chart.stem.clone(), Drawing::Series(chart, untimed_caption(&run.provenance, &run.preset)))
 }
 
-/// A chart as SVG alone, for a page.
-pub(crate) fn series_svg(run: &Run, chart: &SeriesChart) -> Result<String, ReportError> {
-    to_svg(&figure(run, chart)).map_err(|error| made(&chart.stem, &error))
+impl SeriesChart {
+    /// A chart a tracer, where every panel is of one.
+    pub(crate) fn by_tracer(&self) -> Vec<(&str, Self)> {
+        let tracers = self.panels.iter().filter_map(|panel| panel.of.as_deref()).unique();
+        let of_tracer = |tracer| {
+            let panels = self.panels.iter().filter(|panel| panel.of.as_deref() == Some(tracer)).cloned().collect();
+            (tracer, Self { panels, ..self.clone() })
+        };
+        tracers.map(of_tracer).collect()
+    }
 }
 
-fn figure(run: &Run, chart: &SeriesChart) -> Chart {
-    // Texts are measured while the figure is laid out; a font that fails is reported when it is drawn.
-    let _ = register();
+/// Lays a chart out.
+pub(super) fn figure(chart: &SeriesChart, caption: &str) -> Chart {
     let names = || chart.panels.iter().flat_map(|panel| &panel.series).map(|series| &series.label).unique();
     let styles = Styles::of_labels(names().cloned());
-    let entry = |name: &String| Entry { sample: Sample::Line(styles.get(name)), label: cut(name, LONGEST_TRACER) };
+    let entry = |name: &String| Entry::new(Sample::Line(styles.get(name)), cut(name, LONGEST_TRACER));
     let legend = names().map(entry).collect();
-    let grey = Style { colour: GREY, shape: Shape::Circle };
     let key = chart.key.map_or_else(Vec::new, |[solid, dashed]| {
-        let entry = |sample, label: &str| Entry { sample, label: label.to_owned() };
-        vec![entry(Sample::Line(grey), solid), entry(Sample::Hollow(grey), &format!("{dashed} (dashed)"))]
+        vec![Entry::new(Sample::Line(PLAIN), solid), Entry::new(Sample::Hollow(PLAIN), format!("{dashed} (dashed)"))]
     });
-    let caption = untimed_caption(&run.provenance, &run.preset);
     let titles = [chart.title.clone(), chart.subtitle.clone()];
-    let frame = Frame::new(chart.panels.len(), titles, &caption, key, legend);
+    let frame = Frame::new(chart.panels.len(), titles, caption, key, legend);
     let panels = chart.panels.iter().map(|each| panel(each, &styles)).collect();
     Chart { frame, panels }
 }

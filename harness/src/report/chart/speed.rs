@@ -3,9 +3,8 @@
 use tracebench_api::Query;
 
 use super::axis::log_range;
-use super::canvas::register;
 use super::frame::{Entry, Frame, Sample};
-use super::palette::{GREY, Shape, Style, Styles};
+use super::palette::{PLAIN, Style, Styles};
 use super::panel::{Aside, Axis, Chart, Mark, Panel, Scale, level};
 use super::{caption, clocks, error_name, legend_label, panel_title, titles};
 use crate::report::group::{Group, RaySet, Role};
@@ -40,32 +39,29 @@ type Shown = (Vec<Point>, Vec<(String, f64)>);
 
 /// The chart of a group.
 pub(super) fn chart(run: &Run, group: &Group<'_>, styles: &Styles) -> Chart {
-    // Texts are measured while the figure is laid out; a font that fails is reported when it is drawn.
-    let _ = register();
     let shown: Vec<Shown> = group.ray_sets.iter().map(|set| shown(group, set, styles)).collect();
     let points = || shown.iter().flat_map(|(points, _)| points);
     let speeds = log_range(points().flat_map(|point| point.speed_interval.into_iter().chain([point.speed])));
     let one_ray = group.ray_sets.iter().map(|set| 1.0 / set.count.max(1) as f64);
     let errors = points().flat_map(|point| [Some(point.filled), point.hollow]).flatten().map(|error| error.share);
-    let grey = Style { colour: GREY, shape: Shape::Circle };
     let has = |query| group.ray_sets.iter().any(|set| set.query == query);
     let filled = match (has(Query::Closest), has(Query::Any)) {
         (true, true) => "closest hit: footprint rule; any hit: balanced accuracy",
         (false, true) => "balanced accuracy",
         _ => "footprint rule",
     };
-    let mut key = vec![Entry { sample: Sample::Filled(grey), label: filled.to_owned() }];
+    let mut key = vec![Entry::new(Sample::Filled(PLAIN), filled)];
     if has(Query::Closest) {
-        key.push(Entry { sample: Sample::Hollow(grey), label: "closest hit: tight rule".to_owned() });
+        key.push(Entry::new(Sample::Hollow(PLAIN), "closest hit: tight rule"));
     }
-    key.push(Entry { sample: Sample::Dashes, label: "control".to_owned() });
+    key.push(Entry::new(Sample::Dashes, "control"));
     let bars = "95 % interval of the error, order-statistic interval of the speed";
-    key.push(Entry { sample: Sample::Bars, label: bars.to_owned() });
+    key.push(Entry::new(Sample::Bars, bars));
     let clocks = clocks(group);
     let legend = group
         .contenders
         .iter()
-        .map(|one| Entry { sample: Sample::Filled(styles.get(&one.label())), label: legend_label(one, &clocks) });
+        .map(|one| Entry::new(Sample::Filled(styles.get(&one.label())), legend_label(one, &clocks)));
     let titles = titles("Error against speed", run, group);
     let frame = Frame::new(shown.len(), titles, &caption(run, group), key, legend.collect());
     let scales = [Scale::Log(speeds, 8), Scale::down_to(one_ray.chain(errors))];

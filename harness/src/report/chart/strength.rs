@@ -1,9 +1,8 @@
 //! Wrong rays over the strength of cases, a panel a case.
 
-use super::canvas::register;
 use super::curves::{Curve, Measured, Values};
 use super::frame::{Entry, Frame, Sample};
-use super::palette::{GREY, Shape, Style, Styles};
+use super::palette::{PLAIN, Styles};
 use super::panel::{Aside, Axis, Chart, Panel, Scale};
 use super::scale::ZERO_ROW;
 use super::{LONGEST_TRACER, cut};
@@ -17,9 +16,7 @@ use crate::studies::stability::{CaseMatrix, Cell, Stability};
 const FLOOR: f64 = -3.5;
 
 /// The chart of a run of cases.
-pub(super) fn chart(stability: &Stability) -> Chart {
-    // Texts are measured while the figure is laid out; a font that fails is reported when it is drawn.
-    let _ = register();
+pub(in crate::report) fn chart(stability: &Stability) -> Chart {
     let tracers = stability.tracers();
     let styles = Styles::of_labels(tracers.iter().cloned());
     let panels: Vec<Panel> = stability.cases.iter().map(|case| panel(case, &styles)).collect();
@@ -34,12 +31,10 @@ pub(super) fn chart(stability: &Stability) -> Chart {
     let legend = tracers
         .iter()
         .filter(measured)
-        .map(|label| Entry { sample: Sample::Line(styles.get(label)), label: cut(label, LONGEST_TRACER) });
-    let grey = Style { colour: GREY, shape: Shape::Circle };
-    let entry = |sample, label: &str| Entry { sample, label: label.to_owned() };
+        .map(|label| Entry::new(Sample::Line(styles.get(label)), cut(label, LONGEST_TRACER)));
     let key = vec![
-        entry(Sample::Line(grey), "footprint rule; any hit: occlusion"),
-        entry(Sample::Hollow(grey), "tight rule (dashed)"),
+        Entry::new(Sample::Line(PLAIN), "footprint rule; any hit: occlusion"),
+        Entry::new(Sample::Hollow(PLAIN), "tight rule (dashed)"),
     ];
     let titles = [
         "Wrong rays over the strength of one difficulty".to_owned(),

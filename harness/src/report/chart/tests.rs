@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use tracebench_api::{ClockKind, Query};
 
 use super::canvas::text_width;
-use super::series::{Series, SeriesChart, SeriesPanel, series_chart};
+use super::series::{Series, SeriesChart, SeriesPanel, series};
 use super::*;
 use crate::report::fixture::{self, FrontQuality, Quality};
 use crate::report::group::groups;
@@ -51,15 +51,20 @@ fn labels(svg: &str) -> Vec<Label> {
 
 /// Draws every chart of a run and looks at each.
 fn check(run: &Run) -> Vec<String> {
-    let files = charts(run, &groups(run)).unwrap();
-    for file in &files {
-        if file.name.ends_with(".svg") {
-            check_svg(&file.name, std::str::from_utf8(&file.contents).unwrap());
-        } else {
-            check_png(&file.name, &file.contents);
-        }
-    }
-    files.into_iter().map(|file| file.name).collect()
+    let charts = charts(run, &groups(run));
+    check_charts(&charts);
+    files(&charts).unwrap().into_iter().map(|(name, _)| name).collect()
+}
+
+/// Draws charts, looks at each, and gives their SVGs.
+pub(in crate::report) fn check_charts(charts: &Charts) -> Vec<String> {
+    let check = |(stem, drawing): &(String, Drawing)| {
+        let svg = drawing.svg().unwrap();
+        check_svg(stem, &svg);
+        check_png(stem, &drawing.png().unwrap());
+        svg
+    };
+    charts.iter().map(check).collect()
 }
 
 pub(in crate::report) fn check_svg(name: &str, svg: &str) {
@@ -166,8 +171,7 @@ fn odd_figures_and_long_texts() {
 #[test]
 fn clocks_are_named() {
     let run = fixture::typical();
-    let files = charts(&run, &groups(&run)).unwrap();
-    let svg = std::str::from_utf8(&files[0].contents).unwrap();
+    let svg = charts(&run, &groups(&run))[0].1.svg().unwrap();
     for wanted in ["bvh-cpu [host clock]", "screen-dda [submit to done, host clock]", "do not compare"] {
         assert!(svg.contains(wanted), "{wanted}");
     }
@@ -196,6 +200,7 @@ fn looks_differ() {
 fn series_are_drawn_whatever_they_hold() {
     let run = fixture::typical();
     let panel = |values: Vec<Option<f64>>| SeriesPanel {
+        of: None,
         title: "Bytes".to_owned(),
         setting: "B".to_owned(),
         steps: ["8", "16", "24"].map(str::to_owned).to_vec(),
@@ -220,9 +225,9 @@ fn series_are_drawn_whatever_they_hold() {
             key: Some(["solid", "broken"]),
             panels: vec![panel(values.clone()), panel(values)],
         };
-        let drawn = series_chart(&run, &chart).unwrap();
-        assert_eq!(drawn.iter().map(|file| file.name.as_str()).collect::<Vec<_>>(), ["figure_x.svg", "figure_x.png"]);
-        let svg = std::str::from_utf8(&drawn[0].contents).unwrap();
+        let drawn = files(&vec![series(&run, chart)]).unwrap();
+        assert_eq!(drawn.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["figure_x.svg", "figure_x.png"]);
+        let svg = std::str::from_utf8(&drawn[0].1).unwrap();
         assert!(["tiles", "solid", "broken (dashed)", "24", "bytes (MiB)"].iter().all(|text| svg.contains(text)));
         assert!(!svg.contains("NaN") && [nothing, zero].map(|note| svg.contains(note)) == notes, "{svg}");
     }
@@ -242,9 +247,8 @@ fn break_even_names_every_point() {
         [point("quick", 1.0, 1.0), point("fast", 9.0, 900.0), point("fast", 3.0, 300.0), point("other", 2.0, 500.0)];
     let run = fixture::fronts(&points, &[("diffuse", Query::Closest)], 30.0);
     let record = run.pareto.as_ref().unwrap();
-    let files = pareto_charts(&run, record, &crate::report::pareto::shown(&run, record)).unwrap();
-    let file = files.iter().find(|file| file.name.ends_with("room_diffuse_break_even.svg")).unwrap();
-    let svg = std::str::from_utf8(&file.contents).unwrap();
+    let charts = pareto_charts(&run, record, &crate::report::pareto::shown(&run, record));
+    let svg = charts.iter().find(|(stem, _)| stem.ends_with("room_diffuse_break_even")).unwrap().1.svg().unwrap();
     let lines: Vec<&str> = svg.lines().collect();
     // Labels of ticks do not begin at their place.
     let times = |text: &str| lines.windows(2).filter(|pair| pair[0].contains("\"start\"") && pair[1] == text).count();

@@ -3,7 +3,6 @@
 use tracebench_api::Query;
 
 use super::axis::log_range;
-use super::canvas::register;
 use super::frame::{Entry, Frame, Sample};
 use super::palette::{Style, Styles};
 use super::panel::{Aside, Axis, Chart, Mark, Panel, Place, Scale};
@@ -20,18 +19,14 @@ type Shown = (Vec<(Style, Curve)>, Vec<(String, Curve)>);
 
 /// The chart of a group.
 pub(super) fn chart(run: &Run, group: &Group<'_>, styles: &Styles) -> Chart {
-    // Texts are measured while the figure is laid out; a font that fails is reported when it is drawn.
-    let _ = register();
     let sets: Vec<&RaySet<'_>> = group.ray_sets.iter().filter(|set| set.query == Query::Closest).collect();
     let shown: Vec<Shown> = sets.iter().map(|set| shown(group, set, styles)).collect();
     let contenders = shown.iter().flat_map(|(contenders, _)| contenders.iter().map(|(_, curve)| curve));
     let curves = contenders.chain(shown.iter().flat_map(|(_, controls)| controls.iter().map(|(_, curve)| curve)));
     let tolerances = log_range(curves.flatten().map(|(tolerance, _)| *tolerance));
-    let legend = group
-        .contenders
-        .iter()
-        .map(|one| Entry { sample: Sample::Line(styles.get(&one.label())), label: legend_label(one, &[]) });
-    let key = vec![Entry { sample: Sample::Dashes, label: "control".to_owned() }];
+    let legend =
+        group.contenders.iter().map(|one| Entry::new(Sample::Line(styles.get(&one.label())), legend_label(one, &[])));
+    let key = vec![Entry::new(Sample::Dashes, "control")];
     let titles = titles("Agreement over tolerance", run, group);
     let frame = Frame::new(shown.len(), titles, &caption(run, group), key, legend.collect());
     let panels = sets.iter().zip(shown).map(|(set, shown)| panel(set, shown, tolerances)).collect();

@@ -4,7 +4,6 @@
 use itertools::Itertools as _;
 use plotters::style::RGBColor;
 
-use super::canvas::register;
 use super::curves::{Curve, Measured, Values, measured};
 use super::frame::{Entry, Frame, Sample};
 use super::palette::{INK, Shape, Style, Styles};
@@ -48,9 +47,7 @@ fn shape(label: Label) -> Shape {
 }
 
 /// The chart of a scene.
-pub(super) fn chart(tuning: &Tuning, scene: &SceneTuned) -> Chart {
-    // Texts are measured while the figure is laid out; a font that fails is reported when it is drawn.
-    let _ = register();
+pub(in crate::report) fn chart(tuning: &Tuning, scene: &SceneTuned) -> Chart {
     let names = CLASSES.iter().map(|(name, _)| *name).chain(VIEWPOINTS);
     let styles = Styles::of_labels(names.clone().map(str::to_owned));
     let mut panels = Vec::new();
@@ -60,7 +57,7 @@ pub(super) fn chart(tuning: &Tuning, scene: &SceneTuned) -> Chart {
         panels.extend(of_views.iter().map(|of_view| error_panel(tuning, rays, *of_view, &styles)));
         panels.push(score_panel(tuning, rays, &of_views, &styles));
     }
-    let legend = names.map(|name| Entry { sample: Sample::Line(styles.get(name)), label: name.to_owned() });
+    let legend = names.map(|name| Entry::new(Sample::Line(styles.get(name)), name));
     let columns = scene.views.len().min(VIEWPOINTS.len()) + 1;
     Chart { frame: frame(tuning, scene, columns, panels.len(), legend.collect()), panels }
 }
@@ -74,10 +71,9 @@ fn set_of<'a>(view: &'a ViewTuned, rays: &str) -> Option<&'a SetTuned> {
 
 fn frame(tuning: &Tuning, scene: &SceneTuned, columns: usize, panels: usize, legend: Vec<Entry>) -> Frame {
     let hollow = |label: Label| Sample::Hollow(Style { colour: INK, shape: shape(label) });
-    let mut key: Vec<Entry> =
-        Label::ALL.map(|label| Entry { sample: hollow(label), label: label.name().to_owned() }).into();
-    key.push(Entry { sample: Sample::Dashes, label: "control; its name alone where beyond the axis".to_owned() });
-    key.push(Entry { sample: Sample::Bars, label: "95 % interval".to_owned() });
+    let mut key: Vec<Entry> = Label::ALL.map(|label| Entry::new(hollow(label), label.name())).into();
+    key.push(Entry::new(Sample::Dashes, "control; its name alone where beyond the axis"));
+    key.push(Entry::new(Sample::Bars, "95 % interval"));
     let axis = cut(&tuning.axis.name, LONGEST_VALUE);
     let name = cut(&scene.scene.name, LONGEST_NAME);
     // Settings are many words, which a caption wraps.
@@ -220,26 +216,14 @@ fn score_panel(tuning: &Tuning, rays: &str, views: &[OfView<'_>], styles: &Style
 mod tests {
     use tracebench_api::Query;
 
-    use super::super::tests::{check_png, check_svg};
-    use super::super::tune_charts;
+    use super::super::tests::check_charts;
     use super::*;
     use crate::report::tune::tests::{SETS, VALUES, tuning};
     use crate::studies::tune::choose;
 
     /// Draws every chart, looks at each, and gives the SVGs.
     fn check(tuning: &Tuning) -> Vec<String> {
-        let stems: Vec<String> = (0..tuning.scenes.len()).map(|index| format!("tune_{index}")).collect();
-        let mut drawn = Vec::new();
-        for file in tune_charts(tuning, &stems).unwrap() {
-            if file.name.ends_with(".svg") {
-                let svg = String::from_utf8(file.contents).unwrap();
-                check_svg(&file.name, &svg);
-                drawn.push(svg);
-            } else {
-                check_png(&file.name, &file.contents);
-            }
-        }
-        drawn
+        check_charts(&crate::report::tune::of_tuning(tuning).charts)
     }
 
     /// Panels of both viewpoints and of the agreement, every class, every label, the parameter with its unit, the machine; a

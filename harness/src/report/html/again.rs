@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::pieces::escape;
 use super::read::Read;
+use crate::report::Study;
 use crate::results::{Run, TracerRecord, TracerRun};
 use itertools::Itertools as _;
 
@@ -28,16 +29,7 @@ pub(super) fn section(command: &str, all: &[Read<'_>]) -> String {
 
 /// The command of a record, without its folder.
 fn of_record(run: &Run) -> String {
-    let verb = match () {
-        () if run.pareto.is_some() => "pareto",
-        () if run.need.is_some() => "need",
-        () if run.cases.is_some() => "stability",
-        () if run.tuning.is_some() => "tune",
-        () if run.explanation.is_some() => "explain",
-        () if run.sweep.is_some() => "sweep",
-        () if run.table.is_some() => "table",
-        () => "run",
-    };
+    let verb = Study::of(run).verb;
     let mut words = vec!["tracebench".to_owned(), verb.to_owned()];
     // Tables have their own tracers.
     match run.table.as_ref().filter(|_| verb == "table") {

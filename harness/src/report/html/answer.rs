@@ -3,13 +3,14 @@
 use std::fmt::Write as _;
 
 use super::read::{Names, Read};
-use super::{Place, budget, in_short, markdown};
+use super::write::plain_html;
+use super::{Place, budget, in_short};
+use crate::report::document::Document;
 use crate::report::format::{NONE, significant};
-use crate::report::markdown::inline;
 use crate::report::metrics;
 use crate::report::pareto::page::{aimed, asked, right, too_few, with_cost};
 use crate::report::pareto::{as_read, cost_name};
-use crate::report::sheet::{Cell, Column, Sheet};
+use crate::report::sheet::{Cell, Column, Sheet, Table};
 use crate::report::verdict::{self, Verdict};
 use crate::results::Run;
 use crate::studies::pareto::{Aim, By, Check, Entry, Field, LEVELS, Wrong, best, check, farthest};
@@ -25,29 +26,30 @@ pub(super) fn section(
     copies: &[[String; 2]],
     names: &Names,
 ) -> String {
-    let same = |[copy, of]: &[String; 2]| format!("{} (as {})", inline(copy), inline(of));
+    let same = |[copy, of]: &[String; 2]| format!("{copy} (as {of})");
     let copies: Vec<String> = copies.iter().map(same).collect();
-    let mut text = doubts(records) + &few("Left out, since the same record is there", &copies, "Left out");
-    for (number, machine) in (1..).zip(machines) {
-        let _ = writeln!(text, "\nMachine {number}: {}.", inline(machine));
-    }
+    let machine = |(number, machine): (usize, &String)| Document::of(format!("Machine {number}: {machine}."));
+    let notes = doubts(records)
+        .words(few("Left out, since the same record is there", &copies, "Left out"))
+        .and((1..).zip(machines).map(machine));
     let mut html = format!(
         "<div class=\"answer\">{}</div>\n<div class=\"notes\">{}</div>\n",
         in_short::text(places, machines),
-        markdown::plain_html(&text, 3, names)
+        plain_html(&notes, 3, names)
     );
     if places.is_empty() {
         return html;
     }
     html += &budget::section(places, ASKED);
+    let titled = |title: &str, words: &str, table| Document::default().heading(3, title).words(words).table(table);
     let _ = write!(
         html,
         "{}<details><summary>At {} and {} agreement</summary>{}</details>\n{}",
-        markdown::plain_html(&format!("### Which to take, and why\n\n{HOW}\n\n{}", needs(places, ASKED)), 1, names),
+        plain_html(&titled("Which to take, and why", HOW, needs(places, ASKED)), 1, names),
         asked(LEVELS[0]),
         asked(LEVELS[2]),
-        markdown::plain_html(&format!("{}\n\n{}", needs(places, LEVELS[0]), needs(places, LEVELS[2])), 1, names),
-        markdown::plain_html(&format!("### Every method\n\n{}\n\n{}", every_method(), methods(places)), 1, names),
+        plain_html(&Document::default().table(needs(places, LEVELS[0])).table(needs(places, LEVELS[2])), 1, names),
+        plain_html(&titled("Every method", &every_method(), methods(places)), 1, names),
     );
     html
 }
@@ -67,15 +69,14 @@ fn every_method() -> String {
 const MOST_NAMED: usize = 2;
 
 /// What speaks against records.
-fn doubts(records: &[Read<'_>]) -> String {
-    let mut text = String::new();
-    let mut say = |of: &dyn Fn(&Run) -> bool, what: &str| {
-        let paths: Vec<String> = records.iter().filter(|read| of(&read.run)).map(|read| inline(&read.name)).collect();
-        text += &few(what, &paths, "Machines and records");
+fn doubts(records: &[Read<'_>]) -> Document {
+    let say = |of: fn(&Run) -> bool, what: &str| {
+        let names: Vec<String> = records.iter().filter(|read| of(&read.run)).map(|read| read.name.clone()).collect();
+        few(what, &names, "Machines and records")
     };
-    say(&is_void, "Void, since a control fails, and part of no answer");
-    say(&is_smoke, "Smoke runs, whose figures only show that things work");
-    text
+    Document::default()
+        .words(say(is_void, "Void, since a control fails, and part of no answer"))
+        .words(say(is_smoke, "Smoke runs, whose figures only show that things work"))
 }
 
 /// A sentence that names some, and of more than a few where they are told.
@@ -83,8 +84,8 @@ fn few(what: &str, all: &[String], below: &str) -> String {
     let named = all[..all.len().min(MOST_NAMED)].join(", ");
     match all.len().saturating_sub(MOST_NAMED) {
         _ if all.is_empty() => String::new(),
-        0 => format!("\n**{what}:** {named}.\n"),
-        more => format!("\n**{what}:** {named} and {more} more, told below under *{below}*.\n"),
+        0 => format!("**{what}:** {named}."),
+        more => format!("**{what}:** {named} and {more} more, told below under *{below}*."),
     }
 }
 
@@ -103,7 +104,7 @@ pub(super) fn doubts_in_short(run: &Run) -> String {
 }
 
 /// A row a case and aim.
-fn needs<'a>(places: &'a [Place<'a>], level: f64) -> String {
+fn needs<'a>(places: &'a [Place<'a>], level: f64) -> Table {
     type Need<'a> = (&'a Place<'a>, Aim, Option<Entry<'a>>);
     let sheet = Sheet::<Need<'_>>::new()
         .told("rays", |(place, ..)| place.field.rays)
@@ -124,7 +125,7 @@ fn needs<'a>(places: &'a [Place<'a>], level: f64) -> String {
         });
     let take = |place: &Place<'a>, aim| best(place.field, &place.field.entries, place.by, level, aim);
     let rows = places.iter().flat_map(|place| Aim::ALL.map(|aim| (place, aim, take(place, aim))));
-    sheet.markdown(&rows.collect::<Vec<_>>())
+    sheet.table(&rows.collect::<Vec<_>>())
 }
 
 /// The record of a row, where several answer the same.
@@ -205,7 +206,7 @@ fn why(place: &Place<'_>, level: f64, aim: Aim, found: &Entry<'_>) -> String {
 }
 
 /// A row a case and tracer.
-fn methods(places: &[Place<'_>]) -> String {
+fn methods(places: &[Place<'_>]) -> Table {
     type Method<'a> = (&'a Place<'a>, &'a str, Vec<Entry<'a>>);
     let of_aim = |aim| {
         aimed(aim, move |(place, tracer, own): &Method<'_>| {
@@ -227,5 +228,5 @@ fn methods(places: &[Place<'_>]) -> String {
         .with(Aim::ALL.map(of_aim).into());
     let tracers = places.iter().flat_map(|place| place.field.tracers().into_iter().map(move |tracer| (place, tracer)));
     let rows = tracers.map(|(place, tracer)| (place, tracer, place.field.of_tracer(tracer)));
-    sheet.markdown(&rows.collect::<Vec<_>>())
+    sheet.table(&rows.collect::<Vec<_>>())
 }

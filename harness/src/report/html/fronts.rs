@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use super::Place;
-use super::markdown::{figure, plain_html};
 use super::pieces::{Piece, Rank, Tags, escape};
 use super::read::Names;
+use super::write::{figure, plain_html};
 use crate::report::chart::{self, FrontLayers, PointMark};
+use crate::report::document::Document;
 use crate::report::format::with_interval;
 use crate::report::pareto::page;
 use crate::report::{ReportError, metrics};
@@ -25,12 +26,8 @@ pub(super) fn fronts(places: &[Place<'_>], machines: &[String], names: &Names) -
             html: front(place, &layers, &machines[place.read.machine - 1]),
             tags: place.tags().text(),
         });
-        let mut text = String::new();
-        for by in By::all(place.field.query) {
-            let _ = write!(text, "### By {}\n\n", by.name());
-            text += &page::front_points(&place.read.run, place.record, place.field, *by);
-        }
-        pieces.push(opened(Rank::Full, place, ["points on fronts", "Points on fronts: "], &text, names));
+        let on_fronts = by_rule(place, |by| page::front_points(&place.read.run, place.record, place.field, by));
+        pieces.push(opened(Rank::Full, place, ["points on fronts", "Points on fronts: "], &on_fronts, names));
     }
     for (index, place) in places.iter().enumerate() {
         if places[..index].iter().all(|known| !std::ptr::eq(known.read, place.read)) {
@@ -43,13 +40,8 @@ pub(super) fn fronts(places: &[Place<'_>], machines: &[String], names: &Names) -
 /// Operating points, and how far every tracer gets.
 pub(super) fn operating_points(places: &[Place<'_>], names: &Names) -> Vec<Piece> {
     let piece = |place: &Place<'_>| {
-        let mut text = String::new();
-        for by in By::all(place.field.query) {
-            let _ = write!(text, "### By {}\n\n", by.name());
-            text += &page::operating_points(place.shown, place.field, *by);
-            text += &page::reach(place.field, *by);
-        }
-        opened(Rank::Page, place, ["operating points", ""], &text, names)
+        let points = |by| page::operating_points(place.shown, place.field, by).and(page::reach(place.field, by));
+        opened(Rank::Page, place, ["operating points", ""], &by_rule(place, points), names)
     };
     places.iter().map(piece).collect()
 }
@@ -72,17 +64,21 @@ pub(super) fn break_even(places: &[Place<'_>], machines: &[String], names: &Name
             html: figure(&svg, &alt, &caption, place.tags()),
             tags: place.tags().text(),
         });
-        let text = page::break_even(place.shown, place.field, place.by);
         // The chart stands above.
-        let text: String =
-            text.lines().filter(|line| !line.starts_with("![")).map(|line| format!("{line}\n")).collect();
+        let text = page::break_even(place.shown, place.field, place.by);
         pieces.push(opened(Rank::Page, place, ["break-even", ""], &text, names));
     }
     Ok(pieces)
 }
 
-/// What is told of a place in Markdown, as a part that opens; what stands before the place's title where it is told of, and there.
-fn opened(rank: Rank, place: &Place<'_>, [what, title]: [&str; 2], text: &str, names: &Names) -> Piece {
+/// What is told of a place by every rule.
+fn by_rule(place: &Place<'_>, of: impl Fn(By) -> Document) -> Document {
+    let rule = |by: &By| Document::default().heading(3, format!("By {}", by.name())).and(of(*by));
+    Document::default().and(By::all(place.field.query).iter().map(rule))
+}
+
+/// What is told of a place, as a part that opens; what stands before the place's title where it is told of, and there.
+fn opened(rank: Rank, place: &Place<'_>, [what, title]: [&str; 2], text: &Document, names: &Names) -> Piece {
     let (of, tags) = (place.title(), place.tags().text());
     let html = details(&format!("{title}{of}"), &tags, &plain_html(text, 2, names));
     Piece::Heavy { rank, what: format!("{what} of {of}"), html, tags }

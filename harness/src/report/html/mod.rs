@@ -1,7 +1,7 @@
 //! Several records in one page that needs nothing else: who to take, fronts whose points can be asked, everything else that their own
 //! pages say.
 //!
-//! Tables are those of the records' Markdown pages. Charts are drawn as elsewhere; fronts in two layers, so that tracers can be left out
+//! Tables are those of the records' own documents. Charts are drawn as elsewhere; fronts in two layers, so that tracers can be left out
 //! while axes stay.
 
 mod again;
@@ -10,24 +10,24 @@ mod budget;
 mod causes;
 mod fronts;
 mod in_short;
-mod markdown;
 mod pictures;
 mod pieces;
 mod read;
 mod records;
 #[cfg(test)]
 mod tests;
+mod write;
 
 pub use again::quoted;
 
+use super::document::Document;
 use super::pareto::{Shown, shown};
 use super::verdict::{self, Verdict};
-use super::{ReportError, Tables, summary};
+use super::{ReportError, Section, Tables, summary};
 use crate::results::{ParetoRecord, Run};
 use crate::studies::pareto::{By, Field};
 use pieces::{Piece, Tags, escape, fit};
 use read::{Names, Read, Records};
-use records::Kind;
 
 /// The most bytes of a page.
 pub const MOST_BYTES: usize = 10_000_000;
@@ -36,8 +36,8 @@ const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = concat!(include_str!("budget.js"), include_str!("page.js"));
 const RULES: &str = include_str!("../../../../RULES.md");
 
-/// Says what papers' claims come to by records of their tables, a page a paper in Markdown. Claims know reports, reports know no claim.
-pub type Claims = fn(&[Run]) -> Result<Vec<String>, ReportError>;
+/// Says what papers' claims come to by records of their tables, a page a paper. Claims know reports, reports know no claim.
+pub type Claims = fn(&[Run]) -> Result<Vec<Document>, ReportError>;
 
 /// What a page is made of besides records.
 #[derive(Clone, Copy)]
@@ -99,26 +99,27 @@ pub fn page(
         all.iter().map(|read| read.points.as_ref().map_or_else(Vec::new, |points| shown(&read.run, points))).collect();
     let places = places(&all, &shown);
     let mut sections = Sections::default();
-    let pages = |kind| records::pages(&all, kind, &machines, &names, makers.tables);
+    let pages = |section| records::pages(&all, section, &machines, &names, makers.tables);
     sections.add("fronts", "Fronts", fronts::fronts(&places, &machines, &names)?);
     sections.add("operating-points", "Operating points", fronts::operating_points(&places, &names));
     sections.add("break-even", "Break-even", fronts::break_even(&places, &machines, &names)?);
     sections.add("pictures", "Pictures of answers", pictures::pictures(&places, &machines));
-    sections.add("need", "The need curve", pages(Kind::Need)?);
+    sections.add("need", "The need curve", pages(Section::Need)?);
     let runs: Vec<Run> =
         all.iter().filter(|read| read.run.table.is_some()).map(|read| read.run.clone().into_owned()).collect();
-    let mut tables = pages(Kind::Table)?;
-    for text in (makers.claims)(&runs)? {
-        tables.extend(records::claims(&text, &names));
-    }
+    let mut tables = pages(Section::Table)?;
+    tables.extend((makers.claims)(&runs)?.iter().map(|page| records::claims(page, &names)));
     sections.add("tables", "Tables and claims beside the published values", tables);
-    sections.add("matrix", "The matrix", pages(Kind::Matrix)?);
-    sections.add("causes", "Causes of wrong answers", causes::causes(&places, &machines));
-    sections.add("studies", "Sweeps and other studies", pages(Kind::Study)?);
-    sections.add("runs", "Runs in full", pages(Kind::Run)?);
+    sections.add("matrix", "The matrix", pages(Section::Matrix)?);
+    sections.add("causes", "Causes of wrong answers", causes::causes(&places, &names));
+    sections.add("studies", "Sweeps and other studies", pages(Section::Study)?);
+    sections.add("runs", "Runs in full", pages(Section::Run)?);
     sections.add("machine", "Machines and records", vec![Piece::Fixed(sources(&all, &names))]);
-    let rules = markdown::plain_html(RULES, 3, &names);
-    sections.add("rules", "Rules", vec![Piece::Fixed(fronts::details("How is measured and judged", "", &rules))]);
+    sections.add(
+        "rules",
+        "Rules",
+        vec![Piece::Fixed(fronts::details("How is measured and judged", "", &write::rules(RULES)))],
+    );
     let head = head(&names, &sections, &answer::section(&places, &all, &machines, &copies, &names));
     let foot = foot(&again::section(command, &all));
     // What is left out is named once more below.
@@ -225,11 +226,11 @@ fn head(names: &Names, sections: &Sections, answer: &str) -> String {
 /// Where every record is from.
 fn sources(all: &[Read<'_>], names: &Names) -> String {
     let of = |read: &Read<'_>| {
-        let text = summary::head(&read.run, "Record") + &summary::skipped(&read.run.skipped);
+        let mut page = summary::head(&read.run, "").and(summary::skipped(&read.run.skipped));
         // The title stands above.
-        let text = text.trim_start_matches("# Record");
+        page.blocks.remove(0);
         let title = format!("{} (machine {}{})", read.name, read.machine, answer::doubts_in_short(&read.run));
-        fronts::details(&title, "", &markdown::plain_html(text, 3, names))
+        fronts::details(&title, "", &write::plain_html(&page, 3, names))
     };
     all.iter().map(of).collect()
 }

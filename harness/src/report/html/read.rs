@@ -177,25 +177,16 @@ impl Names {
         self.tracers.iter().filter(is_of).max_by_key(|name| name.len()).map(String::as_str)
     }
 
-    /// What a title begins with: a scene with its triangles, or a ray set with what is asked of it.
-    pub(super) fn of_title(&self, title: &str) -> Tags<'_> {
-        let scene = title.rsplit_once(" (").and_then(|(name, _)| self.scene(name)).or_else(|| self.scene(title));
-        let first = title.split([':', ' ']).next().unwrap_or_default();
-        // Of a need both.
-        let last = title.rsplit_once("), ").and_then(|(_, rays)| self.rays(rays));
-        Tags { scene, rays: last.or_else(|| self.rays(first)), tracer: None }
-    }
-
     /// The tracer that a column is of.
     pub(super) fn of_column(&self, heading: &str) -> Tags<'_> {
         Tags { tracer: self.tracer(heading), ..Tags::default() }
     }
 
     /// What a row is about, by the headings of its columns.
-    pub(super) fn of_row(&self, headings: &[String], cells: &[String]) -> Tags<'_> {
+    pub(super) fn of_row(&self, headings: &[&str], cells: &[&str]) -> Tags<'_> {
         let mut tags = Tags::default();
         for (heading, cell) in headings.iter().zip(cells) {
-            match heading.as_str() {
+            match *heading {
                 "scene" => tags.scene = tags.scene.or_else(|| self.scene(cell)),
                 "rays" => tags.rays = tags.rays.or_else(|| self.rays(cell)),
                 "tracer" | "point" | "of" | "take" => tags.tracer = tags.tracer.or_else(|| self.tracer(cell)),

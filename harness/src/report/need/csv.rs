@@ -1,14 +1,10 @@
-//! `need.csv`: a row a scene, viewpoint, tracer, ray set and structure.
+//! The table of steps: a row a scene, viewpoint, tracer, ray set and structure.
 
 use super::value_of;
-use crate::report::ReportError;
 use crate::report::metrics::STRUCTURE;
-use crate::report::sheet::{Cell, Column, Sheet};
+use crate::report::sheet::{Cell, Column, Sheet, Table};
 use crate::results::{ChangedRays, Run};
 use crate::studies::need::{Curve, Step};
-
-/// Its name.
-pub(super) const NAME: &str = "need.csv";
 
 /// A structure beside the whole one.
 pub(super) struct Row<'a> {
@@ -48,7 +44,7 @@ pub(super) fn of_steps<'a>(sheet: Sheet<'a, Row<'a>>) -> Sheet<'a, Row<'a>> {
 }
 
 /// The whole table.
-pub(super) fn table<'a>(run: &Run, curves: &'a [Curve<'a>]) -> Result<Vec<u8>, ReportError> {
+pub(super) fn table<'a>(run: &Run, curves: &'a [Curve<'a>]) -> Table {
     let whole = |curve: &'a Curve<'a>| Row { curve, step: &curve.whole, less: String::new() };
     let rows: Vec<Row<'_>> =
         curves.iter().flat_map(|curve| std::iter::once(whole(curve)).chain(steps(curve))).collect();
@@ -66,5 +62,5 @@ pub(super) fn table<'a>(run: &Run, curves: &'a [Curve<'a>]) -> Result<Vec<u8>, R
         .column("skipped", |row| row.step.point.skipped.clone())
         .then(of_steps)
         .provenance(&run.provenance, &run.preset);
-    sheet.csv(NAME, &rows)
+    sheet.table(&rows)
 }

@@ -5,12 +5,10 @@ mod page;
 #[cfg(test)]
 mod tests;
 
-use std::collections::BTreeMap;
-
-use super::chart::series::{Series, SeriesChart, SeriesPanel, series_chart, series_svg};
+use super::chart::series::{Series, SeriesChart, SeriesPanel, series};
 use super::format::{self, significant, thousands};
 use super::group::stems;
-use super::{Contents, ReportError};
+use super::{Report, ReportError, Tables, traces};
 use crate::results::{NeedCurve, NeedRecord, Run, SceneRecord};
 use crate::studies::need::{Axis, Curve, Step, curves};
 use itertools::Itertools as _;
@@ -33,50 +31,17 @@ struct Shown<'a> {
     chart: String,
 }
 
-/// What is made of needs: page, table and charts, by name.
-pub(super) fn files(run: &Run, record: &NeedRecord) -> Result<Contents, ReportError> {
+/// What is made of needs: page, table and charts.
+pub(super) fn report(run: &Run, _: Tables) -> Result<Report, ReportError> {
+    let Some(record) = &run.need else { return Ok(Report::default()) };
     let curves = curves(run, record);
     let shown = shown(run, &curves);
-    let mut contents = vec![
-        (NEED_PAGE.to_owned(), page::page(run, record, &curves, &shown).into_bytes()),
-        (csv::NAME.to_owned(), csv::table(run, &curves)?),
-    ];
-    for each in &shown {
-        if let Some(chart) = chart(record, each) {
-            contents.extend(series_chart(run, &chart)?.into_iter().map(|file| (file.name, file.contents)));
-        }
-    }
-    Ok(contents)
-}
-
-/// The page, with charts a tracer.
-#[derive(Debug)]
-pub(super) struct NeedPage {
-    /// The page.
-    pub text: String,
-    /// By the name of each chart that it shows the same a tracer, as SVG.
-    pub charts: BTreeMap<String, Vec<(String, String)>>,
-}
-
-/// The page of needs with charts a tracer, so that tracers can be left out.
-pub(super) fn for_page(run: &Run, record: &NeedRecord) -> Result<NeedPage, ReportError> {
-    let curves = curves(run, record);
-    let shown = shown(run, &curves);
-    let mut charts = BTreeMap::new();
-    for each in &shown {
-        let mut own = Vec::new();
-        for (tracer, preset) in contenders(each) {
-            let is_of = |curve: &&&Curve<'_>| curve.record.tracer == tracer && curve.record.preset == preset;
-            let curves: Vec<&Curve<'_>> = each.curves.iter().filter(is_of).copied().collect();
-            let Some(name) = curves.first().map(|first| contender(first.record)) else { continue };
-            let one = Shown { scene: each.scene, rays: each.rays, curves, chart: each.chart.clone() };
-            if let Some(chart) = chart(record, &one) {
-                own.push((name, series_svg(run, &chart)?));
-            }
-        }
-        charts.insert(each.chart.clone(), own);
-    }
-    Ok(NeedPage { text: page::page(run, record, &curves, &shown), charts })
+    Ok(traces(run).and(Report {
+        pages: vec![(NEED_PAGE.to_owned(), page::page(run, record, &curves, &shown))],
+        tables: vec![("need.csv".to_owned(), csv::table(run, &curves))],
+        charts: shown.iter().filter_map(|each| Some(series(run, chart(record, each)?))).collect(),
+        ..Report::default()
+    }))
 }
 
 /// Curves by scene and ray set, in the order of first appearance.
@@ -109,11 +74,6 @@ fn shown<'a>(run: &'a Run, curves: &'a [Curve<'a>]) -> Vec<Shown<'a>> {
     shown
 }
 
-/// The tracers of some curves with their presets, each once.
-fn contenders<'a>(shown: &Shown<'a>) -> impl Iterator<Item = (&'a str, &'a str)> {
-    shown.curves.iter().map(|curve| (curve.record.tracer.as_str(), curve.record.preset.as_str())).unique()
-}
-
 /// A tracer with its preset unless it is the published one.
 fn contender(curve: &NeedCurve) -> String {
     let (tracer, preset) = (&curve.tracer, &curve.preset);
@@ -123,12 +83,13 @@ fn contender(curve: &NeedCurve) -> String {
 /// A panel a tracer and axis: what its steps lose, from every viewpoint. None where there is nothing to shrink.
 fn chart(record: &NeedRecord, shown: &Shown<'_>) -> Option<SeriesChart> {
     let mut panels = Vec::new();
-    for (tracer, preset) in contenders(shown) {
+    let contenders = shown.curves.iter().map(|curve| (&curve.record.tracer, &curve.record.preset)).unique();
+    for (tracer, preset) in contenders {
         let own: Vec<&Curve<'_>> = shown
             .curves
             .iter()
             .copied()
-            .filter(|curve| curve.record.tracer == tracer && curve.record.preset == preset)
+            .filter(|curve| (&curve.record.tracer, &curve.record.preset) == (tracer, preset))
             .collect();
         let Some(first) = own.first() else { continue };
         for axis in &first.axes {
@@ -148,7 +109,8 @@ fn chart(record: &NeedRecord, shown: &Shown<'_>) -> Option<SeriesChart> {
             let series = series.chain([limit]).collect();
             let title = format!("{}: {}", contender(first.record), axis.name);
             let quantity = "rays lost, upper end (%), log".to_owned();
-            panels.push(SeriesPanel { title, setting: axis.name.to_owned(), steps, quantity, series });
+            let (of, setting) = (Some(contender(first.record)), axis.name.to_owned());
+            panels.push(SeriesPanel { of, title, setting, steps, quantity, series });
         }
     }
     (!panels.is_empty()).then(|| SeriesChart {

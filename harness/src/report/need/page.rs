@@ -1,53 +1,47 @@
 //! `need.md`.
 
-use std::fmt::Write as _;
-
 use super::csv::{self, Row};
 use super::{Shown, contender};
+use crate::report::document::{Document, Of};
 use crate::report::format::{significant, thousands};
-use crate::report::markdown::{inline, literal};
-use crate::report::metrics;
-use crate::report::sheet::{Cell, Sheet};
-use crate::report::summary;
+use crate::report::markdown::literal;
+use crate::report::sheet::{Cell, Sheet, Table};
+use crate::report::{metrics, summary};
 use crate::results::{NeedCurve, NeedRecord, Run};
 use crate::studies::need::{Curve, Need, Step, Transfer, transfers};
 
 /// The whole page.
-pub(super) fn page(run: &Run, record: &NeedRecord, curves: &[Curve<'_>], shown: &[Shown<'_>]) -> String {
-    let mut text = summary::head(run, "What structures need");
-    let _ = writeln!(
-        text,
-        "\nEvery structure answers the same rays as smaller ones of its tracer. A smaller one is enough while the upper end of the 95 % \
+pub(super) fn page(run: &Run, record: &NeedRecord, curves: &[Curve<'_>], shown: &[Shown<'_>]) -> Document {
+    let head = summary::head(run, "What structures need").words(format!(
+        "Every structure answers the same rays as smaller ones of its tracer. A smaller one is enough while the upper end of the 95 % \
          interval of newly wrong less newly right rays is at most {} % of them, and enough in time while its traces take at most {} times \
          as long besides. Shrinking a thing ends before its first step that is not enough; what is enough again behind that may be so by chance, and \
          counts only in the table of steps. Rays of analytic methods are right by `tight`, of methods that sample by `footprint`.",
         significant(record.most_lost_share * 100.0, 2),
         significant(record.most_times_as_long, 3)
-    );
-    for each in shown {
-        let name = literal(&each.scene.name);
-        let _ = writeln!(text, "\n## {name} ({} triangles), {}", thousands(each.scene.triangles), inline(each.rays));
+    ));
+    let sections = shown.iter().map(|each| {
+        let (name, triangles) = (literal(&each.scene.name), thousands(each.scene.triangles));
+        let of = Of { scene: Some(each.scene.name.clone()), rays: Some(each.rays.to_owned()) };
+        let mut page = Document::default().headed(2, format!("{name} ({triangles} triangles), {}", each.rays), of);
         if each.curves.iter().any(|curve| !curve.axes.is_empty()) {
-            let _ = writeln!(text, "\n![rays lost over steps]({}.svg)", each.chart);
+            page = page.chart(&each.chart, "rays lost over steps");
         }
         if let Some((rays, unseen)) = each.curves.iter().find_map(|curve| curve.unseen_loss()) {
-            let _ = writeln!(
-                text,
-                "\n**{} rays are few:** without a single answer that changes up to {} % of them might be lost, so steps may not be enough for \
+            page = page.words(format!(
+                "**{} rays are few:** without a single answer that changes up to {} % of them might be lost, so steps may not be enough for \
                  want of rays.",
                 thousands(rays),
                 significant(unseen * 100.0, 2)
-            );
+            ));
         }
-        let _ = write!(text, "\nBytes needed beside bytes stored and touched:\n\n{}", needs(each));
-        text += &steps(each);
-    }
-    text += &elsewhere(curves);
-    text + &summary::skipped(&run.skipped)
+        page.words("Bytes needed beside bytes stored and touched:").table(needs(each)).below("Every step:", steps(each))
+    });
+    head.and(sections).and(elsewhere(curves)).and(summary::skipped(&run.skipped))
 }
 
 /// A row a tracer and viewpoint.
-fn needs(shown: &Shown<'_>) -> String {
+fn needs(shown: &Shown<'_>) -> Table {
     let bytes = |step: &Step<'_>| step.bytes().map(|bytes| Cell::Bytes(bytes as f64));
     let sheet = Sheet::<&Curve<'_>>::new()
         .told("tracer", |curve| contender(curve.record))
@@ -71,7 +65,7 @@ fn needs(shown: &Shown<'_>) -> String {
             let far: Vec<String> = far.collect();
             if far.is_empty() { "nothing shrinks".to_owned() } else { far.join("; ") }
         });
-    sheet.markdown(&shown.curves)
+    sheet.table(&shown.curves)
 }
 
 /// What a structure has less of.
@@ -90,21 +84,18 @@ fn until(need: &Need<'_>) -> String {
 }
 
 /// Every step.
-fn steps(shown: &Shown<'_>) -> String {
+fn steps(shown: &Shown<'_>) -> Table {
     let rows: Vec<Row<'_>> = shown.curves.iter().flat_map(|curve| csv::steps(curve)).collect();
-    if rows.is_empty() {
-        return String::new();
-    }
     let sheet = Sheet::<Row<'_>>::new()
         .told("tracer", |row| contender(row.curve.record))
         .told("from", |row| row.curve.record.viewpoint.clone())
         .told("less of", |row| row.less.clone())
         .then(csv::of_steps);
-    format!("\nEvery step:\n\n{}", sheet.markdown(&rows))
+    sheet.table(&rows)
 }
 
 /// Whether needs serve where they were not found.
-fn elsewhere(curves: &[Curve<'_>]) -> String {
+fn elsewhere(curves: &[Curve<'_>]) -> Document {
     let place = |curve: &NeedCurve| format!("{} from {}", curve.scene, curve.viewpoint);
     let sheet = Sheet::<Transfer<'_>>::new()
         .told("tracer", |each| contender(each.from))
@@ -121,11 +112,9 @@ fn elsewhere(curves: &[Curve<'_>]) -> String {
     let all = transfers(curves);
     let tried = all.iter().filter(|each| each.serves.is_some()).count();
     let served = all.iter().filter(|each| each.serves == Some(true)).count();
-    let head = "\n## Needs that are tried elsewhere\n\n";
+    let page = Document::default().heading(2, "Needs that are tried elsewhere");
     if tried == 0 {
-        return format!(
-            "{head}None: there is no other viewpoint or scene, or nothing less than the whole is enough.\n"
-        );
+        return page.words("None: there is no other viewpoint or scene, or nothing less than the whole is enough.");
     }
-    format!("{head}{served} of {tried} serve where they were not found.\n\n{}", sheet.markdown(&all))
+    page.words(format!("{served} of {tried} serve where they were not found.")).table(sheet.table(&all))
 }

@@ -3,21 +3,13 @@
 use tracebench_api::Query;
 
 use super::Shown;
-use crate::report::ReportError;
 use crate::report::metrics::{self, COUNT};
-use crate::report::sheet::{Column, Columns, Sheet};
+use crate::report::sheet::{Column, Columns, Sheet, Table};
 use crate::results::{CheckedRecord, ParetoRecord, Run};
 use crate::studies::pareto::{
     Aim, Amount, By, Check, Class, ClassCost, Cost, Entry, Field, LEVELS, Overtaking, Wrong, best, check, classes,
     overtaking,
 };
-
-/// Every point on every ray set.
-pub(super) const POINTS: &str = "pareto.csv";
-/// The operating points.
-pub(super) const OPERATING: &str = "operating_points.csv";
-/// Who overtakes whom.
-pub(super) const BREAK_EVEN: &str = "break_even.csv";
 
 /// Every rule.
 fn rules() -> Vec<By> {
@@ -65,7 +57,7 @@ impl Point<'_> {
 }
 
 /// A row a scene, ray set and point.
-pub(super) fn points(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> Result<Vec<u8>, ReportError> {
+pub(super) fn points(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> Table {
     let kinds = kinds(record);
     let fields = || shown.iter().flat_map(|scene| &scene.fronts.fields);
     let of_fields: Vec<(&Field<'_>, Standings)> = fields().map(|field| (field, standings(field, &kinds))).collect();
@@ -91,7 +83,7 @@ pub(super) fn points(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> R
         .with(rules().into_iter().flat_map(wrong).collect())
         .with(kinds.iter().enumerate().flat_map(|(place, kind)| fronts(place, *kind)).collect())
         .provenance(&run.provenance, &run.preset);
-    sheet.csv(POINTS, &rows)
+    sheet.table(&rows)
 }
 
 /// What a point costs.
@@ -129,14 +121,14 @@ fn fronts<'a>(place: usize, (by, cost): (By, Cost)) -> Columns<'a, Point<'a>> {
 }
 
 /// An operating point: by rule, level, tracer or all of them, and aim.
-struct Operating<'a> {
+pub(super) struct Operating<'a> {
     shown: &'a Shown<'a>,
-    field: &'a Field<'a>,
-    by: By,
-    level: f64,
-    of: &'a str,
+    pub field: &'a Field<'a>,
+    pub by: By,
+    pub level: f64,
+    pub of: &'a str,
     aim: Aim,
-    found: Entry<'a>,
+    pub found: Entry<'a>,
 }
 
 impl Operating<'_> {
@@ -144,7 +136,8 @@ impl Operating<'_> {
         self.shown.fronts.scene.checked.as_ref()
     }
 
-    fn check(&self) -> Check {
+    /// What became of it elsewhere.
+    pub(super) fn check(&self) -> Check {
         check(&self.shown.fronts.elsewhere, self.field.rays, self.found.point, self.by, self.level)
     }
 
@@ -171,7 +164,8 @@ impl Operating<'_> {
     }
 }
 
-fn operating_points<'a>(shown: &'a [Shown<'a>]) -> Vec<Operating<'a>> {
+/// Every operating point.
+pub(super) fn operating_points<'a>(shown: &'a [Shown<'a>]) -> Vec<Operating<'a>> {
     let mut rows = Vec::new();
     for (shown, field) in shown.iter().flat_map(|shown| shown.fronts.fields.iter().map(move |field| (shown, field))) {
         for (by, level) in By::all(field.query).iter().flat_map(|by| LEVELS.map(|level| (*by, level))) {
@@ -190,7 +184,7 @@ fn operating_points<'a>(shown: &'a [Shown<'a>]) -> Vec<Operating<'a>> {
 }
 
 /// A row a scene, ray set, rule, level, tracer and aim.
-pub(super) fn operating(shown: &[Shown<'_>]) -> Result<Vec<u8>, ReportError> {
+pub(super) fn operating(shown: &[Shown<'_>]) -> Table {
     let sheet = Sheet::<Operating<'_>>::new()
         .column("scene", |row| row.field.scene.scene.name.clone())
         .column("rays", |row| row.field.rays.to_owned())
@@ -213,7 +207,7 @@ pub(super) fn operating(shown: &[Shown<'_>]) -> Result<Vec<u8>, ReportError> {
             ["checked_agreement_share", "checked_agreement_low_share", "checked_agreement_high_share"],
             Operating::right_there,
         );
-    sheet.csv(OPERATING, &operating_points(shown))
+    sheet.table(&operating_points(shown))
 }
 
 /// Two points of different tracers that are right as often.
@@ -275,7 +269,7 @@ fn one_of<'a>(place: usize, name: &str) -> Columns<'a, Pair<'a>> {
 }
 
 /// A row a scene, ray set, rule, level, motion and pair of points of different tracers.
-pub(super) fn break_even(shown: &[Shown<'_>]) -> Result<Vec<u8>, ReportError> {
+pub(super) fn break_even(shown: &[Shown<'_>]) -> Table {
     let mut all: Vec<(&Field<'_>, Class<'_>)> = Vec::new();
     for (scene, field) in shown.iter().flat_map(|scene| scene.fronts.fields.iter().map(move |field| (scene, field))) {
         for (by, level) in By::all(field.query).iter().flat_map(|by| LEVELS.map(|level| (*by, level))) {
@@ -308,5 +302,5 @@ pub(super) fn break_even(shown: &[Shown<'_>]) -> Result<Vec<u8>, ReportError> {
         .column("rays_a_frame_high", rays(2))
         .column("beyond_measured", |row| row.from().map(|(_, beyond_measured)| beyond_measured))
         .column("why", Pair::why);
-    sheet.csv(BREAK_EVEN, &rows)
+    sheet.table(&rows)
 }

@@ -6,7 +6,7 @@ pub(in crate::report) mod page;
 pub(in crate::report) mod tests;
 
 use super::group::stems;
-use super::{Contents, ReportError, chart, format, metrics};
+use super::{Report, ReportError, Tables, chart, format, metrics, traces};
 use crate::results::{FrontScene, ParetoRecord, Run};
 use crate::studies::pareto::{Amount, Cost, Field, SceneFronts, scene_fronts};
 
@@ -29,18 +29,20 @@ impl Shown<'_> {
     }
 }
 
-/// What is made of fronts: pages, tables and charts, by name.
-pub(super) fn files(run: &Run, record: &ParetoRecord) -> Result<Contents, ReportError> {
+/// What is made of fronts: page, tables and charts.
+pub(super) fn report(run: &Run, _: Tables) -> Result<Report, ReportError> {
+    let Some(record) = &run.pareto else { return Ok(Report::default()) };
     let shown = shown(run, record);
-    let mut contents = vec![
-        (PARETO_PAGE.to_owned(), page::page(run, record, &shown).into_bytes()),
-        (csv::POINTS.to_owned(), csv::points(run, record, &shown)?),
-        (csv::OPERATING.to_owned(), csv::operating(&shown)?),
-        (csv::BREAK_EVEN.to_owned(), csv::break_even(&shown)?),
-    ];
-    let charts = chart::pareto_charts(run, record, &shown)?;
-    contents.extend(charts.into_iter().map(|file| (file.name, file.contents)));
-    Ok(contents)
+    Ok(traces(run).and(Report {
+        pages: vec![(PARETO_PAGE.to_owned(), page::page(run, record, &shown))],
+        tables: vec![
+            ("pareto.csv".to_owned(), csv::points(run, record, &shown)),
+            ("operating_points.csv".to_owned(), csv::operating(&shown)),
+            ("break_even.csv".to_owned(), csv::break_even(&shown)),
+        ],
+        charts: chart::pareto_charts(run, record, &shown),
+        ..Report::default()
+    }))
 }
 
 /// Every scene of a record.

@@ -1,12 +1,14 @@
 //! `pareto.md`.
 
 use std::collections::BTreeSet;
-use std::fmt::Write as _;
 
-use super::{Shown, as_read, cost_name};
+use itertools::Itertools as _;
+
+use super::{Shown, as_read, cost_name, csv};
 use crate::rays::shared_centres;
+use crate::report::document::{Document, set_heading};
 use crate::report::format::{percent, percent_with_interval, significant, thousands};
-use crate::report::markdown::{inline, literal};
+use crate::report::markdown::literal;
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::{format, metrics, summary};
 use crate::results::{LEAST_ROUNDS, ParetoRecord, Run};
@@ -19,44 +21,36 @@ use crate::studies::pareto::{
 const MOST_SHARED_CENTRES: f64 = 0.01;
 
 /// The whole page.
-pub(super) fn page(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> String {
-    let mut text = summary::head(run, "Fronts of speed, build and bytes against error");
+pub(super) fn page(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> Document {
     let tracers: BTreeSet<&str> = record.points.iter().map(|point| point.tracer.as_str()).collect();
-    let _ = writeln!(
-        text,
-        "\n{} points of {} tracers, at most {} each, published and improved together. All times are by the host's clock, of work on a \
+    let head = summary::head(run, "Fronts of speed, build and bytes against error").words(format!(
+        "{} points of {} tracers, at most {} each, published and improved together. All times are by the host's clock, of work on a \
          device from submission until done. A point is on a front if none costs less and is as often right, or costs as much and is right \
          more often; controls are part of none. Errors below what so many rays tell from none, three of them, count as that.",
         record.points.len(),
         tracers.len(),
         record.most_points
-    );
-    for scene in shown {
+    ));
+    let sections = shown.iter().map(|scene| {
         let front = scene.fronts.scene;
-        let _ =
-            writeln!(text, "\n## {} ({} triangles)\n", literal(&front.scene.name), thousands(front.scene.triangles));
         let here =
             format!("Points are chosen from viewpoint {} with seed {}", literal(&front.viewpoint.name), run.seed);
-        let _ = match (&front.checked, &front.not_checked) {
+        let checked = match (&front.checked, &front.not_checked) {
             (Some(there), _) => {
                 let (viewpoint, seed) = (literal(&there.viewpoint.name), there.seed);
-                writeln!(text, "{here}, and told from {viewpoint} with seed {seed} (*there*).")
+                format!("{here}, and told from {viewpoint} with seed {seed} (*there*).")
             }
-            (None, Some(reason)) => writeln!(text, "{here}. **They were not checked elsewhere**: {}.", inline(reason)),
-            (None, None) => writeln!(text, "{here}. No point was chosen, so none was checked elsewhere."),
+            (None, Some(reason)) => format!("{here}. **They were not checked elsewhere**: {reason}."),
+            (None, None) => format!("{here}. No point was chosen, so none was checked elsewhere."),
         };
-        text += &through_samples(record, scene);
-        text += &in_short(scene);
-        for field in &scene.fronts.fields {
-            let title =
-                format!("{}: {}, {} rays", inline(field.rays), format::query(field.query), thousands(field.count));
-            let _ = writeln!(text, "\n### {title}");
-            for by in By::all(field.query) {
-                text += &by_rule(run, record, scene, field, *by);
-            }
-        }
-    }
-    text + &summary::skipped(&run.skipped)
+        let fields = scene.fronts.fields.iter().map(|field| {
+            let page = Document::default().rays(3, field.rays, set_heading(field.rays, field.query, field.count));
+            page.and(By::all(field.query).iter().map(|by| by_rule(run, record, scene, field, *by)))
+        });
+        let page = Document::default().scene(2, &front.scene, "").words(checked).words(through_samples(record, scene));
+        page.and(in_short(scene)).and(fields)
+    });
+    head.and(sections).and(summary::skipped(&run.skipped))
 }
 
 /// A warning where rays go through the very samples of some structures: `--size` may ask for that.
@@ -70,8 +64,8 @@ fn through_samples(record: &ParetoRecord, scene: &Shown<'_>) -> String {
     let edges = |[width, height]: [u32; 2]| format!("{width}x{height}");
     let frames: Vec<String> = frames.into_iter().map(edges).collect();
     format!(
-        "\n**Rays from {} pixels go through the samples of structures with frames of {}**: methods that sample are right there, whatever \
-         they do elsewhere. Without `--size` no ray but one does so.\n",
+        "**Rays from {} pixels go through the samples of structures with frames of {}**: methods that sample are right there, whatever \
+         they do elsewhere. Without `--size` no ray but one does so.",
         edges(image),
         frames.join(", ")
     )
@@ -79,7 +73,7 @@ fn through_samples(record: &ParetoRecord, scene: &Shown<'_>) -> String {
 
 /// Who to take, by ray set and agreement: of any-hit sets by the balanced accuracy, of others by the rule that methods which sample can
 /// meet.
-fn in_short(scene: &Shown<'_>) -> String {
+fn in_short(scene: &Shown<'_>) -> Document {
     type Asked<'a> = (&'a Field<'a>, By, f64);
     let take = |aim: Aim| {
         aimed(aim, move |&(field, by, level): &Asked<'_>| {
@@ -95,28 +89,20 @@ fn in_short(scene: &Shown<'_>) -> String {
         .with(Aim::ALL.map(take).into());
     let fields = scene.fronts.fields.iter().filter_map(|field| Some((field, *By::all(field.query).last()?)));
     let rows: Vec<Asked<'_>> = fields.flat_map(|(field, by)| LEVELS.map(|level| (field, by, level))).collect();
-    format!("\nIn short:\n\n{}{}", sheet.markdown(&rows), checks(scene))
+    Document::of("In short:").table(sheet.table(&rows)).words(checks(scene))
 }
 
 /// What became of all operating points elsewhere.
 fn checks(scene: &Shown<'_>) -> String {
     let (mut holds, mut within_noise, mut misses, mut most) = (0, 0, 0, 0.0_f64);
-    for field in &scene.fronts.fields {
-        for (by, level) in By::all(field.query).iter().flat_map(|by| LEVELS.map(|level| (*by, level))) {
-            // A point with several aims is one.
-            let own = |tracer| {
-                let own = field.of_tracer(tracer);
-                Aim::ALL.map(|aim| Some((best(field, &own, by, level, aim)?.index, tracer)))
-            };
-            let chosen: BTreeSet<_> = field.tracers().into_iter().flat_map(own).flatten().collect();
-            for found in field.entries.iter().filter(|entry| chosen.contains(&(entry.index, &entry.point.tracer))) {
-                match check(&scene.fronts.elsewhere, field.rays, found.point, by, level) {
-                    Check::Holds(_) => holds += 1,
-                    Check::WithinNoise(_) => within_noise += 1,
-                    Check::Misses(_, missed) => (misses, most) = (misses + 1, most.max(missed)),
-                    Check::NotMeasured => {}
-                }
-            }
+    // A point with several aims is one.
+    let of_tracers = csv::operating_points(std::slice::from_ref(scene)).into_iter().filter(|row| row.of != "all");
+    for row in of_tracers.unique_by(|row| (row.field.rays, row.by.name(), row.level.to_bits(), row.found.index)) {
+        match row.check() {
+            Check::Holds(_) => holds += 1,
+            Check::WithinNoise(_) => within_noise += 1,
+            Check::Misses(_, missed) => (misses, most) = (misses + 1, most.max(missed)),
+            Check::NotMeasured => {}
         }
     }
     let all = holds + within_noise + misses;
@@ -125,8 +111,8 @@ fn checks(scene: &Shown<'_>) -> String {
     }
     let by = if misses > 0 { format!(", by up to {} points", significant(most * 100.0, 2)) } else { String::new() };
     format!(
-        "\nOf {all} operating points, of all tracers by every rule, {holds} hold there, {within_noise} are within noise of what \
-         was asked, and {misses} miss{by}. A point with several aims counts once.\n"
+        "Of {all} operating points, of all tracers by every rule, {holds} hold there, {within_noise} are within noise of what \
+         was asked, and {misses} miss{by}. A point with several aims counts once."
     )
 }
 
@@ -142,22 +128,23 @@ pub(in crate::report) fn with_cost(field: &Field<'_>, aim: Aim, found: &Entry<'_
 }
 
 /// Everything by one rule: operating points, how far tracers get, who is on a front, who overtakes whom.
-fn by_rule(run: &Run, record: &ParetoRecord, scene: &Shown<'_>, field: &Field<'_>, by: By) -> String {
+fn by_rule(run: &Run, record: &ParetoRecord, scene: &Shown<'_>, field: &Field<'_>, by: By) -> Document {
     let name = by.name();
-    let mut text = format!("\n#### By {name}\n\n");
     let [fronts, matched] = ["", "_matched"].map(|what| scene.chart(field.rays, &format!("{name}{what}")));
-    let _ = writeln!(text, "![fronts]({fronts}.svg)\n");
+    let mut page = Document::default().heading(4, format!("By {name}")).chart(fronts, "fronts");
     if [Cost::Bytes, Cost::Build].iter().any(|cost| !field.budgets(*cost).is_empty()) {
-        let _ = writeln!(text, "![fronts at matched bytes and build time]({matched}.svg)\n");
+        page = page.chart(matched, "fronts at matched bytes and build time");
     }
-    text += &operating_points(scene, field, by);
-    text += &reach(field, by);
-    text += &front_points(run, record, field, by);
-    text + &break_even(scene, field, by)
+    page.and([
+        operating_points(scene, field, by),
+        reach(field, by),
+        front_points(run, record, field, by),
+        break_even(scene, field, by),
+    ])
 }
 
 /// The operating points of every level: over all tracers, then of each.
-pub(in crate::report) fn operating_points(scene: &Shown<'_>, field: &Field<'_>, by: By) -> String {
+pub(in crate::report) fn operating_points(scene: &Shown<'_>, field: &Field<'_>, by: By) -> Document {
     type Of<'a> = (f64, &'a str, Vec<Entry<'a>>);
     let found = |(level, _, entries): &Of<'_>, aim| {
         best(field, entries, by, *level, aim).map(|found| operating_point(scene, field, by, *level, aim, &found))
@@ -173,9 +160,9 @@ pub(in crate::report) fn operating_points(scene: &Shown<'_>, field: &Field<'_>, 
     }
     rows.retain(|(level, _, entries)| Aim::ALL.iter().any(|aim| best(field, entries, by, *level, *aim).is_some()));
     if rows.is_empty() {
-        return "No point is right so often.\n".to_owned();
+        return Document::of("No point is right so often.");
     }
-    format!("Operating points; what they do *there* was not seen when they were chosen:\n\n{}", sheet.markdown(&rows))
+    Document::of("Operating points; what they do *there* was not seen when they were chosen:").table(sheet.table(&rows))
 }
 
 /// A level as people read it.
@@ -210,7 +197,7 @@ pub(in crate::report) fn right(wrong: &Wrong, trials: u64) -> String {
 }
 
 /// How far every tracer gets.
-pub(in crate::report) fn reach(field: &Field<'_>, by: By) -> String {
+pub(in crate::report) fn reach(field: &Field<'_>, by: By) -> Document {
     type Reached<'a> = (&'a str, Entry<'a>, Wrong);
     let reached = |tracer| {
         let found = farthest(field, &field.of_tracer(tracer), by)?;
@@ -224,11 +211,11 @@ pub(in crate::report) fn reach(field: &Field<'_>, by: By) -> String {
         .told(metrics::SPEED.heading(), |(_, found, _)| {
             field.cost(found, Cost::Trace).map(|cost| as_read(field, Cost::Trace, cost).value)
         });
-    format!("\nHow far each tracer gets:\n\n{}", sheet.markdown(&rows))
+    Document::of("How far each tracer gets:").table(sheet.table(&rows))
 }
 
 /// The points that are on a front of all tracers, or within noise of one.
-pub(in crate::report) fn front_points<'a>(run: &Run, record: &ParetoRecord, field: &Field<'a>, by: By) -> String {
+pub(in crate::report) fn front_points<'a>(run: &Run, record: &ParetoRecord, field: &Field<'a>, by: By) -> Document {
     type OnFront<'a> = (Entry<'a>, Wrong, Vec<&'static str>);
     let costs = Cost::all(&record.rays_per_pixel);
     let standings: Vec<_> = costs.iter().map(|cost| field.standings(&field.entries, *cost, by)).collect();
@@ -268,11 +255,8 @@ pub(in crate::report) fn front_points<'a>(run: &Run, record: &ParetoRecord, fiel
     } else {
         String::new()
     };
-    format!(
-        "\n● on the front of all tracers, ○ within noise of it: no point of the front is better by more than noise, in cost or in error.\
-         {windows}{few}\n\n{}",
-        sheet.markdown(&rows)
-    )
+    let how = "● on the front of all tracers, ○ within noise of it: no point of the front is better by more than noise, in cost or in error.";
+    Document::of(format!("{how}{windows}{few}")).table(sheet.table(&rows))
 }
 
 fn cost_cell(field: &Field<'_>, entry: &Entry<'_>, cost: Cost) -> Cell {
@@ -283,7 +267,7 @@ fn cost_cell(field: &Field<'_>, entry: &Entry<'_>, cost: Cost) -> Cell {
 }
 
 /// Who is cheapest at how many rays a frame.
-pub(in crate::report) fn break_even(scene: &Shown<'_>, field: &Field<'_>, by: By) -> String {
+pub(in crate::report) fn break_even(scene: &Shown<'_>, field: &Field<'_>, by: By) -> Document {
     // A class, and a place among those who are cheapest there.
     type Cheapest<'a> = (&'a Class<'a>, usize);
     let classes: Vec<Class<'_>> = LEVELS.iter().flat_map(|level| classes(&scene.fronts, field, by, *level)).collect();
@@ -302,18 +286,14 @@ pub(in crate::report) fn break_even(scene: &Shown<'_>, field: &Field<'_>, by: By
         })
         .told("cheapest", |(class, place)| label(class, class.stretches[*place].who))
         .told("overtakes", |row| overtaking(row).map(|(found, before)| overtaken(&found, before)));
-    let mut text = "\nBreak-even, between points that are right as often: who is cheapest from how many rays a frame on (*static*: \
-                    structures are kept; *refitted*: to moved vertices, built where a method cannot; *rebuilt*: in every frame)"
-        .to_owned();
+    let how = "Break-even, between points that are right as often: who is cheapest from how many rays a frame on (*static*: \
+                    structures are kept; *refitted*: to moved vertices, built where a method cannot; *rebuilt*: in every frame)";
     if rows.is_empty() {
-        return text + ": no point is right so often.\n";
+        return Document::of(format!("{how}: no point is right so often."));
     }
-    text += ":\n\n";
-    text += &sheet.markdown(&rows);
-    if By::all(field.query).last() == Some(&by) && !contested(&scene.fronts, field, by).is_empty() {
-        let _ = writeln!(text, "\n![break-even]({}.svg)", scene.chart(field.rays, "break_even"));
-    }
-    text
+    let page = Document::of(format!("{how}:")).table(sheet.table(&rows));
+    let is_drawn = By::all(field.query).last() == Some(&by) && !contested(&scene.fronts, field, by).is_empty();
+    if is_drawn { page.chart(scene.chart(field.rays, "break_even"), "break-even") } else { page }
 }
 
 fn label(class: &Class<'_>, who: usize) -> String {

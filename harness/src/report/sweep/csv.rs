@@ -1,14 +1,10 @@
 //! `sweep.csv`: a row a scene, axis, value and ray set, also of what was skipped.
 
 use super::{Cell, View};
-use crate::report::ReportError;
 use crate::report::metrics::{Traced, USED};
-use crate::report::sheet::Sheet;
+use crate::report::sheet::{Sheet, Table};
 use crate::results::Run;
 use crate::results::SweepRecord;
-
-/// Its name.
-pub(super) const NAME: &str = "sweep.csv";
 
 type Row<'a> = (&'a View<'a>, &'a Cell<'a>);
 
@@ -17,7 +13,7 @@ fn measured<'a>((_, cell): &'a Row<'_>) -> Option<Traced<'a>> {
 }
 
 /// The whole table.
-pub(super) fn table<'a>(run: &Run, sweep: &SweepRecord, views: &'a [View<'a>]) -> Result<Vec<u8>, ReportError> {
+pub(super) fn table<'a>(run: &Run, sweep: &SweepRecord, views: &'a [View<'a>]) -> Table {
     let of_view = |view: &'a View<'a>| {
         view.curves.iter().flat_map(|curve| &curve.cells).map(move |cell| (view, cell)).collect::<Vec<_>>()
     };
@@ -43,5 +39,5 @@ pub(super) fn table<'a>(run: &Run, sweep: &SweepRecord, views: &'a [View<'a>]) -
         .structure(USED, |row| measured(row).map(|(run, _)| run))
         .provenance(&run.provenance, &run.preset)
         .metrics(&run.runs, measured);
-    sheet.csv(NAME, &rows)
+    sheet.table(&rows)
 }

@@ -7,7 +7,8 @@ pub(in crate::report) mod tests;
 
 use std::borrow::Cow;
 
-use super::ReportError;
+use super::Report;
+use super::chart::{self, Drawing};
 use super::group::{Group, RaySet};
 use crate::results::{AxisRecord, PointRecord, SweepRecord};
 use crate::results::{Run, TraceRecord, TracerRun};
@@ -105,12 +106,15 @@ fn cells<'a>(
     axis.values.iter().filter_map(cell).collect()
 }
 
-/// The files for readers and for programs: names and contents.
-pub(super) fn files(run: &Run, sweep: &SweepRecord, views: &[View<'_>]) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
-    Ok(vec![
-        (SWEEP_PAGE.to_owned(), page::page(run, sweep, views).into_bytes()),
-        (csv::NAME.to_owned(), csv::table(run, sweep, views)?),
-    ])
+/// What is made of a sweep beside what is made of its run: page, table and charts.
+pub(super) fn report(run: &Run, sweep: &SweepRecord, groups: &[Group<'_>]) -> Report {
+    let views = views(sweep, groups);
+    Report {
+        pages: vec![(SWEEP_PAGE.to_owned(), page::page(run, sweep, &views))],
+        tables: vec![("sweep.csv".to_owned(), csv::table(run, sweep, &views))],
+        charts: views.iter().map(|view| (view.stem(), Drawing::Panels(chart::sweep::chart(run, view)))).collect(),
+        ..Report::default()
+    }
 }
 
 /// The run as other tables and charts can show it: with the resolution in the labels of what was measured at another one

@@ -1,11 +1,8 @@
 //! `sweep.md`.
 
-use std::fmt::Write as _;
-
 use super::{Cell, Curve, View};
-use crate::report::format::thousands;
+use crate::report::document::Document;
 use crate::report::group::Role;
-use crate::report::markdown::{inline, literal};
 use crate::report::metrics::{BUILD_TIME, SPEED, STRUCTURE, USED};
 use crate::report::sheet::{self, Sheet};
 use crate::report::{cells, summary};
@@ -14,48 +11,36 @@ use crate::results::SweepRecord;
 use crate::studies::sweep::RESOLUTION;
 
 /// The whole page.
-pub(super) fn page(run: &Run, sweep: &SweepRecord, views: &[View<'_>]) -> String {
-    let mut text = summary::head(run, &format!("Sweep of {}", inline(&sweep.tracer)));
-    let _ = writeln!(
-        text,
-        "\n{} points; {}. The tracer's own values, with an asterisk below: {}. All points were measured in turn, \
-         sample by sample.",
+pub(super) fn page(run: &Run, sweep: &SweepRecord, views: &[View<'_>]) -> Document {
+    let own = sweep.axes.iter().map(|axis| format!("{}={}", axis.name, axis.own));
+    let mut page = summary::head(run, &format!("Sweep of {}", sweep.tracer)).words(format!(
+        "{} points; {}. The tracer's own values, with an asterisk below: {}. All points were measured in turn, sample by sample.",
         sweep.points.len(),
         if sweep.grid { "all combinations of two parameters" } else { "one parameter changed at a time" },
-        sweep
-            .axes
-            .iter()
-            .map(|axis| format!("{}={}", inline(&axis.name), inline(&axis.own)))
-            .collect::<Vec<_>>()
-            .join(", "),
-    );
+        own.collect::<Vec<_>>().join(", "),
+    ));
     let mut scene = "";
     let mut axis = "";
     for view in views {
         let here = view.group.stem.as_str();
         if here != scene {
-            let name = literal(&view.group.scene.name);
-            let _ = writeln!(text, "\n## {name} ({} triangles)", thousands(view.group.scene.triangles));
+            page = page.scene(2, view.group.scene, "");
             (scene, axis) = (here, "");
         }
         if view.axis.name != axis {
-            let _ = writeln!(text, "\n### {}\n\n{}.", inline(&view.axis.name), inline(&view.axis.effect));
+            page = page.heading(3, &view.axis.name).words(format!("{}.", view.axis.effect));
             axis = &view.axis.name;
         }
-        text += &section(view);
+        page = page.and(section(view));
     }
-    text + &summary::skipped(&run.skipped)
+    page.and(summary::skipped(&run.skipped))
 }
 
-fn section(view: &View<'_>) -> String {
+fn section(view: &View<'_>) -> Document {
     let set = view.set;
-    let title = set.heading();
-    let mut text =
-        format!("\n#### {title}\n\n![{} over {}]({}.svg)\n", inline(&set.title), inline(&view.axis.name), view.stem());
     let all: Vec<_> = view.curves.iter().flat_map(|curve| &curve.cells).collect();
     let rows: Vec<_> =
         all.iter().filter_map(|cell| cell.measured).map(|(run, trace)| (Role::Contender, run, trace)).collect();
-    text += &cells::coverage(&rows);
     let scene = &view.group.scene.name;
     let mut sheet = Sheet::<Place<'_>>::new();
     if let Some(other) = view.other {
@@ -85,8 +70,10 @@ fn section(view: &View<'_>) -> String {
         .counted_that(true, &rows, measured);
     let places: Vec<Place<'_>> =
         view.curves.iter().flat_map(|curve| curve.cells.iter().map(move |cell| (curve, cell))).collect();
-    let _ = write!(text, "\n{}", sheet.markdown(&places));
-    text
+    set.headed(4, "")
+        .chart(view.stem(), format!("{} over {}", set.title, view.axis.name))
+        .words(cells::coverage(&rows))
+        .table(sheet.table(&places))
 }
 
 /// A place along a curve.

@@ -208,7 +208,7 @@ fn no_speed_without_accuracy() {
     let page = |run: &Run| {
         let groups = crate::report::group::groups(run);
         let sweep = run.sweep.as_ref().unwrap();
-        super::page::page(run, sweep, &super::views(sweep, &groups))
+        super::page::page(run, sweep, &super::views(sweep, &groups)).markdown()
     };
     let speeds = |page: &str| page.lines().filter(|line| line.starts_with("| 1 |") && line.contains("| 4.0")).count();
     assert_eq!(speeds(&page(&run)), 1, "{}", page(&run));

@@ -3,14 +3,10 @@
 use tracebench_api::Query;
 
 use super::{Errors, labels_of, score_at, trials};
-use crate::report::ReportError;
 use crate::report::metrics::{AMBIGUOUS, COUNT};
-use crate::report::sheet::{Column, Sheet};
+use crate::report::sheet::{Column, Sheet, Table};
 use crate::results::Judgement;
 use crate::studies::tune::{Label, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned};
-
-/// Its name.
-pub(super) const NAME: &str = "tune.csv";
 
 /// A value on a ray set from a viewpoint.
 struct Row<'a> {
@@ -45,7 +41,7 @@ fn rows(tuning: &Tuning) -> Vec<Row<'_>> {
 }
 
 /// The whole table.
-pub(super) fn table(tuning: &Tuning) -> Result<Vec<u8>, ReportError> {
+pub(super) fn table(tuning: &Tuning) -> Table {
     let axis = &tuning.axis;
     let mut parameters = tuning.tracer.parameters.clone();
     // All but the one that a row is about.
@@ -87,7 +83,7 @@ pub(super) fn table(tuning: &Tuning) -> Result<Vec<u8>, ReportError> {
         .column("early_rays", move |row| errors(row).and_then(|errors| errors.early))
         .column("late_rays", move |row| errors(row).and_then(|errors| errors.late))
         .provenance(&tuning.provenance, &tuning.preset);
-    sheet.csv(NAME, &rows(tuning))
+    sheet.table(&rows(tuning))
 }
 
 /// Columns of the values that were chosen: whether a value is one, and what it loses to it.

@@ -5,10 +5,11 @@ mod page;
 #[cfg(test)]
 pub(in crate::report) mod tests;
 
+use super::chart::{self, Drawing};
 use super::group::stems;
-use super::{ReportError, chart};
+use super::{Report, ReportError, Tables};
 use crate::judge::Rule;
-use crate::results::Judgement;
+use crate::results::{Judgement, Run};
 use crate::studies::tune::{Label, SceneTuned, SetTuned, Tuning, score};
 
 /// The page.
@@ -17,18 +18,25 @@ pub const TUNE_PAGE: &str = "tune.md";
 /// What the names of its charts begin with.
 pub(in crate::report) const STEM: &str = "tune_";
 
-/// What is made of a tuned parameter: page, table and charts, by name.
-pub(super) fn files(tuning: &Tuning) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
-    let mut contents =
-        vec![(TUNE_PAGE.to_owned(), page::page(tuning).into_bytes()), (csv::NAME.to_owned(), csv::table(tuning)?)];
-    let charts = chart::tune_charts(tuning, &chart_stems(tuning))?;
-    contents.extend(charts.into_iter().map(|file| (file.name, file.contents)));
-    Ok(contents)
+/// What is made of a record of a tuned parameter.
+pub(super) fn report(run: &Run, _: Tables) -> Result<Report, ReportError> {
+    Ok(Tuning::of(run).map(|tuning| of_tuning(&tuning)).unwrap_or_default())
+}
+
+/// Page, table and a chart a scene.
+pub(in crate::report) fn of_tuning(tuning: &Tuning) -> Report {
+    let charts = tuning.scenes.iter().zip(chart_stems(tuning));
+    Report {
+        pages: vec![(TUNE_PAGE.to_owned(), page::page(tuning))],
+        tables: vec![("tune.csv".to_owned(), csv::table(tuning))],
+        charts: charts.map(|(scene, stem)| (stem, Drawing::Panels(chart::tune::chart(tuning, scene)))).collect(),
+        ..Report::default()
+    }
 }
 
 /// The part of the page that tells what every choice is worth in every scene.
 pub fn tuning_overview(tuning: &Tuning) -> String {
-    page::head(tuning)
+    page::head(tuning).markdown()
 }
 
 /// What the charts of the scenes are called, without their ends.

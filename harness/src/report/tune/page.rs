@@ -1,64 +1,55 @@
 //! `tune.md`.
 
-use std::fmt::Write as _;
-
 use itertools::Itertools as _;
 use tracebench_api::Query;
 
 use super::{Errors, chart_stems, labels_of, score_at, score_name, trials};
+use crate::report::document::Document;
 use crate::report::format::{self, points, significant, thousands};
-use crate::report::markdown::{inline, literal};
+use crate::report::markdown::literal;
 use crate::report::sheet::{Cell, Column, Sheet};
 use crate::report::{metrics, summary, verdict};
 use crate::results::Judgement;
 use crate::studies::tune::{Choice, Judged, Label, SceneTuned, SetTuned, Tuning, ValueTuned, ViewTuned, interval};
 
 /// The whole page.
-pub(super) fn page(tuning: &Tuning) -> String {
-    let mut text = head(tuning);
-    for (scene, stem) in tuning.scenes.iter().zip(chart_stems(tuning)) {
-        let (name, triangles) = (literal(&scene.scene.name), thousands(scene.scene.triangles));
-        let _ = writeln!(
-            text,
-            "\n## {name} ({triangles} triangles)\n\n![{name}: errors over {}]({stem}.svg)",
-            tuning.axis.name
-        );
-        for (place, view) in scene.views.iter().enumerate() {
-            let whose = if place == 0 { "own" } else { "other" };
-            for set in &view.sets {
-                text += &one_set(tuning, whose, view, set);
-            }
-        }
-    }
-    text + &summary::skipped(&tuning.skipped)
+pub(super) fn page(tuning: &Tuning) -> Document {
+    let section = |(scene, stem): (&SceneTuned, String)| {
+        let name = literal(&scene.scene.name);
+        let sets = scene
+            .views
+            .iter()
+            .zip(["own"].into_iter().chain(std::iter::repeat("other")))
+            .flat_map(|(view, whose)| view.sets.iter().map(move |set| one_set(tuning, whose, view, set)));
+        let page = Document::default().scene(2, &scene.scene, "");
+        page.chart(stem, format!("{name}: errors over {}", tuning.axis.name)).and(sets)
+    };
+    let sections = tuning.scenes.iter().zip(chart_stems(tuning)).map(section);
+    head(tuning).and(sections).and(summary::skipped(&tuning.skipped))
 }
 
 /// What holds of the whole tuning, and what every choice is worth in every scene.
-pub(super) fn head(tuning: &Tuning) -> String {
+pub(super) fn head(tuning: &Tuning) -> Document {
     let axis = &tuning.axis;
-    let title = format!("Tuning {} of {}", inline(&axis.name), inline(&tuning.tracer.label()));
+    let title = format!("Tuning {} of {}", axis.name, tuning.tracer.label());
     let controls = verdict::tuning_controls(tuning);
-    let mut text = summary::head_of(&tuning.provenance, &tuning.preset, tuning.seed, &controls, &title);
     let sets = tuning.scenes.iter().flat_map(|scene| &scene.views).flat_map(|view| &view.sets);
     let judged = sets.flat_map(|set| &set.values).filter_map(|value| value.judged.as_ref());
-    let unit = if axis.unit.is_empty() { String::new() } else { format!(" ({})", inline(&axis.unit)) };
-    let _ = writeln!(
-        text,
-        "\n`{}`{unit}: {}.\n\nEvery value traces the same rays, in every scene from its own viewpoint and from another one. \
-         **Default** is the preset's value. **Tuned here** is the value that is best on the judged rays themselves: an upper \
-         bound, since whoever tunes has seen the answers. **Tuned elsewhere** is the value that is best from the scene's other \
-         viewpoint, **tuned on the other scenes** the one that is best on average over their own viewpoints; both are judged \
-         here. Best is by `{}`, of any-hit sets by balanced accuracy; of equal values the smaller. Losses are in percentage \
-         points, negative ones are gains; those in bold are beyond both 95 % Wilson intervals. {}",
-        inline(&axis.name),
-        inline(&axis.effect),
-        tuning.rule.name(),
-        metrics::of_ambiguous(judged.map(|judged| &judged.judgement))
-    );
-    for (rays, query) in all_sets(tuning).map(|(_, _, set)| (&set.rays, set.query)).unique() {
-        text += &overview(tuning, rays, query);
-    }
-    text
+    let unit = if axis.unit.is_empty() { String::new() } else { format!(" ({})", axis.unit) };
+    let page = summary::head_of(&tuning.provenance, &tuning.preset, tuning.seed, &controls, &title)
+        .words(format!("`{}`{unit}: {}.", axis.name, axis.effect))
+        .words(format!(
+            "Every value traces the same rays, in every scene from its own viewpoint and from another one. **Default** is the \
+             preset's value. **Tuned here** is the value that is best on the judged rays themselves: an upper bound, since whoever \
+             tunes has seen the answers. **Tuned elsewhere** is the value that is best from the scene's other viewpoint, **tuned on \
+             the other scenes** the one that is best on average over their own viewpoints; both are judged here. Best is by `{}`, of \
+             any-hit sets by balanced accuracy; of equal values the smaller. Losses are in percentage points, negative ones are \
+             gains; those in bold are beyond both 95 % Wilson intervals. {}",
+            tuning.rule.name(),
+            metrics::of_ambiguous(judged.map(|judged| &judged.judgement))
+        ));
+    let sets = all_sets(tuning).map(|(_, _, set)| (&set.rays, set.query)).unique();
+    page.and(sets.map(|(rays, query)| overview(tuning, rays, query)))
 }
 
 fn all_sets(tuning: &Tuning) -> impl Iterator<Item = (&SceneTuned, &ViewTuned, &SetTuned)> {
@@ -67,11 +58,11 @@ fn all_sets(tuning: &Tuning) -> impl Iterator<Item = (&SceneTuned, &ViewTuned, &
 }
 
 /// What every choice is worth in every scene, and on average.
-fn overview(tuning: &Tuning, rays: &str, query: Query) -> String {
+fn overview(tuning: &Tuning, rays: &str, query: Query) -> Document {
     // A set in its place; below all of them their mean.
     type Row<'a> = Option<(&'a SceneTuned, &'a ViewTuned, &'a SetTuned)>;
     let sets: Vec<_> = all_sets(tuning).filter(|(_, _, set)| set.rays == rays && set.query == query).collect();
-    let Some((_, _, first)) = sets.first() else { return String::new() };
+    let Some((_, _, first)) = sets.first() else { return Document::default() };
     let mean = |of: &dyn Fn(&SetTuned) -> Option<f64>| {
         // Over the same sets in every column, or the columns would not compare.
         let found: Option<Vec<f64>> = sets.iter().map(|(_, _, set)| of(set)).collect();
@@ -102,8 +93,8 @@ fn overview(tuning: &Tuning, rays: &str, query: Query) -> String {
         .with(Label::ALL.map(value).into())
         .with(losers.map(loss).collect());
     let rows: Vec<Row<'_>> = sets.iter().copied().map(Some).chain([None]).collect();
-    let (name, score) = (inline(rays), score_name(first, tuning.rule));
-    format!("\n## {name}: {}, {score}\n\n{}", format::query(query), sheet.markdown(&rows))
+    let heading = format!("{rays}: {}, {}", format::query(query), score_name(first, tuning.rule));
+    Document::default().rays(2, rays, heading).table(sheet.table(&rows))
 }
 
 fn worth(tuning: &Tuning, set: &SetTuned, label: Label) -> Option<String> {
@@ -134,15 +125,11 @@ fn lost(tuning: &Tuning, set: &SetTuned, label: Label, to: Label) -> Option<Stri
 /// A chosen value with what it does.
 type Chosen<'a> = (&'a Choice, Option<&'a Judged>);
 
-fn one_set(tuning: &Tuning, whose: &str, view: &ViewTuned, set: &SetTuned) -> String {
+fn one_set(tuning: &Tuning, whose: &str, view: &ViewTuned, set: &SetTuned) -> Document {
     let name = literal(&view.viewpoint.name);
     let [x, y, z] = view.viewpoint.eye.map(|each| significant(f64::from(each), 4));
-    let mut text = format!(
-        "\n### {}, {whose} viewpoint {name} at ({x}, {y}, {z}): {}, {} rays\n",
-        inline(&set.rays),
-        format::query(set.query),
-        thousands(set.count)
-    );
+    let (rays, query, count) = (&set.rays, format::query(set.query), thousands(set.count));
+    let heading = format!("{rays}, {whose} viewpoint {name} at ({x}, {y}, {z}): {query}, {count} rays");
     let of_judgement = |judged: &Judged| trials(set, &judged.judgement);
     let loses = |to: Label| {
         let lost = move |(choice, _): &Chosen<'_>| lost(tuning, set, choice.label, to);
@@ -157,7 +144,7 @@ fn one_set(tuning: &Tuning, whose: &str, view: &ViewTuned, set: &SetTuned) -> St
         .with(Label::ALL.map(loses).into());
     let judged = set.choices.iter().map(|choice| choice.value.as_deref().and_then(|value| set.judged(value)));
     let rows: Vec<Chosen<'_>> = set.choices.iter().zip(judged).collect();
-    let _ = write!(text, "\n{}", sheet.markdown(&rows));
+    let chosen = sheet.table(&rows);
     let by = match set.query {
         Query::Any => "occlusion",
         Query::Closest => tuning.rule.name(),
@@ -184,6 +171,5 @@ fn one_set(tuning: &Tuning, whose: &str, view: &ViewTuned, set: &SetTuned) -> St
             }
             labels.join(", ")
         });
-    let _ = write!(text, "\n{}", sheet.markdown(&set.values));
-    text
+    Document::default().rays(3, rays, heading).table(chosen).table(sheet.table(&set.values))
 }

@@ -217,7 +217,7 @@ fn the_table_tells_what_each_value_loses() {
         ValueTuned { value: "0".to_owned(), judged: None, skipped: Some("too large".to_owned()) };
     choose(&mut made.scenes, "0.001", Rule::Footprint);
     let folder = TempDir::new().unwrap();
-    for (name, contents) in super::files(&made).unwrap() {
+    for (name, contents) in super::of_tuning(&made).contents().unwrap() {
         std::fs::write(folder.path().join(name), contents).unwrap();
     }
     let rows = rows(&folder);
@@ -270,7 +270,7 @@ fn the_table_tells_what_each_value_loses() {
 #[test]
 fn the_page_labels_values_honestly() {
     let made = typical();
-    let page = super::page::page(&made);
+    let page = super::page::page(&made).markdown();
     for wanted in
         ["| default | 0.001 |", "| tuned here | 0.01 |", "| tuned elsewhere | 0.02 |", "tuned on the other scenes"]
     {
@@ -285,22 +285,22 @@ fn the_page_labels_values_honestly() {
         set.values.iter_mut().for_each(|each| each.judged = first.clone());
     }
     choose(&mut same.scenes, "0.001", Rule::Footprint);
-    let page = super::page::page(&same);
+    let page = super::page::page(&same).markdown();
     assert!(!page.contains("**+") && !page.contains("**-") && page.contains("| tuned here | 0 |"), "{page}");
     let mut void = made.clone();
     void.scenes[1].views[1].controls.remove(0);
-    let page = super::page::page(&void);
+    let page = super::page::page(&void).markdown();
     assert!(page.contains("**the run is void**: oracle is missing on diffuse of hall, viewpoint window"), "{page}");
     let mut wrong = made;
     wrong.scenes[0].views[0].controls[0].traces = wrong.scenes[0].views[0].controls[1].traces.clone();
-    assert!(super::page::page(&wrong).contains("oracle fails on diffuse of room, viewpoint door"));
+    assert!(super::page::page(&wrong).markdown().contains("oracle fails on diffuse of room, viewpoint door"));
 }
 
 /// Proves that one viewpoint, one scene and nothing but ties leave a page that says so.
 #[test]
 fn nothing_to_choose_by() {
     let mut made = tuning(&VALUES, &["room"], 1, &SETS[..1]);
-    let page = super::page::page(&made);
+    let page = super::page::page(&made).markdown();
     assert_eq!(page.matches("| tuned elsewhere | nothing to choose by |").count(), 1, "{page}");
     for value in &mut made.scenes[0].views[0].sets[0].values {
         if let Some(Judged { judgement: Judgement::Closest(judgement), .. }) = &mut value.judged {
@@ -308,7 +308,7 @@ fn nothing_to_choose_by() {
         }
     }
     choose(&mut made.scenes, "0.001", Rule::Footprint);
-    let page = super::page::page(&made);
+    let page = super::page::page(&made).markdown();
     assert!(page.contains("| tuned here | nothing to choose by |"), "{page}");
     assert_eq!(page.matches("not judged: every ray is a tie").count(), VALUES.len());
     assert_eq!(made.scenes[0].views[0].sets[0].choice(Label::Default).unwrap().score, None);

@@ -2,32 +2,27 @@
 
 mod walk;
 
-use std::fmt::Write as _;
-
-use crate::report::format::{self, thousands};
-use crate::report::group::{Role, set_heading};
-use crate::report::markdown::{inline, literal};
+use crate::report::document::{Document, set_heading};
+use crate::report::format;
+use crate::report::group::Role;
 use crate::report::metrics::{COUNT, SPEED, STRUCTURE};
-use crate::report::sheet::{Cell, Column, Sheet};
-use crate::report::{ReportError, cells, metrics, summary};
+use crate::report::sheet::{Cell, Column, Sheet, Table};
+use crate::report::{Report, cells, metrics, summary};
 use crate::results::{FRESH_BUILD, Run, SceneFollowed, Times, TraceRecord, TracerRun, UpdatesRecord, time_ratio};
 use itertools::Itertools as _;
 
 /// The statistic of structures that tells their quality, by its name in `validate`.
 const SAH_COST: &str = "sah_cost";
 
-/// The table, as Markdown and CSV: names and contents.
-pub(super) fn files(run: &Run, updates: &UpdatesRecord) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+/// The table.
+pub(super) fn report(run: &Run, updates: &UpdatesRecord) -> Report {
     // The name comes from a file.
     let stem = format!("table_{}", format::file_stem(run.table.as_deref().unwrap_or("updates")).replace('-', "_"));
-    let file = format!("{stem}.csv");
-    let walked = updates.scenes.iter().any(|scene| !scene.walked.is_empty());
-    let (page, rows) = if walked {
-        (walk::page(run, updates), walk::csv(&file, run, updates)?)
+    if updates.scenes.iter().any(|scene| !scene.walked.is_empty()) {
+        Report::of_table(&stem, walk::page(run, updates), walk::csv(run, updates))
     } else {
-        (page(run, updates), csv(&file, run, updates)?)
-    };
-    Ok(vec![(format!("{stem}.md"), page.into_bytes()), (file, rows)])
+        Report::of_table(&stem, page(run, updates), csv(run, updates))
+    }
 }
 
 /// A scene that was followed, with its rows.
@@ -64,45 +59,32 @@ fn over_fresh(own: &Times, fresh: Option<&Times>) -> Option<f64> {
 }
 
 /// The title, and where it was measured.
-fn head(run: &Run, title: &str) -> String {
-    let mut text = format!("# Table {}: {title}\n\n", inline(run.table.as_deref().unwrap_or_default()));
-    let mut item = |name: &str, value: &str| {
-        let _ = writeln!(text, "- {name}: {}", inline(value));
-    };
-    item("Machine", &run.provenance.machine.label());
-    item("Commit", &format::commit(&run.provenance.commit, run.provenance.dirty));
-    item("Rules", &format!("version {}", run.provenance.rules_version));
+fn head(run: &Run, title: &str) -> Document {
     let smoke = if run.preset == "smoke" { " (smoke run: figures only show that things work)" } else { "" };
-    item("Preset", &format!("{}{smoke}", run.preset));
-    item("Started", &run.provenance.started);
-    text + &summary::notes(run)
+    Document::titled(&format!("Table {}: {title}", run.table.as_deref().unwrap_or_default()))
+        .item(format!("Machine: {}", run.provenance.machine.label()))
+        .item(format!("Commit: {}", format::commit(&run.provenance.commit, run.provenance.dirty)))
+        .item(format!("Rules: version {}", run.provenance.rules_version))
+        .item(format!("Preset: {}{smoke}", run.preset))
+        .item(format!("Started: {}", run.provenance.started))
+        .and(summary::notes(run))
 }
 
-fn page(run: &Run, updates: &UpdatesRecord) -> String {
-    let mut text = head(run, "structures that follow animations");
-    let _ = writeln!(
-        text,
-        "\nEvery structure is built over the first frame and follows {} frames, evenly over the animation (to its \
+fn page(run: &Run, updates: &UpdatesRecord) -> Document {
+    let head = head(run, "structures that follow animations").words(format!(
+        "Every structure is built over the first frame and follows {} frames, evenly over the animation (to its \
          middle, where it comes back to its start), in {} counted passes. Times \
          are medians over all updates with an order-statistic interval in brackets; each names its clock. At the last frame \
          all trace the same rays, beside a fresh build over that frame: × fresh is the ratio to that build's time or speed, \
          by the clock of both, else by the host's. The controls score what they must, else there would be no table.",
         updates.frames, updates.passes
-    );
-    for scene in &scenes(run, updates) {
-        let _ = writeln!(
-            text,
-            "\n## {} ({} triangles)\n\nTo {} s.\n",
-            literal(&scene.rows[0].scene.name),
-            thousands(scene.rows[0].scene.triangles),
-            scene.times_s.last().copied().unwrap_or_default()
-        );
-        text += &structures(scene);
-        for (rays, sha256) in ray_sets(scene) {
-            text += &traces(scene, rays, sha256);
-        }
-    }
-    text + &summary::skipped(&run.skipped)
+    ));
+    let section = |scene: &Followed<'_>| {
+        let until = format!("To {} s.", scene.times_s.last().copied().unwrap_or_default());
+        let sets = ray_sets(scene).map(|(rays, sha256)| traces(scene, rays, sha256));
+        Document::default().scene(2, &scene.rows[0].scene, "").words(until).table(structures(scene)).and(sets)
+    };
+    head.and(scenes(run, updates).iter().map(section)).and(summary::skipped(&run.skipped))
 }
 
 /// A scene's row with one of its traces.
@@ -153,12 +135,12 @@ fn updated<'a, R>(sheet: Sheet<'a, R>, of: impl Fn(&R) -> Option<&Times> + Copy 
 
 const OVER_FRESH: &str = "× fresh";
 
-fn structures(scene: &Followed<'_>) -> String {
+fn structures(scene: &Followed<'_>) -> Table {
     let rows: Vec<_> = scene.rows.iter().map(|row| (*row, fresh_of(scene, row))).collect();
     let sheet = Sheet::<(&TracerRun, Option<&TracerRun>)>::new()
         .told("tracer", |(row, _)| row.label())
         .then(|sheet| of_structures(sheet, |(row, _)| row, |(_, fresh)| *fresh));
-    sheet.markdown(&rows)
+    sheet.table(&rows)
 }
 
 /// Names and hashes of the ray sets, in order of first appearance.
@@ -171,10 +153,10 @@ fn trace_of<'a>(row: &'a TracerRun, rays: &str, sha256: &str) -> Option<&'a Trac
     row.traces.iter().find(|trace| trace.rays == rays && trace.rays_sha256 == sha256)
 }
 
-fn traces(scene: &Followed<'_>, rays: &str, sha256: &str) -> String {
+fn traces(scene: &Followed<'_>, rays: &str, sha256: &str) -> Document {
     let traced = scene.rows.iter().filter_map(|row| Some((*row, trace_of(row, rays, sha256)?)));
     let found: Vec<cells::Row<'_>> = traced.map(|(row, trace)| (Role::Contender, row, trace)).collect();
-    let Some((.., first)) = found.first() else { return String::new() };
+    let Some((.., first)) = found.first() else { return Document::default() };
     let rows: Vec<Row<'_>> = found.iter().map(|(_, row, trace)| Row { scene, row, trace }).collect();
     let sheet = Sheet::<Row<'_>>::new()
         .name(Row::on_page)
@@ -187,11 +169,11 @@ fn traces(scene: &Followed<'_>, rays: &str, sha256: &str) -> String {
         .right(first.query, Row::on_page)
         // Those of a whole set are no cost of a ray.
         .counted_that(false, &found, Row::on_page);
-    format!("\n### {}\n\n{}", set_heading(rays, first.query, first.count), sheet.markdown(&rows))
+    Document::default().rays(3, rays, set_heading(rays, first.query, first.count)).table(sheet.table(&rows))
 }
 
 /// One row a scene, tracer, way and ray set.
-fn csv(file: &str, run: &Run, updates: &UpdatesRecord) -> Result<Vec<u8>, ReportError> {
+fn csv(run: &Run, updates: &UpdatesRecord) -> Table {
     let scenes = scenes(run, updates);
     let rows = scenes.iter().flat_map(|scene| scene.rows.iter().map(move |row| (scene, *row)));
     let rows =
@@ -210,5 +192,5 @@ fn csv(file: &str, run: &Run, updates: &UpdatesRecord) -> Result<Vec<u8>, Report
         .column("speed_over_fresh", Row::speed_over_fresh)
         .accuracy(|row| Some(row.trace))
         .provenance(&run.provenance, &run.preset);
-    sheet.csv(file, &rows)
+    sheet.table(&rows)
 }

@@ -1,17 +1,14 @@
 //! The table of frames along the camera's path: the time of all frames together, and the accuracy at each.
 
-use std::fmt::Write as _;
-
 use itertools::Itertools as _;
 use tracebench_api::Query;
 
 use super::{head, updated, way};
-use crate::report::format::{self, NONE, clock_code, clock_of, percent, thousands};
-use crate::report::group::set_heading;
-use crate::report::markdown::literal;
+use crate::report::document::{Document, set_heading};
+use crate::report::format::{self, NONE, clock_code, clock_of, percent};
 use crate::report::metrics::{Better, COUNT, FIRST_BUILD, SPEED, STRUCTURE, TRACE_TIME, headed};
-use crate::report::sheet::{Cell, Column, Sheet};
-use crate::report::{ReportError, metrics, summary};
+use crate::report::sheet::{Cell, Column, Sheet, Table};
+use crate::report::{metrics, summary};
 use crate::results::{Run, SceneFollowed, TraceRecord, TracerRun, UpdatesRecord};
 use crate::studies::updates::{Total, Walker, walkers};
 
@@ -87,11 +84,9 @@ fn mean(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-pub(super) fn page(run: &Run, updates: &UpdatesRecord) -> String {
-    let mut text = head(run, "frames along the camera's path");
-    let _ = writeln!(
-        text,
-        "\nThe eye moves at every one of {0} frames, evenly along the scene's camera path (without one, straight to another viewpoint of \
+pub(super) fn page(run: &Run, updates: &UpdatesRecord) -> Document {
+    let head = head(run, "frames along the camera's path").words(format!(
+        "The eye moves at every one of {0} frames, evenly along the scene's camera path (without one, straight to another viewpoint of \
          it), and a scene that moves does so over the same frames. Every frame has its own rays and truth. All build over the first \
          frame; at every later one the structure is reused as it is, refitted, or rebuilt, {1} times each. *All frames* is the first \
          build, what is done to the structure at every later frame, and the traces of all {2} frames, sums of medians of one clock \
@@ -101,27 +96,22 @@ pub(super) fn page(run: &Run, updates: &UpdatesRecord) -> String {
         updates.frames,
         updates.passes,
         updates.frames + 1
-    );
-    for scene in &updates.scenes {
+    ));
+    let section = |scene: &SceneFollowed| {
         let sets = sets(run, scene);
-        let first = sets.iter().flat_map(|set| &set.walkers).find_map(|walker| walker.frames[0]);
-        let Some((row, _)) = first else { continue };
+        let (row, _) = sets.iter().flat_map(|set| &set.walkers).find_map(|walker| walker.frames[0])?;
         let moves = match scene.times_s.last() {
             Some(end) if scene.walked.iter().any(|hash| *hash != scene.walked[0]) => format!("moves to {end} s"),
             _ => "stands still".to_owned(),
         };
-        let (name, triangles) = (literal(&row.scene.name), thousands(row.scene.triangles));
-        let _ = writeln!(text, "\n## {name} ({triangles} triangles)\n\nThe scene {moves}.");
-        for set in &sets {
-            text += &totals(set);
-            text += &accuracies(set);
-        }
-    }
-    text + &summary::skipped(&run.skipped)
+        let page = Document::default().scene(2, &row.scene, "").words(format!("The scene {moves}."));
+        Some(page.and(sets.iter().map(totals)))
+    };
+    head.and(updates.scenes.iter().filter_map(section)).and(summary::skipped(&run.skipped))
 }
 
-fn totals(set: &Set<'_>) -> String {
-    let Some((_, first)) = set.walkers.iter().find_map(|walker| walker.frames[0]) else { return String::new() };
+fn totals(set: &Set<'_>) -> Document {
+    let Some((_, first)) = set.walkers.iter().find_map(|walker| walker.frames[0]) else { return Document::default() };
     let accuracy = match first.query {
         Query::Closest => "agreement, least of all frames (%): hit_miss / tight / footprint",
         Query::Any => "balanced accuracy, least of all frames (%)",
@@ -153,7 +143,8 @@ fn totals(set: &Set<'_>) -> String {
             least(walker).map(|(shares, trials)| shares_as_text(&shares, trials))
         });
     let title = format!("{} a frame", set_heading(set.rays, first.query, first.count));
-    format!("\n### {title}\n\n{}", sheet.markdown(&set.walkers))
+    let page = Document::default().rays(3, set.rays, title).table(sheet.table(&set.walkers));
+    page.words("At every frame:").table(accuracies(set))
 }
 
 fn later(walker: &Walker<'_>) -> std::ops::Range<usize> {
@@ -165,7 +156,7 @@ fn over_rebuilt(set: &Set<'_>, walker: &Walker<'_>) -> Option<f64> {
     walker.total()?.over(&rebuilt(set, walker)?)
 }
 
-fn accuracies(set: &Set<'_>) -> String {
+fn accuracies(set: &Set<'_>) -> Table {
     let frames = set.walkers.first().map_or(0, |walker| walker.frames.len());
     let of_frame = |frame: usize| {
         Column::told(format!("frame {frame} (%) ↑"), move |walker: &Walker<'_>| {
@@ -175,7 +166,7 @@ fn accuracies(set: &Set<'_>) -> String {
     };
     let sheet =
         Sheet::<Walker<'_>>::new().told("tracer", label).told("way", way_of).with((0..frames).map(of_frame).collect());
-    format!("\nAt every frame:\n\n{}", sheet.markdown(&set.walkers))
+    sheet.table(&set.walkers)
 }
 
 /// A frame of a walk.
@@ -195,7 +186,7 @@ impl Row<'_> {
 }
 
 /// One row a scene, ray set, tracer, way and frame.
-pub(super) fn csv(file: &str, run: &Run, updates: &UpdatesRecord) -> Result<Vec<u8>, ReportError> {
+pub(super) fn csv(run: &Run, updates: &UpdatesRecord) -> Table {
     let sets: Vec<Set<'_>> = updates.scenes.iter().flat_map(|scene| sets(run, scene)).collect();
     let mut rows: Vec<Row<'_>> = Vec::new();
     for (set, walker) in sets.iter().flat_map(|set| set.walkers.iter().map(move |walker| (set, walker))) {
@@ -228,5 +219,5 @@ pub(super) fn csv(file: &str, run: &Run, updates: &UpdatesRecord) -> Result<Vec<
         .column("all_frames_ms", |row| row.walker.total().map(|total| total.ms))
         .column("all_frames_over_rebuild", |row| over_rebuilt(row.set, row.walker))
         .provenance(&run.provenance, &run.preset);
-    sheet.csv(file, &rows)
+    sheet.table(&rows)
 }

@@ -2,7 +2,7 @@
 
 use super::table_1;
 use crate::papers::fixture::{page_of, run_of, take_judgements};
-use crate::papers::{files, find};
+use crate::papers::{find, report};
 
 /// Table 1 sets ratios beside the paper's, of the octree's rows alone, and of scenes that stand for the paper's.
 #[test]
@@ -43,7 +43,7 @@ fn pages_are_made_of_any_run() {
     let run = run_of(table_1("atrium"));
     for name in ["hhz14-figure6", "hhz14-figure7", "hhz14-figure9", "hhz14-figure11", "hhz14-text"] {
         let (paper, experiment) = find(name).unwrap();
-        let made = files(paper, experiment, &run).unwrap();
+        let made = report(paper, experiment, &run).unwrap().contents().unwrap();
         assert!(made.iter().any(|(file, _)| file.ends_with(".md")), "{name}");
     }
 }

@@ -5,7 +5,7 @@ use tracebench_api::{ClockKind, Query};
 
 use crate::papers::fixture::{self, Quality, page_of, take_judgements};
 use crate::papers::vvp16::skipping;
-use crate::papers::{files, find};
+use crate::papers::{find, report};
 use crate::results::{CounterRecord, Run};
 
 /// A run of VVP16's tracer: rows with values, on the fixture's room.
@@ -78,7 +78,7 @@ fn pages_of_vvp16_tell_no_time_without_accuracy() {
         assert_eq!(times(&page_of(name, &run)), 0, "{name}");
         let chart = |run: &Run| {
             let (paper, experiment) = find(name).unwrap();
-            let files = files(paper, experiment, run).unwrap();
+            let files = report(paper, experiment, run).unwrap().contents().unwrap();
             files.into_iter().find(|(file, _)| file.ends_with(".svg")).map(|(_, svg)| String::from_utf8(svg).unwrap())
         };
         if let Some(chart) = chart(&run) {

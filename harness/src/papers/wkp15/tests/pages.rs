@@ -5,7 +5,7 @@ use serde_json::json;
 use super::super::SAMPLES_A_RAY;
 use super::{figure_14, quadtree, table_1, table_2, table_5};
 use crate::papers::fixture::{page_of, run_of, set_build, set_time, take_judgements};
-use crate::papers::{files, find};
+use crate::papers::{find, report};
 use crate::results::{Run, TracerRun};
 
 /// Table 2 sets peers beside one layer, traces and frames, and the same of the paper beside these, of scenes that stand for its own.
@@ -89,7 +89,7 @@ fn no_time_without_accuracy() {
             |page: &str| ["77.25", "231.7", "231.8"].map(|time| page.matches(time).count()).iter().sum::<usize>();
         let charts = |run: &Run| -> Vec<String> {
             let (paper, experiment) = find(name).unwrap();
-            let made = files(paper, experiment, run).unwrap();
+            let made = report(paper, experiment, run).unwrap().contents().unwrap();
             let svg = made.into_iter().filter(|(file, _)| file.ends_with(".svg"));
             svg.map(|(_, svg)| String::from_utf8(svg).unwrap()).collect()
         };
@@ -109,7 +109,7 @@ fn pages_are_made_of_any_run() {
     rows.iter_mut().for_each(|run| set_time(run, "lens", 1.0));
     let run = run_of(rows);
     for experiment in super::PAPER.experiments {
-        let made = files(&super::PAPER, experiment, &run).unwrap();
+        let made = report(&super::PAPER, experiment, &run).unwrap().contents().unwrap();
         assert!(made.iter().any(|(file, _)| file.ends_with(".md")), "{}", experiment.name);
     }
 }

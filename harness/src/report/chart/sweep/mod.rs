@@ -6,10 +6,9 @@ mod panels;
 #[cfg(test)]
 mod tests;
 
-use super::canvas::register;
 use super::curves::Values;
 use super::frame::{Entry, Frame, Sample};
-use super::palette::{GREY, INK, Shape, Style, Styles};
+use super::palette::{INK, PLAIN, Shape, Style, Styles};
 use super::panel::Chart;
 use super::{LONGEST_VALUE, caption, cut, name_with_unit, panel_title, titles};
 use crate::report::sweep::{Curve, View};
@@ -20,9 +19,7 @@ use panels::{Rule, build, errors, errors_by, memory, rules, speed};
 const PLOT_HEIGHT: f64 = 190.0;
 
 /// The chart of a view.
-pub(super) fn chart(run: &Run, view: &View<'_>) -> Chart {
-    // Texts are measured while the figure is laid out; a font that fails is reported when it is drawn.
-    let _ = register();
+pub(in crate::report) fn chart(run: &Run, view: &View<'_>) -> Chart {
     let rules = rules(view.set.query);
     let curve_styles = Styles::of_labels(view.curves.iter().map(curve_label));
     let rule_styles = Styles::of_labels(rules.iter().map(|(name, _)| (*name).to_owned()));
@@ -54,7 +51,7 @@ fn curve_label(curve: &Curve<'_>) -> String {
 fn legend(view: &View<'_>, rules: &[Rule], rule_styles: &Styles, curve_styles: &Styles) -> Vec<Entry> {
     match view.other {
         None => {
-            let entry = |rule: &Rule| Entry { sample: Sample::Line(rule_styles.get(rule.0)), label: rule.0.to_owned() };
+            let entry = |rule: &Rule| Entry::new(Sample::Line(rule_styles.get(rule.0)), rule.0);
             rules.iter().map(entry).collect()
         }
         Some(other) => {
@@ -62,8 +59,7 @@ fn legend(view: &View<'_>, rules: &[Rule], rule_styles: &Styles, curve_styles: &
                 let own = if curve.other == Some(&other.own) { " (own)" } else { "" };
                 format!("{}={}{own}", other.name, cut(curve.other.unwrap_or_default(), LONGEST_VALUE))
             };
-            let entry =
-                |curve| Entry { sample: Sample::Line(curve_styles.get(&curve_label(curve))), label: label(curve) };
+            let entry = |curve| Entry::new(Sample::Line(curve_styles.get(&curve_label(curve))), label(curve));
             view.curves.iter().map(entry).collect()
         }
     }
@@ -81,11 +77,10 @@ fn frame(run: &Run, view: &View<'_>, panels: usize, legend: Vec<Entry>) -> Frame
         panel_title(view.set),
         cut(&view.group.viewpoint.name, LONGEST_VALUE)
     );
-    let grey = Style { colour: GREY, shape: Shape::Circle };
-    let mut key = vec![Entry { sample: Sample::Hollow(grey), label: "memory: of it used".to_owned() }];
-    key.push(Entry { sample: Sample::Dashes, label: "control".to_owned() });
+    let mut key = vec![Entry::new(Sample::Hollow(PLAIN), "memory: of it used")];
+    key.push(Entry::new(Sample::Dashes, "control"));
     let bars = "95 % interval of the error, order-statistic intervals of the times";
-    key.push(Entry { sample: Sample::Bars, label: bars.to_owned() });
+    key.push(Entry::new(Sample::Bars, bars));
     let others = others(run, view);
     let caption = format!("{others}{}", caption(run, view.group));
     Frame::in_columns(if panels > 4 { 3 } else { 2 }, PLOT_HEIGHT, panels, [title, subtitle], &caption, key, legend)

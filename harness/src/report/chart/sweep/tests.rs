@@ -3,8 +3,7 @@
 use tracebench_api::{ClockKind, Query};
 
 use super::super::panel::{Mark, Scale};
-use super::super::sweep_charts;
-use super::super::tests::{check_png, check_svg};
+use super::super::tests::check_charts;
 use super::*;
 use crate::report::fixture::{self, Quality};
 use crate::report::group::groups;
@@ -15,18 +14,10 @@ use crate::results::Judgement;
 /// Draws every chart of a sweep, looks at each, and gives their names and SVGs.
 fn check(run: &Run) -> Vec<(String, String)> {
     let groups = groups(run);
-    let files = sweep_charts(run, &views(run.sweep.as_ref().unwrap(), &groups)).unwrap();
-    let mut drawn = Vec::new();
-    for file in files {
-        if file.name.ends_with(".svg") {
-            let svg = String::from_utf8(file.contents).unwrap();
-            check_svg(&file.name, &svg);
-            drawn.push((file.name, svg));
-        } else {
-            check_png(&file.name, &file.contents);
-        }
-    }
-    drawn
+    let record = run.sweep.as_ref().unwrap();
+    let charts = crate::report::sweep::report(run, record, &groups).charts;
+    let svgs = check_charts(&charts);
+    charts.into_iter().map(|(stem, _)| format!("{stem}.svg")).zip(svgs).collect()
 }
 
 const SETS: [(&str, Query); 2] = [("diffuse", Query::Closest), ("ao", Query::Any)];

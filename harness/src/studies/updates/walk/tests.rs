@@ -200,7 +200,7 @@ fn all_frames_are_summed_and_shown() {
         assert!((ms / summed(way, updated) - 1.0).abs() < 1e-9 && stale.is_empty(), "{way}");
     }
     assert_eq!(find(&all, "onlooker", "reuse").1, ["viewpoint"]);
-    let files = report::of_updates(&run).unwrap();
+    let files = report::of_updates(&run).unwrap().contents().unwrap();
     let text = |end: &str| {
         let (_, contents) = files.iter().find(|(name, _)| name == &format!("table_view_updates.{end}")).unwrap();
         String::from_utf8(contents.clone()).unwrap()
