@@ -16,7 +16,6 @@ pub mod peers;
 pub mod picture;
 pub mod plan;
 pub mod progress;
-pub mod quotes;
 pub mod rays;
 pub mod registry;
 pub mod report;

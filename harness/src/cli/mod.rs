@@ -1,5 +1,5 @@
 //! The command line: `tracebench adapters | list | run | sweep | pareto | need | reproduce | table | claims | compare | merge | report | picture |
-//! stability | explain | tune | clock | docs`.
+//! stability | explain | tune | clock`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
 
@@ -7,7 +7,6 @@ mod arguments;
 mod claims;
 mod clock;
 mod compare;
-mod docs;
 mod explain;
 mod list;
 mod merge;
@@ -16,6 +15,7 @@ mod need;
 mod output;
 mod page;
 mod pareto;
+mod renames;
 mod reproduce;
 mod run;
 mod stability;
@@ -91,8 +91,6 @@ enum Verb {
     Tune(tune::TuneArguments),
     /// Try the clock of this machine: race a tracer against itself, and against itself with more to do, and count what is said.
     Clock(clock::ClockArguments),
-    /// Hold the numbers that README.md and docs/ quote of records against these, or write them there.
-    Docs(docs::DocsArguments),
 }
 
 /// What ends the program early.
@@ -139,7 +137,10 @@ pub fn main() -> ExitCode {
         Ok(command_line) => command_line,
         Err(error) => {
             // Help and version come this way too; clap knows which stream and status each needs.
-            let _ = error.print();
+            match renames::answer(&error) {
+                Some(answer) => progress::to_stderr(&answer),
+                None => drop(error.print()),
+            }
             return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
         }
     };
@@ -163,7 +164,6 @@ pub fn main() -> ExitCode {
         Verb::Explain(arguments) => explain::explain(arguments, &progress),
         Verb::Tune(arguments) => tune::tune(arguments, &progress),
         Verb::Clock(arguments) => clock::clock(arguments, &progress),
-        Verb::Docs(arguments) => docs::docs(arguments),
     };
     // The last hold on a folder of results: it is closed.
     stop::keeps(None);

@@ -258,7 +258,7 @@ struct Head {
 }
 
 /// The bytes of a file, unpacked where it is compressed, of which there may be no more than [`MOST_RECORD_BYTES`].
-pub(crate) fn unpacked(path: &Path) -> Result<Vec<u8>, ReportError> {
+fn unpacked(path: &Path) -> Result<Vec<u8>, ReportError> {
     let fail = |source: std::io::Error| match source.kind() {
         ErrorKind::NotFound => ReportError::Missing { path: path.to_owned(), file: RUN_FILE },
         _ => ReportError::Read { path: path.to_owned(), source },

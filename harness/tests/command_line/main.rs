@@ -2,7 +2,6 @@
 
 mod clock;
 mod compare;
-mod docs;
 mod far;
 mod faults;
 mod fronts;

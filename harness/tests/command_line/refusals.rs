@@ -55,6 +55,7 @@ fn wrong_arguments() {
         bench.fails(&run(&arguments), 2, &parts);
     }
     bench.fails(&["repot"], 2, &["report"]);
+    bench.fails(&["docs"], 2, &["cargo run --release --example figures"]);
     bench.fails(&["list", "tracer"], 2, &["tracers"]);
     let picture = ["picture", "--scene", "room", "--tracer", "all", "--out", "p.png"];
     bench.fails(&picture, 2, &["one tracer"]);
