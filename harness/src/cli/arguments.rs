@@ -166,7 +166,7 @@ pub(super) struct CommonArguments {
 /// Which device serves.
 #[derive(Args)]
 pub(super) struct DeviceArguments {
-    /// Adapter: part of its name, or its number in `adapters`.
+    /// Adapter: part of its name, or its number in `doctor`.
     #[arg(long, value_name = "NAME", value_parser = clap::builder::NonEmptyStringValueParser::new())]
     pub adapter: Option<String>,
     /// Within which limits the device is opened: those of the adapter (default), or webgpu, the ones that every browser grants,

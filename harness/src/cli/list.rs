@@ -1,27 +1,19 @@
-//! `adapters` and `list`.
+//! `list`.
 
 use clap::{Args, ValueEnum};
 use itertools::Itertools as _;
 use serde_json::{Value, json};
-use tracebench_api::{AdapterChoice, AdapterListing, Description, Domain, ParameterDescription, Preset, Query};
+use tracebench_api::{Description, Domain, ParameterDescription, Preset, Query};
 use tracebench_scenes::CatalogueEntry;
 
 use super::CliError;
-use super::output::print;
+use super::output::{print, print_json};
 use crate::cases::{CASES, Case};
 use crate::means;
 use crate::plan::TracerRequest;
-use crate::progress::Progress;
 use crate::rays::{RAY_SETS, RaySet, ray_parameters};
 use crate::registry::TRACERS;
 use crate::tables::Table;
-
-#[derive(Args)]
-pub(super) struct AdapterArguments {
-    /// As a JSON array of objects.
-    #[arg(long)]
-    json: bool,
-}
 
 #[derive(Args)]
 pub(super) struct ListArguments {
@@ -40,28 +32,6 @@ enum Kind {
     Rays,
     Cases,
     Tables,
-}
-
-fn print_json(value: &Value) -> Result<(), CliError> {
-    print(&format!("{value:#}\n"))
-}
-
-pub(super) fn adapters(arguments: &AdapterArguments, progress: &Progress) -> Result<(), CliError> {
-    // A backend that does not exist is an error here too, not an empty list.
-    AdapterChoice::from_environment(None, None)?;
-    let adapters = tracebench_api::list_adapters();
-    if arguments.json {
-        let value = serde_json::to_value(&adapters).map_err(|error| CliError::Other(error.to_string()))?;
-        return print_json(&value);
-    }
-    if adapters.is_empty() {
-        progress.say("no graphics adapter was found; setup.sh installs a software one on Debian and Ubuntu");
-    }
-    let line = |(number, adapter): (usize, &AdapterListing)| {
-        let AdapterListing { name, kind, backend, driver, driver_version, .. } = adapter;
-        format!("{number}: {name} ({kind}, {backend}, driver {driver} {driver_version})\n")
-    };
-    print(&adapters.iter().enumerate().map(line).collect::<String>())
 }
 
 pub(super) fn list(arguments: &ListArguments) -> Result<(), CliError> {

@@ -1,5 +1,5 @@
-//! The command line: `tracebench adapters | list | run | sweep | pareto | need | reproduce | table | claims | compare | merge | report | picture |
-//! stability | explain | tune | clock | docs`.
+//! The command line: `tracebench doctor | list | run | sweep | pareto | need | reproduce | table | claims | compare | merge | report | picture |
+//! stability | explain | tune | docs`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
 
@@ -8,6 +8,7 @@ mod claims;
 mod clock;
 mod compare;
 mod docs;
+mod doctor;
 mod explain;
 mod list;
 mod merge;
@@ -16,6 +17,7 @@ mod need;
 mod output;
 mod page;
 mod pareto;
+mod renames;
 mod reproduce;
 mod run;
 mod stability;
@@ -56,8 +58,9 @@ struct CommandLine {
 
 #[derive(Subcommand)]
 enum Verb {
-    /// List the graphics adapters of this machine.
-    Adapters(list::AdapterArguments),
+    /// Tell what this machine is, which graphics adapters it has, within which limits, and what it lacks; or try its clock.
+    #[command(mut_args(doctor::options))]
+    Doctor(doctor::DoctorArguments),
     /// List tracers (with their parameters), scenes, ray sets, cases or tables.
     List(list::ListArguments),
     /// Trace rays, judge them against the truth, and write run.json, tables and charts.
@@ -89,8 +92,6 @@ enum Verb {
     Explain(explain::ExplainArguments),
     /// Show what the choice of a parameter costs: its default beside the values that are best here and elsewhere.
     Tune(tune::TuneArguments),
-    /// Try the clock of this machine: race a tracer against itself, and against itself with more to do, and count what is said.
-    Clock(clock::ClockArguments),
     /// Hold the numbers that README.md and docs/ quote of records against these, or write them there.
     Docs(docs::DocsArguments),
 }
@@ -138,15 +139,19 @@ pub fn main() -> ExitCode {
     let command_line = match CommandLine::try_parse() {
         Ok(command_line) => command_line,
         Err(error) => {
+            let words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
             // Help and version come this way too; clap knows which stream and status each needs.
-            let _ = error.print();
+            match renames::answer(&error, &words) {
+                Some(answer) => progress::to_stderr(&answer),
+                None => drop(error.print()),
+            }
             return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
         }
     };
     let progress = Progress::new(command_line.quiet);
     stop::watch(command_line.until_stdin_ends);
     let outcome = match &command_line.verb {
-        Verb::Adapters(arguments) => list::adapters(arguments, &progress),
+        Verb::Doctor(arguments) => doctor::doctor(arguments, &progress),
         Verb::List(arguments) => list::list(arguments),
         Verb::Run(arguments) => run::run(arguments, &progress),
         Verb::Sweep(arguments) => sweep::sweep(arguments, &progress),
@@ -162,7 +167,6 @@ pub fn main() -> ExitCode {
         Verb::Stability(arguments) => stability::stability(arguments, &progress),
         Verb::Explain(arguments) => explain::explain(arguments, &progress),
         Verb::Tune(arguments) => tune::tune(arguments, &progress),
-        Verb::Clock(arguments) => clock::clock(arguments, &progress),
         Verb::Docs(arguments) => docs::docs(arguments),
     };
     // The last hold on a folder of results: it is closed.

@@ -3,6 +3,8 @@
 use std::io::{ErrorKind, Write as _};
 use std::path::Path;
 
+use serde_json::Value;
+
 use super::CliError;
 
 /// Writes a text that ends in a line break. A reader that has gone away (`| head`) has seen what it wanted; a full disk
@@ -15,6 +17,11 @@ pub(super) fn print(text: &str) -> Result<(), CliError> {
         }
         _ => Ok(()),
     }
+}
+
+/// Prints a value as JSON.
+pub(super) fn print_json(value: &Value) -> Result<(), CliError> {
+    print(&format!("{value:#}\n"))
 }
 
 /// Prints a page that was written, and where it is.

@@ -163,8 +163,20 @@ fn stability_spares() {
 
 #[test]
 fn clock_spares() {
-    let words =
-        ["clock", "--preset", "smoke", "--scene", "one.glb", "--tracer", "bvh-cpu", "--races", "1", "--samples", "1"];
+    let words = [
+        "doctor",
+        "--clock",
+        "--preset",
+        "smoke",
+        "--scene",
+        "one.glb",
+        "--tracer",
+        "bvh-cpu",
+        "--races",
+        "1",
+        "--samples",
+        "1",
+    ];
     spares(&bench(), &words, &[]);
 }
 
