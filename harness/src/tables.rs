@@ -1,4 +1,4 @@
-//! Every table that `tracebench table` makes: of peers, of means, of ablations, and of the papers' tables and figures.
+//! Every table that `tracebench table` makes: of peers, of means, of ablations, of the papers' tables and figures, and of their claims.
 
 use std::path::PathBuf;
 
@@ -18,6 +18,8 @@ pub enum Table {
     Peers(&'static peers::Table),
     /// A paper's table or figure.
     Paper(&'static Paper, &'static Experiment),
+    /// All that a paper claims, by runs of its tables.
+    Claims(&'static Paper),
     /// Every tracer that searches on the device, by each way to read and to launch.
     Means,
     /// The switches of a tracer's improved form.
@@ -29,7 +31,8 @@ impl Table {
     pub fn all() -> impl Iterator<Item = Self> {
         let of = |paper: &&'static Paper| {
             let paper = *paper;
-            paper.experiments.iter().map(move |experiment| Self::Paper(paper, experiment))
+            let experiments = paper.experiments.iter().map(move |experiment| Self::Paper(paper, experiment));
+            experiments.chain([Self::Claims(paper)])
         };
         let ablations = ablation::all().map(|(_, ablation)| Self::Ablation(ablation));
         TABLES.iter().map(Self::Peers).chain([Self::Means]).chain(ablations).chain(PAPERS.iter().flat_map(of))
@@ -37,11 +40,7 @@ impl Table {
 
     /// Finds a table by name.
     pub fn find(name: &str) -> Option<Self> {
-        (name == Self::Means.name())
-            .then_some(Self::Means)
-            .or_else(|| peers::find(name).map(Self::Peers))
-            .or_else(|| ablation::find(name).map(Self::Ablation))
-            .or_else(|| papers::find(name).map(|(paper, experiment)| Self::Paper(paper, experiment)))
+        Self::all().find(|table| table.name() == name)
     }
 
     /// Its stable name; files are named after it.
@@ -49,6 +48,7 @@ impl Table {
         match self {
             Self::Peers(table) => table.name,
             Self::Paper(_, experiment) => experiment.name,
+            Self::Claims(paper) => paper.claims_table,
             Self::Means => "means",
             Self::Ablation(ablation) => ablation.name,
         }
@@ -59,6 +59,9 @@ impl Table {
         match self {
             Self::Peers(table) => table.summary,
             Self::Paper(_, experiment) => experiment.summary,
+            Self::Claims(_) => {
+                "all that the paper claims, with a verdict on every claim by the runs of its tables that --from names"
+            }
             Self::Means => "equal means: every tracer that searches on the device, by each way to read and to launch",
             Self::Ablation(ablation) => ablation.summary,
         }
@@ -69,6 +72,7 @@ impl Table {
         match self {
             Self::Peers(table) => table.rays,
             Self::Paper(_, experiment) => experiment.rays,
+            Self::Claims(_) => "",
             Self::Means => "primary,diffuse",
             Self::Ablation(ablation) => ablation.rays,
         }
@@ -84,6 +88,7 @@ impl Table {
         match self {
             Self::Peers(table) => table.holds(tracer),
             Self::Paper(_, experiment) => experiment.holds(tracer),
+            Self::Claims(_) => false,
             Self::Means => means::contenders().iter().any(|request| request.name() == tracer),
             Self::Ablation(ablation) => ablation.holds(tracer),
         }
@@ -94,6 +99,7 @@ impl Table {
         match self {
             Self::Peers(table) => report::peers::files(table, run),
             Self::Paper(paper, experiment) => papers::files(paper, experiment, run),
+            Self::Claims(paper) => papers::claims_files(paper, std::slice::from_ref(run)),
             Self::Means => report::means::files(run),
             Self::Ablation(ablation) => report::ablation::files(ablation, run),
         }

@@ -60,7 +60,7 @@ pub(super) struct TableArguments {
     /// Of a paper's table the rows alone of this tracer that have one of these values, and all of other tracers. May be repeated.
     #[arg(long, value_name = "T.P=V,V")]
     pub only: Vec<String>,
-    /// Of a paper's table the rows that say nothing of a parameter which this run tuned (a file of `tune` or the folder that holds it): they
+    /// Of a paper's table the rows that say nothing of a parameter which this run tuned (a file of `sweep --choose` or the folder that holds it): they
     /// have the value that is best from another viewpoint of the same scene.
     #[arg(long, value_name = "RUN")]
     pub tuned: Option<PathBuf>,
@@ -68,12 +68,13 @@ pub(super) struct TableArguments {
     /// that holds it.
     #[arg(long, value_name = "RUN", conflicts_with_all = ["from", "resume", "shard", "out"])]
     pub estimate: Option<PathBuf>,
-    /// Measures nothing: makes the table of what was measured before, a file or the folder that holds it.
-    #[arg(long, value_name = "RUN", conflicts_with_all = [
+    /// Measures nothing: makes the table of what was measured before, a file or the folder that holds it. Claims are judged by any number of
+    /// runs of their paper's tables; those that none measures are listed with the table that would.
+    #[arg(long, value_name = "RUN", num_args = 1.., conflicts_with_all = [
         "scene", "rays", "frames", "size", "frame", "face", "view", "time", "scale", "settings", "adapter", "limits",
         "preset", "samples", "interval", "time_limit", "seed", "resume", "shard", "only", "tuned", "part", "means",
     ])]
-    pub from: Option<PathBuf>,
+    pub from: Vec<PathBuf>,
     #[command(flatten)]
     pub work: WorkArguments,
 }
@@ -296,12 +297,14 @@ impl TableArguments {
             (None, Table::Means | Table::Ablation(_)) => {
                 tracebench_scenes::catalogue().iter().map(|entry| listed(entry.name)).collect()
             }
+            (None, Table::Claims(_)) => Vec::new(),
             (None, Table::Paper(_, experiment)) => experiment.scenes.iter().map(|each| listed(each.scene)).collect(),
         };
         let tracers = match table {
             Table::Peers(peers) => names::peers(peers, settings)?,
             Table::Means => names::at_means(settings)?,
             Table::Ablation(ablation) => names::ablated(ablation, settings)?,
+            Table::Claims(_) => Vec::new(),
             Table::Paper(_, experiment) => {
                 let mut steps = names::steps(experiment, settings)?;
                 names::only(&mut steps, &self.only)?;

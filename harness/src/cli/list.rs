@@ -178,6 +178,7 @@ fn rows(table: Table) -> Vec<String> {
         Table::Means => means::contenders(),
         Table::Ablation(ablation) => ablation.contenders(),
         Table::Paper(_, experiment) => experiment.requests().concat(),
+        Table::Claims(_) => Vec::new(),
     };
     requests.iter().map(row).unique().collect()
 }
@@ -191,6 +192,7 @@ fn tables() -> Vec<Value> {
         match table {
             Table::Peers(peers) => item["reference"] = json!(peers.reference()),
             Table::Means | Table::Ablation(_) => {}
+            Table::Claims(paper) => item["paper"] = json!(paper.name),
             Table::Paper(paper, experiment) => {
                 item["paper"] = json!(paper.name);
                 item["scenes"] = experiment.scenes.iter().map(|each| json!(each.scene)).collect();
@@ -204,5 +206,9 @@ fn tables() -> Vec<Value> {
 
 fn table_text(table: Table) -> String {
     let (name, rays) = (table.name(), if table.rays().is_empty() { "none" } else { table.rays() });
-    format!("{name:<14} {}\n{:14} rows: {}; rays: {rays}\n", table.summary(), "", rows(table).join(", "))
+    let rows = match rows(table) {
+        rows if rows.is_empty() => String::new(),
+        rows => format!("{:14} rows: {}; rays: {rays}\n", "", rows.join(", ")),
+    };
+    format!("{name:<14} {}\n{rows}", table.summary())
 }

@@ -1,10 +1,9 @@
-//! The command line: `tracebench doctor | list | run | sweep | pareto | need | reproduce | table | claims | compare | merge | report | picture |
-//! stability | explain | tune | docs`.
+//! The command line: `tracebench doctor | list | run | sweep | pareto | need | reproduce | table | compare | merge | report | picture |
+//! stability | explain | docs`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
 
 mod arguments;
-mod claims;
 mod clock;
 mod compare;
 mod docs;
@@ -24,7 +23,6 @@ mod stability;
 mod stop;
 mod sweep;
 mod table;
-mod tune;
 mod work;
 
 use std::process::ExitCode;
@@ -65,7 +63,8 @@ enum Verb {
     List(list::ListArguments),
     /// Trace rays, judge them against the truth, and write run.json, tables and charts.
     Run(arguments::RunArguments),
-    /// Measure one tracer over values of its parameters and over resolutions: memory, build, trace and error.
+    /// Measure one tracer over values of its parameters and over resolutions: memory, build, trace and error; or show what the choice of a
+    /// parameter costs.
     Sweep(sweep::SweepArguments),
     /// Measure the same number of points of every tracer, over parameters and resolutions: who is fastest, smallest and quickest to build
     /// at which agreement.
@@ -74,10 +73,9 @@ enum Verb {
     Need(need::NeedArguments),
     /// Measure all that matters in order of weight within a time that is given, into one folder with one report.
     Reproduce(reproduce::ReproduceArguments),
-    /// Measure tracers of one family side by side, or what a paper's table or figure shows, and write a table of it.
+    /// Measure tracers of one family side by side, or what a paper's table or figure shows, and write a table of it; or set all that a paper
+    /// claims beside what was measured, with a verdict on every claim.
     Table(arguments::TableArguments),
-    /// Set what a paper claims beside what was measured of it, with a verdict on every claim.
-    Claims(claims::ClaimsArguments),
     /// Hold two runs against each other: what got slower or less accurate, what changed, what only one has.
     Compare(compare::CompareArguments),
     /// Join the shards of a run that was spread over machines by --shard.
@@ -90,8 +88,6 @@ enum Verb {
     Stability(stability::StabilityArguments),
     /// Tell why a tracer's rays are wrong, by taking its known weaknesses away one after the other.
     Explain(explain::ExplainArguments),
-    /// Show what the choice of a parameter costs: its default beside the values that are best here and elsewhere.
-    Tune(tune::TuneArguments),
     /// Hold the numbers that README.md and docs/ quote of records against these, or write them there.
     Docs(docs::DocsArguments),
 }
@@ -159,14 +155,12 @@ pub fn main() -> ExitCode {
         Verb::Need(arguments) => need::need(arguments, &progress),
         Verb::Reproduce(arguments) => reproduce::reproduce(arguments, &progress),
         Verb::Table(arguments) => table::table(arguments, &progress),
-        Verb::Claims(arguments) => claims::claims(arguments),
         Verb::Compare(arguments) => compare::compare(arguments),
         Verb::Merge(arguments) => merge::merge_shards(arguments),
         Verb::Report(arguments) => run::report(arguments, &progress),
         Verb::Picture(arguments) => run::picture(arguments, &progress),
         Verb::Stability(arguments) => stability::stability(arguments, &progress),
         Verb::Explain(arguments) => explain::explain(arguments, &progress),
-        Verb::Tune(arguments) => tune::tune(arguments, &progress),
         Verb::Docs(arguments) => docs::docs(arguments),
     };
     // The last hold on a folder of results: it is closed.

@@ -10,7 +10,7 @@ use super::CliError;
 use crate::cases::{self, CASES, Case};
 use crate::contenders::Ablation;
 use crate::means;
-use crate::papers::{self, Experiment, PAPERS, Paper};
+use crate::papers::Experiment;
 use crate::peers;
 use crate::plan::{SceneSource, TracerRequest};
 use crate::rays::{self, RAY_SETS, RaySet};
@@ -253,12 +253,6 @@ pub(super) fn only(steps: &mut [Vec<TracerRequest>], wanted: &[String]) -> Resul
 pub(super) fn table(name: &str) -> Result<Table, CliError> {
     let known: Vec<&str> = Table::all().map(Table::name).collect();
     Table::find(name).ok_or_else(|| unknown("table", name, &known))
-}
-
-/// A paper by its short name.
-pub(super) fn paper(name: &str) -> Result<&'static Paper, CliError> {
-    let known: Vec<&str> = PAPERS.iter().map(|paper| paper.name).collect();
-    papers::paper(name).ok_or_else(|| unknown("paper", name, &known))
 }
 
 /// What `--set` says about ray sets.

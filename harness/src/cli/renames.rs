@@ -17,7 +17,12 @@ const fn verb(was: &'static str, is: &'static str) -> Rename {
 }
 
 /// Every word that has gone.
-const RENAMES: &[Rename] = &[verb("adapters", "doctor"), verb("clock", "doctor --clock")];
+const RENAMES: &[Rename] = &[
+    verb("adapters", "doctor"),
+    verb("clock", "doctor --clock"),
+    verb("claims", "table NAME-claims --from RUN..."),
+    verb("tune", "sweep --choose RULE"),
+];
 
 /// What stands now for the word at which the command line could not be read, if it is one that has gone.
 pub(super) fn answer(error: &clap::Error, words: &[String]) -> Option<String> {

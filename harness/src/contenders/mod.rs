@@ -121,7 +121,7 @@ pub struct Registration {
     pub ladder: &'static [Remedy],
     /// What `sweep` goes over where nothing is said; none: all that can be swept.
     pub sweep: &'static [&'static str],
-    /// The parameter that `tune` is about where nothing is said.
+    /// The parameter of which `sweep --choose` chooses a value where nothing is said.
     pub tune: Option<&'static str>,
     /// Parameters that no front is about: aids of proofs, units, and what only matters to refits, surfaces or rays of one kind.
     pub aside: &'static [&'static str],

@@ -26,7 +26,7 @@ fn a_table_of_hierarchies() {
     let scenes = ["--scene", "room,one.glb", "--rays", "diffuse,ao", "--out", "out"];
     let outcome = table(&bench, "bvh", &scenes);
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
-    assert!(outcome.stdout.contains("| bvh-cpu build=fastest | host clock |"), "{}", outcome.stdout);
+    assert!(outcome.page.contains("| bvh-cpu build=fastest | host clock |"), "{}", outcome.page);
     let run = bench.result("out");
     assert_eq!((run["table"].as_str(), run["schema"].as_u64()), (Some("bvh"), Some(2)));
     let listed: Value = serde_json::from_str(&bench.call(&["list", "tables", "--json"]).stdout).unwrap();
@@ -72,7 +72,7 @@ fn a_table_of_hierarchies() {
     assert!(!bench.path("plain/table_bvh.md").exists());
     let outcome = bench.call(&["table", "bvh", "--from", "plain/run.json", "--out", "elsewhere"]);
     assert_eq!(outcome.status, 0, "{outcome:?}");
-    assert!(outcome.stdout.contains("| bvh-cpu |") && !outcome.stdout.contains("| screen-dda |"));
+    assert!(outcome.page.contains("| bvh-cpu |") && !outcome.page.contains("| screen-dda |"));
     assert_eq!(names(&bench.path("elsewhere")), ["table_bvh.csv", "table_bvh.md"].map(str::to_owned).into());
 }
 
@@ -98,7 +98,7 @@ fn a_table_of_switches() {
     }
     let improved = found.iter().find(|row| row["row"] == "dirt:improved").unwrap();
     assert_eq!(improved["agreement_tight_share"].parse::<f64>().unwrap(), 1.0);
-    assert!(outcome.stdout.contains("× bvh-gpu") && outcome.stdout.contains("| dirt:improved face_tiles=64 |"));
+    assert!(outcome.page.contains("× bvh-gpu") && outcome.page.contains("| dirt:improved face_tiles=64 |"));
     let files = ["out/table_dirt_ablation.md", "out/table_dirt_ablation.csv"].map(|name| bench.path(name));
     let before = files.clone().map(|file| std::fs::read(file).unwrap());
     for again in [vec!["report", "out"], vec!["table", "dirt-ablation", "--from", "out"]] {
@@ -202,10 +202,7 @@ fn tables_without_an_adapter() {
     let arguments = ["table", "bvh", "--scene", "cloth", "--rays", "ao", "--out", "out"];
     let outcome = bench.call_without_adapter(&[&arguments[..], &SMALL].concat());
     assert_eq!(outcome.status, 0, "{outcome:?}");
-    assert!(
-        outcome.stdout.contains("| bvh-cpu |") && outcome.stdout.contains("| bvh-gpu | cloth | all |"),
-        "{outcome:?}"
-    );
+    assert!(outcome.page.contains("| bvh-cpu |") && outcome.page.contains("| bvh-gpu | cloth | all |"), "{outcome:?}");
 }
 
 /// Proves that tables are listed for people and for scripts, and that the rows of one are names that `--tracer` takes, each a
