@@ -9,11 +9,10 @@ use tracebench_scenes::CatalogueEntry;
 use super::CliError;
 use super::output::{print, print_json};
 use crate::cases::{CASES, Case};
-use crate::means;
 use crate::plan::TracerRequest;
 use crate::rays::{RAY_SETS, RaySet, ray_parameters};
 use crate::registry::TRACERS;
-use crate::tables::Table;
+use crate::tables::{self, Table};
 
 #[derive(Args)]
 pub(super) struct ListArguments {
@@ -174,11 +173,10 @@ fn rows(table: Table) -> Vec<String> {
         format!("{}{preset}{own}", request.name())
     };
     let requests = match table {
-        Table::Peers(peers) => peers.contenders(),
-        Table::Means => means::contenders(),
-        Table::Ablation(ablation) => ablation.contenders(),
+        Table::Settings(peers) => peers.contenders(),
         Table::Paper(_, experiment) => experiment.requests().concat(),
         Table::Claims(_) => Vec::new(),
+        Table::Exact => return vec![tables::exact_tracer()],
     };
     requests.iter().map(row).unique().collect()
 }
@@ -190,8 +188,9 @@ fn tables() -> Vec<Value> {
             "name": table.name(), "summary": table.summary(), "rays": rays, "tracers": rows(table),
         });
         match table {
-            Table::Peers(peers) => item["reference"] = json!(peers.reference()),
-            Table::Means | Table::Ablation(_) => {}
+            Table::Settings(peers) if peers.reference().is_empty() => {}
+            Table::Settings(peers) => item["reference"] = json!(peers.reference()),
+            Table::Exact => {}
             Table::Claims(paper) => item["paper"] = json!(paper.name),
             Table::Paper(paper, experiment) => {
                 item["paper"] = json!(paper.name);

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::arguments::TableArguments;
 use super::output::{print, print_head, print_page};
 use super::run::folder_of;
-use super::work::{Clock, Work, described, fresh_folder, refuse_others};
+use super::work::{Clock, Work, all_measured, described, fresh_folder, refuse_others};
 use super::{CliError, names};
 use crate::files::OutputFolder;
 use crate::measure::{self, Context};
@@ -18,6 +18,7 @@ use crate::plan::{Plan, SceneSource, TracerRequest};
 use crate::progress::Progress;
 use crate::report;
 use crate::results::Run;
+use crate::studies::exact;
 use crate::studies::tune::{Label, Tuning};
 use crate::studies::updates::{self, DEFAULT_FRAMES};
 use crate::tables::{self, Table};
@@ -34,9 +35,13 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
     if moving && arguments.work.common.time != 0.0 {
         return Err(CliError::Argument(format!("--time: table {} is over whole animations", table.name())));
     }
-    let walked = matches!(table, Table::Peers(peers) if peers.subject == Subject::Walked);
-    if walked && arguments.work.common.view.is_some() {
-        return Err(CliError::Argument(format!("--view: table {} is along the camera's path", table.name())));
+    let walked = matches!(table, Table::Settings(peers) if peers.subject == Subject::Walked);
+    let is_exact = matches!(table, Table::Exact);
+    if (walked || is_exact) && arguments.work.common.view.is_some() {
+        return Err(CliError::Argument(format!("--view: table {} has its own", table.name())));
+    }
+    if !is_exact && arguments.tracer.is_some() {
+        return Err(CliError::Argument(format!("--tracer: table {} has its own", table.name())));
     }
     let of_papers =
         !arguments.only.is_empty() || arguments.estimate.is_some() || arguments.tuned.is_some() || arguments.part;
@@ -56,16 +61,24 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
     }
     let mut work = Work::prepare(&arguments.work, || arguments.matter(table), Clock::Timed, progress)?;
     match table {
-        Table::Peers(table) if moving => {
+        Table::Settings(table) if moving => {
             let frames = arguments.frames.unwrap_or(DEFAULT_FRAMES);
             let plan = described("table", std::slice::from_ref(&work.plan), json!({ "frames": frames }));
             let execute = |context: &Context<'_>| updates::execute(table, &work.plan, frames, context);
             work.bench.measure(&plan, progress, execute)?;
         }
-        Table::Peers(_) | Table::Means | Table::Ablation(_) => {
+        Table::Settings(_) => {
             work.measure("table", progress)?;
         }
         Table::Paper(paper, experiment) => measure(paper, experiment, arguments, &mut work, progress)?,
+        Table::Exact => {
+            let plans = exact::plans(&work.plan);
+            let words = described("table", &plans, Value::Null);
+            let run = work.bench.measure(&words, progress, |context| measure::execute_all(&plans, context))?;
+            print_table(table, work.bench.out.path())?;
+            all_measured(&work.plan, &run)?;
+            return all_right(&run);
+        }
         Table::Claims(_) => {}
     }
     print_table(table, work.bench.out.path())
@@ -158,7 +171,16 @@ fn again(table: Table, path: &PathBuf, out: Option<&Path>) -> Result<(), CliErro
     let folder = OutputFolder::open(&out.map_or_else(|| folder_of(path), Path::to_owned))?;
     refuse_others(folder.path(), std::iter::once(path))?;
     tables::write(table, &run, &folder)?;
-    print_table(table, folder.path())
+    print_table(table, folder.path())?;
+    if matches!(table, Table::Exact) { all_right(&run) } else { Ok(()) }
+}
+
+/// That no ray is wrong.
+fn all_right(run: &Run) -> Result<(), CliError> {
+    match report::exact::wrong_rays(run) {
+        0 => Ok(()),
+        wrong => Err(CliError::Other(format!("{wrong} rays are wrong under `tight`"))),
+    }
 }
 
 /// Of a paper's table the verdicts are the answer.

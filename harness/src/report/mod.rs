@@ -3,13 +3,13 @@
 //! Every file is made whole in memory, written beside its place and renamed, so no file is ever half-written. The
 //! derived files depend on nothing but the run: made again from the same `run.json` they are the same bytes.
 
-pub(crate) mod ablation;
 pub(crate) mod cells;
 pub(crate) mod chart;
 pub(crate) mod columns;
 mod compare;
 mod distances;
 mod error;
+pub mod exact;
 mod explain;
 #[cfg(test)]
 pub(crate) mod fixture;
@@ -18,7 +18,7 @@ pub(crate) mod group;
 mod html;
 pub(crate) mod kept;
 pub(crate) mod markdown;
-pub(crate) mod means;
+mod means;
 pub(crate) mod metrics;
 mod need;
 mod pareto;
