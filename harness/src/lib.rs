@@ -1,6 +1,5 @@
 //! The harness of tracebench: rays, ground truth, judge, measurer, studies, results, reports.
 
-pub mod ablation;
 pub mod cases;
 pub mod cli;
 pub mod compare;

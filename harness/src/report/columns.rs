@@ -6,7 +6,7 @@ use serde::Serialize;
 use tracebench_api::Query;
 
 use super::format::{self, clock_code, clock_of, significant};
-use super::metrics::{self, AMBIGUOUS, BUILD_TIME, FIRST_BUILD, Metric, STEADY_BUILD, STRUCTURE, Traced};
+use super::metrics::{self, AMBIGUOUS, BUILD_TIME, FIRST_BUILD, Metric, STEADY_BUILD, Traced};
 use super::sheet::{Cell, Column, Sheet};
 use crate::results::{
     CounterRecord, Judgement, PhaseRecord, Provenance, Run, SceneRecord, Times, TraceRecord, TracerRun, ViewpointRecord,
@@ -82,13 +82,6 @@ impl<'a, R> Sheet<'a, R> {
         let phase = |phase: &PhaseRecord| format!("{} {}", phase.name, significant(phase.median_ms, 3));
         let told = move |times: &Times| times.phases.iter().map(phase).collect::<Vec<_>>().join(between);
         self.told(heading, move |row| of(row).map(told))
-    }
-
-    /// With what building a structure took, and its bytes.
-    pub(super) fn build(self, of: impl Fn(&R) -> Option<&TracerRun> + Copy + 'a) -> Self {
-        self.clock("build_clock", move |row| of(row).map(|run| run.build.first()))
-            .builds("build", of)
-            .structure(STRUCTURE, of)
     }
 
     /// With the times of first and steady builds or, of records of before these were told, with that of builds under a name.

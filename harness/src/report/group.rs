@@ -111,23 +111,6 @@ impl RaySet<'_> {
     }
 }
 
-/// A contender with its trace of a ray set.
-pub(super) struct TracedRow<'a> {
-    pub group: &'a Group<'a>,
-    pub row: &'a TracerRun,
-    pub set: &'a RaySet<'a>,
-    pub trace: &'a TraceRecord,
-}
-
-/// Every trace of contenders, by group and contender.
-pub(super) fn traced_rows<'a>(groups: &'a [Group<'a>]) -> Vec<TracedRow<'a>> {
-    let of_row = |group: &'a Group<'a>, row: &'a TracerRun| {
-        let of_set = move |set: &'a RaySet<'a>| Some(TracedRow { group, row, set, trace: set.trace_of(row)? });
-        group.ray_sets.iter().filter_map(of_set)
-    };
-    groups.iter().flat_map(|group| group.contenders.iter().flat_map(move |row| of_row(group, row))).collect()
-}
-
 /// A section a group of a table's page: structures, then each ray set; then what did not run.
 pub(super) fn sections(
     run: &Run,

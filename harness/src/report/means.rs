@@ -1,93 +1,45 @@
-//! The table of equal means over one run: `table_means.md` and `table_means.csv`.
+//! What the table of equal means says beside its rows.
 
-use std::fmt::Write as _;
-
-use super::ReportError;
-use super::format::significant;
-use super::group::{Group, RaySet, Role, TracedRow, groups, sections, traced_rows};
-use super::metrics::{COUNT, SPEED};
-use super::sheet::{Cell, Sheet};
-use super::{cells, metrics, summary};
-use crate::results::{Answer, AtMeans, Means, Paired, Ratio, Run, TracerRun, at_means};
 use itertools::Itertools as _;
+
+use super::cells;
+use super::format::significant;
+use super::group::{Group, RaySet};
+use super::sheet::{Cell, Sheet};
+use crate::results::{Answer, AtMeans, Means, Paired, Run, TraceRecord, TracerRun, at_means};
 
 /// By how much speeds may differ and still be the same, a share.
 const SAME: f64 = 0.05;
 
-/// The files: name and contents.
-pub(crate) fn files(run: &Run) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
-    let mut run = run.clone();
-    run.runs.retain(|row| row.tracer.means().is_some());
-    let groups = groups(&run);
-    let file = "table_means.csv";
-    let rows = csv(file, &run, &groups)?;
-    Ok(vec![("table_means.md".to_owned(), page(&run, &groups).into_bytes()), (file.to_owned(), rows)])
-}
-
 /// The row of the same tracer by the means that all take where nothing is set.
-fn by_default<'a>(run: &Run, group: &Group<'a>, of: &TracerRun) -> Option<&'a TracerRun> {
+pub(super) fn by_default<'a>(run: &Run, group: &Group<'a>, of: &TracerRun) -> Option<&'a TracerRun> {
     let default = &run.provenance.means.as_ref()?.means;
     let is_default =
         |row: &&TracerRun| row.tracer.name == of.tracer.name && row.tracer.means().as_ref() == Some(default);
     group.contenders.iter().copied().find(is_default)
 }
 
-fn page(run: &Run, groups: &[Group<'_>]) -> String {
-    let mut text =
-        summary::head(run, "Table means: every tracer that searches on the device, by each way to read and to launch");
-    let _ = writeln!(
-        text,
-        "\n`reads` is what a search reads the structure from, `rays_per_lane` how many rays a lane answers one after the other; both are \
-         the same choice for every tracer. × default is how many times as fast a row is as the same tracer by the means that are taken \
-         here where nothing is set."
-    );
-    if let Some(taken) = &run.provenance.means {
-        let told = taken.probe.as_ref().map(|probe| {
-            let (texture, many) = (probe.texture_gain(), probe.many_rays_gain());
-            let [texture, many] = [texture, many].map(|gain| significant(gain, 3));
-            format!(
-                ": in the probe textures were {texture} times as fast as buffers, {} rays a lane {many} times as one",
-                probe.many_rays
-            )
-        });
-        let _ = writeln!(text, "Default: {}{}.", taken.means, told.unwrap_or_else(|| ", as given".to_owned()));
-    }
-    text + &sections(run, groups, structures, |group, set| traces(run, group, set) + &between(run, group, set))
+/// What the table is of, and what is taken where nothing is set.
+pub(super) fn default_means(run: &Run) -> String {
+    let text = "`reads` is what a search reads the structure from, `rays_per_lane` how many rays a lane answers one after the other; both are \
+                the same choice for every tracer. × default is how many times as fast a row is as the same tracer by the means that are taken \
+                here where nothing is set.";
+    let Some(taken) = &run.provenance.means else { return text.to_owned() };
+    let told = taken.probe.as_ref().map(|probe| {
+        let (texture, many) = (probe.texture_gain(), probe.many_rays_gain());
+        let [texture, many] = [texture, many].map(|gain| significant(gain, 3));
+        format!(
+            ": in the probe textures were {texture} times as fast as buffers, {} rays a lane {many} times as one",
+            probe.many_rays
+        )
+    });
+    format!("{text}\nDefault: {}{}.", taken.means, told.unwrap_or_else(|| ", as given".to_owned()))
 }
 
-fn structures(group: &Group<'_>) -> String {
-    // The launch does not shape it.
-    let built = group.contenders.iter().filter_map(|row| Some((*row, row.tracer.means()?.reads)));
-    let rows = built.unique_by(|(row, reads)| (&row.tracer.name, reads.clone())).collect_vec();
-    let sheet = Sheet::<(&TracerRun, String)>::new()
-        .told("tracer", |(row, reads)| format!("{} reads={reads}", row.tracer.name))
-        .build(|(row, _)| Some(row))
-        .build_phases("phases of the build (ms)", ", ", |(row, _)| row);
-    sheet.markdown(&rows)
-}
-
-fn traces(run: &Run, group: &Group<'_>, set: &RaySet<'_>) -> String {
-    let all = group.traces(set);
-    let rows: Vec<_> = all.iter().filter(|(role, ..)| *role == Role::Contender).copied().collect();
-    let sheet = Sheet::<cells::Row<'_>>::new()
-        .name(cells::own)
-        .own_clock(cells::own)
-        .taken(SPEED, cells::own)
-        // A ratio is a speed: never without its accuracy.
-        .told("× default ↑", |(_, row, trace)| over_default(run, group, set, row).filter(|_| metrics::judged(trace)))
-        .told("hits", |(_, row, trace)| {
-            let first = rows.iter().find(|(_, other, _)| other.tracer.name == row.tracer.name);
-            let same = first.is_none_or(|(.., first)| first.hits_sha256 == trace.hits_sha256);
-            if same { "the same" } else { "OTHERS" }
-        })
-        .right(set.query, cells::own)
-        .counted(&rows, cells::own);
-    format!("\n### {}\n{}\n{}", set.heading(), cells::coverage(&all), sheet.markdown(&rows))
-}
-
-/// How many times as fast a row is as the same tracer by the means that all take where nothing is set.
-fn over_default(run: &Run, group: &Group<'_>, set: &RaySet<'_>, row: &TracerRun) -> Option<Ratio> {
-    set.paired(run, by_default(run, group, row)?, row)?.ratio
+/// Whether a row answers as the first of its tracer does.
+pub(super) fn same_hits(rows: &[cells::Row<'_>], row: &TracerRun, trace: &TraceRecord) -> Cell {
+    let first = rows.iter().find(|(_, other, _)| other.tracer.name == row.tracer.name);
+    if first.is_none_or(|(.., first)| first.hits_sha256 == trace.hits_sha256) { "the same" } else { "OTHERS" }.into()
 }
 
 /// What is said of one where this is how long the other takes.
@@ -101,7 +53,7 @@ fn said(answer: &Answer) -> &'static str {
 }
 
 /// Every two methods at equal means and at each one's best.
-fn between(run: &Run, group: &Group<'_>, set: &RaySet<'_>) -> String {
+pub(super) fn between(run: &Run, group: &Group<'_>, set: &RaySet<'_>) -> String {
     type Pair<'a> = (&'a str, &'a str, AtMeans<Paired>);
     let names = group.contenders.iter().map(|row| row.tracer.name.as_str()).unique();
     let of = |name: &str| -> Vec<&TracerRun> {
@@ -131,27 +83,4 @@ fn between(run: &Run, group: &Group<'_>, set: &RaySet<'_>) -> String {
         })
         .told("so it is", |(.., found)| found.agreed(|found| said(&found.answer(SAME))).unwrap_or("undecided"));
     if rows.is_empty() { String::new() } else { format!("\n{}", sheet.markdown(&rows)) }
-}
-
-fn csv(file: &str, run: &Run, groups: &[Group<'_>]) -> Result<Vec<u8>, ReportError> {
-    let sheet = Sheet::<TracedRow<'_>>::new()
-        .scene(|row| &row.row.scene)
-        .column("viewpoint", |row| row.row.viewpoint.name.clone())
-        .column("tracer", |row| row.row.tracer.name.clone())
-        .column("reads", |row| row.row.tracer.means().map(|means| means.reads))
-        .column("rays_per_lane", |row| row.row.tracer.means().map(|means| means.rays_per_lane))
-        .build(|row| Some(row.row))
-        .rays(|row| Some(row.trace))
-        .trace(COUNT, |row| Some(row.trace))
-        .clock("clock", |row| Some(&row.trace.times))
-        .trace(SPEED, |row| Some(row.trace))
-        .ends(["speed_over_default", "speed_over_default_low", "speed_over_default_high"], |row| {
-            over_default(run, row.group, row.set, row.row)
-        })
-        .accuracy(|row| Some(row.trace))
-        .hits(|row| Some(row.trace))
-        .commit(&run.provenance)
-        .machine_of(&run.provenance, |row| row.row)
-        .counters(&run.runs, |row| Some(&row.trace.counters));
-    sheet.csv(file, &traced_rows(groups))
 }

@@ -3,13 +3,13 @@
 //! Every file is made whole in memory, written beside its place and renamed, so no file is ever half-written. The
 //! derived files depend on nothing but the run: made again from the same `run.json` they are the same bytes.
 
-pub(crate) mod ablation;
 pub(crate) mod cells;
 pub(crate) mod chart;
 pub(crate) mod columns;
 mod compare;
 mod distances;
 mod error;
+pub mod exact;
 mod explain;
 #[cfg(test)]
 pub(crate) mod fixture;
@@ -18,7 +18,7 @@ pub(crate) mod group;
 mod html;
 pub(crate) mod kept;
 pub(crate) mod markdown;
-pub(crate) mod means;
+mod means;
 pub(crate) mod metrics;
 mod need;
 mod pareto;
@@ -47,14 +47,14 @@ use serde::Deserialize;
 pub use chart::without_images;
 pub use compare::comparison_text;
 pub use error::ReportError;
-pub use explain::{EXPLAIN_PAGE, explanation_page};
+pub use explain::EXPLAIN_PAGE;
 pub use html::{Claims, MOST_BYTES, Makers, Page, page as html_page, quoted};
 pub use need::NEED_PAGE;
 pub use pareto::PARETO_PAGE;
 pub use stability::{STABILITY_TABLE, matrix as stability_matrix};
 pub use sweep::SWEEP_PAGE;
 pub use terminal::run_table;
-pub use tune::{TUNE_PAGE, tuning_overview};
+pub use tune::TUNE_PAGE;
 
 use crate::files::{self, OutputFolder};
 use crate::results::{FrontScene, PICTURES_FOLDER, Run, SCHEMA};
@@ -177,7 +177,7 @@ fn derived(run: &Run, tables: Tables) -> Result<(Contents, &'static [&'static st
         return Ok(([need::files(run, record)?, traces(run)?].concat(), &[need::STEM]));
     }
     if let Some(found) = &run.explanation {
-        let page = explanation_page(run, found);
+        let page = explain::explanation_page(run, found);
         return Ok((vec![(EXPLAIN_PAGE.to_owned(), page.into_bytes())], &[]));
     }
     Ok((of_run(run, tables)?, &chart::STEMS))

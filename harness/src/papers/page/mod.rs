@@ -8,7 +8,7 @@ mod published;
 
 use std::fmt::Write as _;
 
-pub use claims::{claims_files, claims_of, claims_text};
+pub use claims::{claims_files, claims_of};
 use measured::Row;
 
 use super::{DataError, Experiment, Paper, PublishedTable, Rows, judge};

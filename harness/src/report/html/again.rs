@@ -32,9 +32,8 @@ fn of_record(run: &Run) -> String {
         () if run.pareto.is_some() => "pareto",
         () if run.need.is_some() => "need",
         () if run.cases.is_some() => "stability",
-        () if run.tuning.is_some() => "tune",
         () if run.explanation.is_some() => "explain",
-        () if run.sweep.is_some() => "sweep",
+        () if run.sweep.is_some() || run.tuning.is_some() => "sweep",
         () if run.table.is_some() => "table",
         () => "run",
     };
@@ -43,6 +42,9 @@ fn of_record(run: &Run) -> String {
     match run.table.as_ref().filter(|_| verb == "table") {
         Some(table) => words.push(quoted(table)),
         None => option(&mut words, "--tracer", run.runs.iter().map(contender)),
+    }
+    if let Some(tuning) = &run.tuning {
+        option(&mut words, "--choose", [tuning.rule.name().to_owned()].into_iter());
     }
     // Cases are scenes with rays of their own.
     if verb != "stability" {

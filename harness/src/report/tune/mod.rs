@@ -26,11 +26,6 @@ pub(super) fn files(tuning: &Tuning) -> Result<Vec<(String, Vec<u8>)>, ReportErr
     Ok(contents)
 }
 
-/// The part of the page that tells what every choice is worth in every scene.
-pub fn tuning_overview(tuning: &Tuning) -> String {
-    page::head(tuning)
-}
-
 /// What the charts of the scenes are called, without their ends.
 fn chart_stems(tuning: &Tuning) -> Vec<String> {
     let told = |one: &SceneTuned| {

@@ -34,7 +34,7 @@ pub(super) fn page(tuning: &Tuning) -> String {
 }
 
 /// What holds of the whole tuning, and what every choice is worth in every scene.
-pub(super) fn head(tuning: &Tuning) -> String {
+fn head(tuning: &Tuning) -> String {
     let axis = &tuning.axis;
     let title = format!("Tuning {} of {}", inline(&axis.name), inline(&tuning.tracer.label()));
     let controls = verdict::tuning_controls(tuning);
