@@ -7,7 +7,7 @@ use tracebench_api::{AdapterChoice, AdapterListing, Gpu, TracerError};
 use super::CliError;
 use super::clock::{self, ClockArguments};
 use super::output::{print, print_json};
-use crate::machine;
+use crate::machine::{self, Machine};
 use crate::progress::Progress;
 use crate::report::format::mib;
 
@@ -32,70 +32,52 @@ pub(super) fn options(option: Arg) -> Arg {
     if is_free { option } else { option.requires("clock") }
 }
 
-/// Something that this machine lacks.
-struct Lack {
-    what: &'static str,
-    todo: String,
-}
-
-/// What the adapter that a run would take lacks, if there is one.
-fn lacks(adapters: &[AdapterListing], opened: &Result<Gpu, TracerError>) -> Vec<Lack> {
+/// What this machine lacks, each with what to do, by the device that a run would take.
+fn missing(adapters: &[AdapterListing], opened: &Result<Gpu, TracerError>) -> Vec<[String; 2]> {
     let gpu = match opened {
         Ok(gpu) => gpu,
-        Err(error) => return vec![Lack { what: "a device; tracers of the host run without", todo: error.to_string() }],
+        Err(error) => return vec![["a device; tracers of the host run without".to_owned(), error.to_string()]],
     };
     let hardware = adapters.iter().position(|adapter| adapter.kind != "software");
-    let named = |number: usize| format!("name one that is none: --adapter {number}");
-    let install = || "install the Vulkan driver of this machine's GPU, if it has one".to_owned();
+    let hardware = hardware.map_or_else(
+        || "install the Vulkan driver of this machine's GPU, if it has one".to_owned(),
+        |number| format!("name one that is none: --adapter {number}"),
+    );
+    let queries = "install a driver that has them (Mesa 25 on software), and leave --limits out";
     let lacks = [
-        (
-            gpu.is_software(),
-            "hardware: times by a software adapter say little of it",
-            hardware.map_or_else(install, named),
-        ),
+        (gpu.is_software(), "hardware: times by a software adapter say little of it", &*hardware),
         (
             !gpu.listing.timestamps,
             "timestamps: device work is timed by the host's clock",
-            "nothing: accuracy is the same".to_owned(),
+            "nothing: accuracy is the same",
         ),
-        (
-            !gpu.has_ray_queries(),
-            "ray queries: a tracer that needs them is skipped",
-            "install a driver that has them (Mesa 25 on software), and leave --limits out".to_owned(),
-        ),
+        (!gpu.has_ray_queries(), "ray queries: a tracer that needs them is skipped", queries),
     ];
-    lacks.into_iter().filter(|(lacks, ..)| *lacks).map(|(_, what, todo)| Lack { what, todo }).collect()
+    lacks.into_iter().filter(|(lacks, ..)| *lacks).map(|(_, what, todo)| [what, todo].map(str::to_owned)).collect()
 }
 
 pub(super) fn doctor(arguments: &DoctorArguments, progress: &Progress) -> Result<(), CliError> {
-    let DoctorArguments { json, clock, of_clock } = arguments;
-    if *clock {
-        return clock::clock(of_clock, progress);
+    if arguments.clock {
+        return clock::clock(&arguments.of_clock, progress);
     }
-    let device = &of_clock.common.device;
+    let device = &arguments.of_clock.common.device;
     // A backend that does not exist is an error here too, not an empty list.
     let choice = AdapterChoice::from_environment(device.adapter.as_deref(), device.limits)?;
     let adapters = tracebench_api::list_adapters();
     let opened = Gpu::open(&choice);
-    let same = |adapter: &AdapterListing, of: &AdapterListing| {
-        (&adapter.name, &adapter.backend, &adapter.driver) == (&of.name, &of.backend, &of.driver)
-    };
+    let missing = missing(&adapters, &opened);
     let gpu = opened.as_ref().ok();
-    let taken = gpu.and_then(|gpu| adapters.iter().position(|adapter| same(adapter, &gpu.listing)));
-    let lacks = lacks(&adapters, &opened);
-    let machine = machine::this_machine(None);
-    if *json {
-        let numbered = |(number, adapter): (usize, &AdapterListing)| {
-            let mut adapter = json!(adapter);
-            adapter["number"] = json!(number);
-            adapter
-        };
-        let machine::Machine { cpu, threads, memory_bytes, os, rustc, .. } = machine;
-        let lack = |lack: &Lack| json!({ "what": lack.what, "do": lack.todo });
+    // Without what a probe would have to find out.
+    let machine = Machine { adapter: gpu.map(|gpu| gpu.listing.clone()), ..machine::this_machine(None) };
+    let is_taken = |of: &AdapterListing| {
+        let taken = |gpu: &Gpu| (&gpu.listing.name, &gpu.listing.backend) == (&of.name, &of.backend);
+        gpu.is_some_and(taken)
+    };
+    let taken = adapters.iter().position(is_taken);
+    if arguments.json {
+        let missing: Vec<_> = missing.iter().map(|[what, todo]| json!({ "what": what, "do": todo })).collect();
         return print_json(&json!({
-            "cpu": cpu, "threads": threads, "memory_bytes": memory_bytes, "os": os, "rustc": rustc, "commit": machine::COMMIT,
-            "adapters": adapters.iter().enumerate().map(numbered).collect::<Vec<_>>(), "taken": taken,
-            "opened": gpu.map(|gpu| &gpu.listing), "missing": lacks.iter().map(lack).collect::<Vec<_>>(),
+            "machine": machine, "commit": machine::COMMIT, "adapters": adapters, "taken": taken, "missing": missing,
         }));
     }
     let memory = machine.memory_bytes.map_or_else(String::new, |bytes| format!(", {} MiB of memory", mib(bytes)));
@@ -104,19 +86,15 @@ pub(super) fn doctor(arguments: &DoctorArguments, progress: &Progress) -> Result
         let AdapterListing { name, kind, backend, driver, driver_version, .. } = adapter;
         text += &format!("{number}: {name} ({kind}, {backend}, driver {driver} {driver_version})\n");
     }
-    if let Some(gpu) = gpu {
-        let listing = &gpu.listing;
-        let number = taken.map_or_else(|| listing.name.clone(), |number| number.to_string());
+    if let (Some(number), Some(adapter)) = (taken, &machine.adapter) {
         text += &format!(
             "taken: {number}; buffers of {} MiB, bindings of {} MiB, {} storage buffers a stage, textures of {} texels along an edge\n",
-            mib(listing.max_buffer_bytes),
-            mib(listing.max_storage_binding_bytes),
-            listing.max_storage_buffers_per_stage,
-            listing.max_texture_edge,
+            mib(adapter.max_buffer_bytes),
+            mib(adapter.max_storage_binding_bytes),
+            adapter.max_storage_buffers_per_stage,
+            adapter.max_texture_edge,
         );
     }
-    for Lack { what, todo } in &lacks {
-        text += &format!("missing: {what}\n  to do: {todo}\n");
-    }
+    text.extend(missing.iter().map(|[what, todo]| format!("missing: {what}\n  to do: {todo}\n")));
     print(&text)
 }

@@ -180,22 +180,16 @@ impl<'a, R> Sheet<'a, R> {
         self.constant("commit", from.commit.clone())
     }
 
-    /// With the run's preset and its machine.
-    fn run(self, preset: &str, seed: Option<u64>, from: &Provenance) -> Self {
-        let sheet = self.constant("run_preset", preset);
-        let sheet = if let Some(seed) = seed { sheet.constant("seed", seed) } else { sheet };
-        sheet.constant("machine", from.machine.label())
-    }
-
     /// With of what, how and where a table was measured.
     pub(super) fn provenance(self, from: &Provenance, preset: &str) -> Self {
-        self.commit(from).run(preset, None, from)
+        self.commit(from).constant("run_preset", preset).constant("machine", from.machine.label())
     }
 
-    /// The same with whether the tree was changed, and what rays come from where tables say so.
-    pub(super) fn whole_provenance(self, run: &Run, seed: Option<u64>) -> Self {
-        let from = &run.provenance;
-        self.commit(from).constant("dirty", from.dirty).run(&run.preset, seed, from)
+    /// The same with whether the tree was changed, and what rays come from.
+    pub(super) fn whole_provenance(self, run: &Run) -> Self {
+        let Run { provenance, preset, seed, .. } = run;
+        let sheet = self.commit(provenance).constant("dirty", provenance.dirty).constant("run_preset", &**preset);
+        sheet.constant("seed", *seed).constant("machine", provenance.machine.label())
     }
 
     /// With the machine of each row, where a record has several.

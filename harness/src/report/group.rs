@@ -5,8 +5,7 @@ use std::collections::BTreeSet;
 use tracebench_api::Query;
 
 use super::format;
-use super::markdown::{inline, literal};
-use super::summary::skipped;
+use super::markdown::inline;
 use crate::results::{Paired, Run, SceneRecord, Timed, TraceRecord, TracerRun, ViewpointRecord};
 
 /// Runs that may be compared.
@@ -109,21 +108,6 @@ impl RaySet<'_> {
     pub(super) fn paired(&self, run: &Run, one: &TracerRun, other: &TracerRun) -> Option<Paired> {
         Some(run.paired(&Timed::trace(one, self.trace_of(one)?), &Timed::trace(other, self.trace_of(other)?)))
     }
-}
-
-/// A section a group of a table's page: structures, then each ray set; then what did not run.
-pub(super) fn sections(
-    run: &Run,
-    groups: &[Group<'_>],
-    structures: impl Fn(&Group<'_>) -> String,
-    traces: impl Fn(&Group<'_>, &RaySet<'_>) -> String,
-) -> String {
-    let section = |group: &Group<'_>| {
-        let (scene, triangles) = (literal(&group.scene.name), format::thousands(group.scene.triangles));
-        let sets: String = group.ray_sets.iter().map(|set| traces(group, set)).collect();
-        format!("\n## {scene} ({triangles} triangles)\n\n{}{sets}", structures(group))
-    };
-    groups.iter().map(section).collect::<String>() + &skipped(&run.skipped)
 }
 
 /// What a page calls rays.

@@ -7,8 +7,9 @@ use itertools::Itertools as _;
 
 use super::ReportError;
 use super::cells::{Row as Cells, coverage, own};
-use super::format::significant;
-use super::group::{Group, RaySet, Role, groups, sections};
+use super::format::{significant, thousands};
+use super::group::{Group, RaySet, Role, groups};
+use super::markdown::literal;
 use super::means::{by_default, default_means, same_hits};
 use super::metrics::{COUNT, SPEED, STRUCTURE};
 use super::sheet::{Cell, Column, Columns, Sheet};
@@ -132,15 +133,17 @@ fn page(table: &Table, run: &Run, groups: &[Group<'_>]) -> String {
         ),
     };
     let _ = writeln!(text, "\n{words}");
-    text + &sections(
-        run,
-        groups,
-        |group| structures(table, group),
-        |group, set| {
-            let between = if table.rows == Rows::Means { means::between(run, group, set) } else { String::new() };
-            traces(table, run, group, set) + &between
-        },
-    )
+    for group in groups {
+        let (scene, triangles) = (literal(&group.scene.name), thousands(group.scene.triangles));
+        let _ = write!(text, "\n## {scene} ({triangles} triangles)\n\n{}", structures(table, group));
+        for set in &group.ray_sets {
+            text += &traces(table, run, group, set);
+            if table.rows == Rows::Means {
+                text += &means::between(run, group, set);
+            }
+        }
+    }
+    text + &summary::skipped(&run.skipped)
 }
 
 /// Columns of structures beside the reference's.

@@ -28,7 +28,7 @@ pub(super) fn traces(run: &Run, groups: &[Group<'_>]) -> Result<Vec<u8>, ReportE
         .clock("clock", |(.., trace)| Some(&trace.times))
         .clock("build_clock", |(_, run, _)| Some(run.build.first()))
         .hits(|(.., trace)| Some(trace))
-        .whole_provenance(run, Some(run.seed))
+        .whole_provenance(run)
         .metrics(&run.runs, |(_, run, trace)| Some((run, trace)))
         .with(of_maps(&rows));
     sheet.csv("traces.csv", &rows)
