@@ -1,5 +1,5 @@
 # For the scripts beside this that measure by the program, which source it with the table that they write, below results/:
-#     . "$(dirname "$0")/study.sh" software-exact/exact.csv
+#     . "$(dirname "$0")/study.sh" software-frames/frames.csv
 # Gives `root`, `out` (the table, or the file that OUT names), `program` (built where it is missing, or what PROGRAM names) and `scratch`;
 # `keep`, which keeps a record that was read, packed, in a folder beside the table; and `finish`, which puts both there.
 set -euo pipefail

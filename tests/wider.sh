@@ -24,7 +24,7 @@ run() {
     cargo test --release --workspace --lib --bins --tests --no-fail-fast -- "$2" 2>&1 | tee "$log" || outcome=FAILED
     {
         # Built with the tests.
-        target/release/tracebench adapters --quiet | sed "s/^/$1: adapter /"
+        target/release/tracebench doctor --quiet | sed -n "s/^\([0-9]*: \)/$1: adapter \1/p"
         echo
         # `ok binary name`, in the order of the run.
         awk '/^ +Running /{ binary = $NF; sub(/.*\//, "", binary); sub(/-[0-9a-f]+(\.exe)?\)$/, "", binary) }

@@ -1,6 +1,5 @@
 //! The harness of tracebench: rays, ground truth, judge, measurer, studies, results, reports.
 
-pub mod ablation;
 pub mod cases;
 pub mod cli;
 pub mod compare;
@@ -16,7 +15,6 @@ pub mod peers;
 pub mod picture;
 pub mod plan;
 pub mod progress;
-pub mod quotes;
 pub mod rays;
 pub mod registry;
 pub mod report;

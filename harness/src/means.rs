@@ -1,24 +1,16 @@
 //! How searches on the device read and are launched where nothing is set: one rule for all tracers, by a short probe of the adapter.
 
-use tracebench_api::{Choice, Preset, TracerError};
+use tracebench_api::{Choice, TracerError};
 use tracebench_kit::{MANY_RAYS, ProbeTimes, Reads, probe_means};
 
 use crate::plan::TracerRequest;
-use crate::registry::{Device, TRACERS};
+use crate::registry::Device;
 use crate::results::{Means, MeansRecord, ProbeRecord, RAYS_PER_LANE, READS};
 
 /// Every combination that tables show: what searches read from, with a ray a lane and with as many as the probe tries.
 pub fn combinations() -> Vec<Means> {
     let of = |rays| Reads::ALL.iter().map(move |reads| Means::new(reads.name(), rays));
     [1, u64::from(MANY_RAYS)].into_iter().flat_map(of).collect()
-}
-
-/// Every tracer that has the choice, as published, by every combination.
-pub fn contenders() -> Vec<TracerRequest> {
-    let published = TRACERS.iter().map(|registration| TracerRequest::of(registration, Preset::Published));
-    let of =
-        |request: TracerRequest| combinations().into_iter().filter_map(move |means| request.clone().with_means(&means));
-    published.filter(TracerRequest::has_means).flat_map(of).collect()
 }
 
 /// Reads means as `--means` takes them: `buffer,1`.
@@ -64,7 +56,7 @@ impl TracerRequest {
     }
 
     /// With means of its own; `None` for a tracer that cannot have them.
-    fn with_means(mut self, means: &Means) -> Option<Self> {
+    pub(crate) fn with_means(mut self, means: &Means) -> Option<Self> {
         let settings = [(READS, means.reads.clone()), (RAYS_PER_LANE, means.rays_per_lane.to_string())];
         settings.iter().all(|(name, value)| self.set(name, value).is_ok()).then_some(self)
     }
@@ -84,7 +76,10 @@ impl TracerRequest {
 
 #[cfg(test)]
 mod tests {
+    use tracebench_api::Preset;
+
     use super::*;
+    use crate::registry::TRACERS;
 
     /// Proves that means are taken by every tracer that has the choice where nothing is set, that what is set stays, that they do not
     /// count as changed, and that other parameters stay.

@@ -124,6 +124,8 @@ pub enum ViewRequest {
     Given(Pose),
     /// Another one of the same scene than a request means, by the rule of [`crate::viewpoint::other`].
     Other(Box<ViewRequest>),
+    /// The camera of this place; where the scene has fewer the default eye, by so many parts of a circle further.
+    Nth(usize, usize),
 }
 
 /// Resolutions from which a structure takes its own.

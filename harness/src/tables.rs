@@ -1,101 +1,112 @@
-//! Every table that `tracebench table` makes: of peers, of means, of ablations, and of the papers' tables and figures.
+//! Every table that `tracebench table` makes: of tracers at settings, of whether any ray is wrong, of the papers' tables
+//! and figures, and of their claims.
 
 use std::path::PathBuf;
 
-use crate::ablation;
-use crate::contenders::Ablation;
+use tracebench_api::Preset;
+
 use crate::files::OutputFolder;
-use crate::means;
 use crate::papers::{self, Experiment, PAPERS, Paper};
-use crate::peers::{self, Subject, TABLES};
+use crate::peers::{self, Subject};
+use crate::registry;
 use crate::report::{self, Report, ReportError};
 use crate::results::Run;
 
 /// A table.
 #[derive(Clone, Copy, Debug)]
 pub enum Table {
-    /// Tracers of one family side by side.
-    Peers(&'static peers::Table),
+    /// Tracers at settings, a row each.
+    Settings(&'static peers::Table),
+    /// Whether a tracer has any wrong ray, from five viewpoints of every scene.
+    Exact,
     /// A paper's table or figure.
     Paper(&'static Paper, &'static Experiment),
-    /// Every tracer that searches on the device, by each way to read and to launch.
-    Means,
-    /// The switches of a tracer's improved form.
-    Ablation(&'static Ablation),
+    /// All that a paper claims, by runs of its tables.
+    Claims(&'static Paper),
+}
+
+/// The name of the table of wrong rays.
+pub const EXACT: &str = "exact";
+
+/// The tracer of which that is asked where none is named, as `--tracer` takes it: the first with analytic hits whose weaknesses a ladder takes
+/// away, as improved.
+pub fn exact_tracer() -> String {
+    let first = registry::first(|each| each.is_analytic() && !each.ladder.is_empty());
+    first.map_or_else(String::new, |first| format!("{}:{}", first.name(), Preset::Improved.name()))
 }
 
 impl Table {
-    /// Every table, those of peers first.
+    /// Every table, those of papers last.
     pub fn all() -> impl Iterator<Item = Self> {
         let of = |paper: &&'static Paper| {
             let paper = *paper;
-            paper.experiments.iter().map(move |experiment| Self::Paper(paper, experiment))
+            let experiments = paper.experiments.iter().map(move |experiment| Self::Paper(paper, experiment));
+            experiments.chain([Self::Claims(paper)])
         };
-        let ablations = ablation::all().map(|(_, ablation)| Self::Ablation(ablation));
-        TABLES.iter().map(Self::Peers).chain([Self::Means]).chain(ablations).chain(PAPERS.iter().flat_map(of))
+        peers::all().map(Self::Settings).chain([Self::Exact]).chain(PAPERS.iter().flat_map(of))
     }
 
     /// Finds a table by name.
     pub fn find(name: &str) -> Option<Self> {
-        (name == Self::Means.name())
-            .then_some(Self::Means)
-            .or_else(|| peers::find(name).map(Self::Peers))
-            .or_else(|| ablation::find(name).map(Self::Ablation))
-            .or_else(|| papers::find(name).map(|(paper, experiment)| Self::Paper(paper, experiment)))
+        Self::all().find(|table| table.name() == name)
     }
 
     /// Its stable name; files are named after it.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Peers(table) => table.name,
+            Self::Settings(table) => table.name,
+            Self::Exact => EXACT,
             Self::Paper(_, experiment) => experiment.name,
-            Self::Means => "means",
-            Self::Ablation(ablation) => ablation.name,
+            Self::Claims(paper) => paper.claims_table,
         }
     }
 
     /// What it shows, in one line.
     pub fn summary(self) -> &'static str {
         match self {
-            Self::Peers(table) => table.summary,
+            Self::Settings(table) => table.summary,
+            Self::Exact => {
+                "whether a tracer has any wrong ray: every ray set from five viewpoints of every scene, with status 1 if it has"
+            }
             Self::Paper(_, experiment) => experiment.summary,
-            Self::Means => "equal means: every tracer that searches on the device, by each way to read and to launch",
-            Self::Ablation(ablation) => ablation.summary,
+            Self::Claims(_) => {
+                "all that the paper claims, with a verdict on every claim by the runs of its tables that --from names"
+            }
         }
     }
 
     /// Ray sets where nothing else is said, as `--rays` takes them.
     pub fn rays(self) -> &'static str {
         match self {
-            Self::Peers(table) => table.rays,
+            Self::Settings(table) => table.rays,
+            Self::Exact => "all",
             Self::Paper(_, experiment) => experiment.rays,
-            Self::Means => "primary,diffuse",
-            Self::Ablation(ablation) => ablation.rays,
+            Self::Claims(_) => "",
         }
     }
 
     /// Whether it is over animations, or along the camera's path.
     pub fn is_moving(self) -> bool {
-        matches!(self, Self::Peers(peers::Table { subject: Subject::Moving | Subject::Walked, .. }))
+        matches!(self, Self::Settings(peers::Table { subject: Subject::Moving | Subject::Walked, .. }))
     }
 
     /// Whether a tracer of this name belongs into it.
     pub fn holds(self, tracer: &str) -> bool {
         match self {
-            Self::Peers(table) => table.holds(tracer),
+            Self::Settings(table) => table.holds(tracer),
+            Self::Exact => true,
             Self::Paper(_, experiment) => experiment.holds(tracer),
-            Self::Means => means::contenders().iter().any(|request| request.name() == tracer),
-            Self::Ablation(ablation) => ablation.holds(tracer),
+            Self::Claims(_) => false,
         }
     }
 
     /// It over a run.
     fn report(self, run: &Run) -> Result<Report, ReportError> {
         Ok(match self {
-            Self::Peers(table) => report::peers::report(table, run),
+            Self::Settings(table) => report::peers::report(table, run),
+            Self::Exact => report::exact::report(EXACT, &format!("Table {EXACT}: {}", self.summary()), run),
             Self::Paper(paper, experiment) => papers::report(paper, experiment, run)?,
-            Self::Means => report::means::report(run),
-            Self::Ablation(ablation) => report::ablation::report(ablation, run),
+            Self::Claims(paper) => papers::claims_report(paper, std::slice::from_ref(run))?,
         })
     }
 }

@@ -10,7 +10,7 @@
 
 mod other;
 
-use glam::{DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 use rayon::prelude::*;
 use tracebench_api::{Geometry, Viewpoint};
 use tracebench_scenes::Camera;
@@ -99,6 +99,15 @@ impl Pose {
             up: Vec3::Y,
             vertical_fov: DEFAULT_VERTICAL_FOV_DEGREES.to_radians(),
         })
+    }
+
+    /// Another eye on the circle through this one, level round what lies half a diagonal before it, by so many parts of the circle further.
+    pub fn turned(&self, diagonal: f64, parts: usize, of: usize) -> Self {
+        let (eye, target) = (self.eye.as_dvec3(), self.target.as_dvec3());
+        let centre = eye + (target - eye).normalize_or(DVec3::NEG_Z) * (diagonal / 2.0);
+        let turn = DQuat::from_rotation_y(std::f64::consts::TAU * parts as f64 / of as f64);
+        let name = format!("{}, {parts}/{of} further", self.name);
+        Self { name, eye: (centre + turn * (eye - centre)).as_vec3(), target: centre.as_vec3(), ..self.clone() }
     }
 
     /// The viewpoint at given resolutions. Near is a thousandth of the scene's diagonal; far lies behind everything.

@@ -20,7 +20,7 @@ use std::time::Duration;
 use peak_alloc::PeakAlloc;
 use serde_json::{Value, json};
 use tracebench_harness::report::{self, MOST_BYTES, Makers};
-use tracebench_harness::results::{Run, merge};
+use tracebench_harness::results::{CHOOSE, Run, merge};
 use tracebench_harness::statistics::median;
 use tracebench_harness::{compare, papers, tables};
 use tracebench_tests::fuzz::{self, Execution, Random, Tally, Vocabulary};
@@ -333,7 +333,7 @@ fn seeds_are_sound() {
     let _alone = alone();
     let whole: Vec<(String, Run)> =
         files("seeds").into_iter().map(|(name, text)| (name, Run::read(&text).unwrap())).collect();
-    for verb in ["run", "sweep", "tune", "stability", "explain", "pareto", "need", "table"] {
+    for verb in ["run", "sweep", CHOOSE, "stability", "explain", "pareto", "need", "table"] {
         assert!(whole.iter().any(|(_, run)| run.verb() == verb), "{verb}");
     }
     for (name, text) in files("seeds") {

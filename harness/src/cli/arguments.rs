@@ -19,7 +19,7 @@ use crate::plan::{
 };
 use crate::rays::{BETWEEN_SAMPLES, MOST_RAYS, RaySet, between_samples as image_between_samples};
 use crate::results::{Further, Sampling};
-use crate::tables::Table;
+use crate::tables::{self, Table};
 
 /// Most frames of an animation: their vertices are all held at once.
 const MOST_FRAMES: i64 = 240;
@@ -48,6 +48,8 @@ pub(super) struct TableArguments {
     /// (all that move, for a table over animations; for a paper's table those that stand for the paper's).
     #[arg(long)]
     pub scene: Option<OsString>,
+    #[arg(long, help = exact_tracer_help())]
+    pub tracer: Option<String>,
     /// Ray sets: names from `list rays` with commas, or all; the table's own if not given.
     #[arg(long)]
     pub rays: Option<String>,
@@ -60,7 +62,7 @@ pub(super) struct TableArguments {
     /// Of a paper's table the rows alone of this tracer that have one of these values, and all of other tracers. May be repeated.
     #[arg(long, value_name = "T.P=V,V")]
     pub only: Vec<String>,
-    /// Of a paper's table the rows that say nothing of a parameter which this run tuned (a file of `tune` or the folder that holds it): they
+    /// Of a paper's table the rows that say nothing of a parameter which this run tuned (a file of `sweep --choose` or the folder that holds it): they
     /// have the value that is best from another viewpoint of the same scene.
     #[arg(long, value_name = "RUN")]
     pub tuned: Option<PathBuf>,
@@ -68,12 +70,13 @@ pub(super) struct TableArguments {
     /// that holds it.
     #[arg(long, value_name = "RUN", conflicts_with_all = ["from", "resume", "shard", "out"])]
     pub estimate: Option<PathBuf>,
-    /// Measures nothing: makes the table of what was measured before, a file or the folder that holds it.
-    #[arg(long, value_name = "RUN", conflicts_with_all = [
-        "scene", "rays", "frames", "size", "frame", "face", "view", "time", "scale", "settings", "adapter", "limits",
+    /// Measures nothing: makes the table of what was measured before, a file or the folder that holds it. Claims are judged by any number of
+    /// runs of their paper's tables; those that none measures are listed with the table that would.
+    #[arg(long, value_name = "RUN", num_args = 1.., conflicts_with_all = [
+        "scene", "tracer", "rays", "frames", "size", "frame", "face", "view", "time", "scale", "settings", "adapter", "limits",
         "preset", "samples", "interval", "time_limit", "seed", "resume", "shard", "only", "tuned", "part", "means",
     ])]
-    pub from: Option<PathBuf>,
+    pub from: Vec<PathBuf>,
     #[command(flatten)]
     pub work: WorkArguments,
 }
@@ -166,7 +169,7 @@ pub(super) struct CommonArguments {
 /// Which device serves.
 #[derive(Args)]
 pub(super) struct DeviceArguments {
-    /// Adapter: part of its name, or its number in `adapters`.
+    /// Adapter: part of its name, or its number in `doctor`.
     #[arg(long, value_name = "NAME", value_parser = clap::builder::NonEmptyStringValueParser::new())]
     pub adapter: Option<String>,
     /// Within which limits the device is opened: those of the adapter (default), or webgpu, the ones that every browser grants,
@@ -281,6 +284,10 @@ impl RunArguments {
     }
 }
 
+fn exact_tracer_help() -> String {
+    format!("Of table {} the tracers, as `run` takes them; {} if not given", tables::EXACT, tables::exact_tracer())
+}
+
 impl TableArguments {
     /// What a table is about: its own scenes, tracers and ray sets where nothing else is said.
     pub(super) fn matter(&self, table: Table) -> Result<Matter, CliError> {
@@ -288,20 +295,19 @@ impl TableArguments {
         let listed = |name: &str| SceneSource::Catalogue(name.to_owned());
         let scenes = match (&self.scene, table) {
             (Some(list), _) => names::scenes(list)?,
-            (None, Table::Peers(peers)) => tracebench_scenes::catalogue()
+            (None, Table::Settings(peers)) => tracebench_scenes::catalogue()
                 .iter()
                 .filter(|entry| peers.subject != Subject::Moving || entry.animation_s.is_some())
                 .map(|entry| listed(entry.name))
                 .collect(),
-            (None, Table::Means | Table::Ablation(_)) => {
-                tracebench_scenes::catalogue().iter().map(|entry| listed(entry.name)).collect()
-            }
+            (None, Table::Claims(_)) => Vec::new(),
+            (None, Table::Exact) => names::scenes(OsStr::new("all"))?,
             (None, Table::Paper(_, experiment)) => experiment.scenes.iter().map(|each| listed(each.scene)).collect(),
         };
         let tracers = match table {
-            Table::Peers(peers) => names::peers(peers, settings)?,
-            Table::Means => names::at_means(settings)?,
-            Table::Ablation(ablation) => names::ablated(ablation, settings)?,
+            Table::Settings(peers) => names::peers(peers, settings)?,
+            Table::Claims(_) => Vec::new(),
+            Table::Exact => names::tracers(self.tracer.as_deref().unwrap_or(&tables::exact_tracer()), settings)?,
             Table::Paper(_, experiment) => {
                 let mut steps = names::steps(experiment, settings)?;
                 names::only(&mut steps, &self.only)?;
@@ -342,6 +348,11 @@ impl WorkArguments {
             None => RunPreset::for_adapter(hardware()),
         };
         let preset = table.and_then(papers::find).map_or(preset, |(paper, _)| paper.resolved(preset));
+        let is_exact = table == Some(tables::EXACT);
+        // Nobody asks that table for times, and no set of it is to outweigh the others.
+        let preset = if is_exact { RunPreset { sampling: Sampling::rounds(1), ..preset } } else { preset };
+        let own = is_exact.then(|| "rays.pixel_random_count=2".to_owned()).into_iter();
+        let settings: Vec<String> = own.chain(self.common.settings.iter().cloned()).collect();
         let frame = self.frame.unwrap_or(preset.frame);
         let own_image = match between_samples {
             true => image_between_samples(preset.ray_image, frame, BETWEEN_SAMPLES),
@@ -355,7 +366,7 @@ impl WorkArguments {
             scene_scale: self.common.scale.unwrap_or(preset.scene_scale),
             ..preset
         };
-        let ray_parameters = names::ray_values(&self.common.settings)?;
+        let ray_parameters = names::ray_values(&settings)?;
         let time_s = self.common.time;
         Ok(Plan {
             scenes,

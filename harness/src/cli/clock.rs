@@ -1,4 +1,4 @@
-//! `clock`.
+//! `doctor --clock`.
 
 use std::ffi::OsString;
 use std::io::Write as _;
@@ -22,7 +22,7 @@ use crate::truth::Cache;
 pub(super) struct ClockArguments {
     /// The tracer that is raced against itself, NAME or NAME:PRESET.
     #[arg(long)]
-    tracer: String,
+    tracer: Option<String>,
     /// Scene: a name from `list scenes`, or a path to a .gltf or .glb file.
     #[arg(long, default_value = "room")]
     scene: OsString,
@@ -59,7 +59,7 @@ pub(super) struct ClockArguments {
     #[arg(long, value_name = "DIR", conflicts_with = "record")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    common: CommonArguments,
+    pub(super) common: CommonArguments,
 }
 
 fn slowdown(text: &str) -> Result<u32, String> {
@@ -68,7 +68,7 @@ fn slowdown(text: &str) -> Result<u32, String> {
 }
 
 pub(super) fn clock(arguments: &ClockArguments, progress: &Progress) -> Result<(), CliError> {
-    let tracers = names::tracers(&arguments.tracer, &arguments.common.settings)?;
+    let tracers = names::tracers(arguments.tracer.as_deref().unwrap_or_default(), &arguments.common.settings)?;
     let [tracer] = tracers.as_slice() else {
         return Err(CliError::Argument("--tracer: clock races one tracer against itself".to_owned()));
     };

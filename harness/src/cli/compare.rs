@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::CliError;
-use super::output::print;
+use super::output::{print, print_text};
 use crate::compare::{self, Comparison, DEFAULT_THRESHOLD};
 use crate::report;
 use crate::results::Run;
@@ -48,12 +48,12 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {
         )));
     }
     let found = compare::compare((&a.0, &a.1), (&b.0, &b.1), arguments.threshold / 100.0);
-    print(&if arguments.json {
+    if arguments.json {
         let json = serde_json::to_string_pretty(&found).map_err(|error| CliError::Other(error.to_string()))?;
-        json + "\n"
+        print(&(json + "\n"))?;
     } else {
-        report::comparison_text(&found)
-    })?;
+        print_text(&report::comparison_text(&found))?;
+    }
     if arguments.fail_on_regression { outcome(&found) } else { Ok(()) }
 }
 

@@ -6,7 +6,7 @@ use clap::Args;
 use serde_json::Value;
 
 use super::arguments::{Matter, WorkArguments};
-use super::output::print;
+use super::output::print_page;
 use super::work::{Clock, Work, described};
 use super::{CliError, names};
 use crate::measure::Context;
@@ -71,7 +71,7 @@ pub(super) fn explain(arguments: &ExplainArguments, progress: &Progress) -> Resu
     let run = work.bench.measure(&plan, progress, execute)?;
     let Some(found) = &run.explanation else { return Ok(()) };
     let page = work.bench.out.path().join(report::EXPLAIN_PAGE);
-    print(&format!("{}\n{}\n", report::explanation_page(&run, found), page.display()))?;
+    print_page(&page, Some("## By scene"))?;
     let open: Vec<String> = found
         .left_open()
         .into_iter()

@@ -1,27 +1,18 @@
-//! `adapters` and `list`.
+//! `list`.
 
 use clap::{Args, ValueEnum};
 use itertools::Itertools as _;
 use serde_json::{Value, json};
-use tracebench_api::{AdapterChoice, AdapterListing, Description, Domain, ParameterDescription, Preset, Query};
+use tracebench_api::{Description, Domain, ParameterDescription, Preset, Query};
 use tracebench_scenes::CatalogueEntry;
 
 use super::CliError;
-use super::output::print;
+use super::output::{print, print_json};
 use crate::cases::{CASES, Case};
-use crate::means;
 use crate::plan::TracerRequest;
-use crate::progress::Progress;
 use crate::rays::{RAY_SETS, RaySet, ray_parameters};
 use crate::registry::TRACERS;
-use crate::tables::Table;
-
-#[derive(Args)]
-pub(super) struct AdapterArguments {
-    /// As a JSON array of objects.
-    #[arg(long)]
-    json: bool,
-}
+use crate::tables::{self, Table};
 
 #[derive(Args)]
 pub(super) struct ListArguments {
@@ -40,28 +31,6 @@ enum Kind {
     Rays,
     Cases,
     Tables,
-}
-
-fn print_json(value: &Value) -> Result<(), CliError> {
-    print(&format!("{value:#}\n"))
-}
-
-pub(super) fn adapters(arguments: &AdapterArguments, progress: &Progress) -> Result<(), CliError> {
-    // A backend that does not exist is an error here too, not an empty list.
-    AdapterChoice::from_environment(None, None)?;
-    let adapters = tracebench_api::list_adapters();
-    if arguments.json {
-        let value = serde_json::to_value(&adapters).map_err(|error| CliError::Other(error.to_string()))?;
-        return print_json(&value);
-    }
-    if adapters.is_empty() {
-        progress.say("no graphics adapter was found; setup.sh installs a software one on Debian and Ubuntu");
-    }
-    let line = |(number, adapter): (usize, &AdapterListing)| {
-        let AdapterListing { name, kind, backend, driver, driver_version, .. } = adapter;
-        format!("{number}: {name} ({kind}, {backend}, driver {driver} {driver_version})\n")
-    };
-    print(&adapters.iter().enumerate().map(line).collect::<String>())
 }
 
 pub(super) fn list(arguments: &ListArguments) -> Result<(), CliError> {
@@ -204,10 +173,10 @@ fn rows(table: Table) -> Vec<String> {
         format!("{}{preset}{own}", request.name())
     };
     let requests = match table {
-        Table::Peers(peers) => peers.contenders(),
-        Table::Means => means::contenders(),
-        Table::Ablation(ablation) => ablation.contenders(),
+        Table::Settings(peers) => peers.contenders(),
         Table::Paper(_, experiment) => experiment.requests().concat(),
+        Table::Claims(_) => Vec::new(),
+        Table::Exact => return vec![tables::exact_tracer()],
     };
     requests.iter().map(row).unique().collect()
 }
@@ -219,8 +188,10 @@ fn tables() -> Vec<Value> {
             "name": table.name(), "summary": table.summary(), "rays": rays, "tracers": rows(table),
         });
         match table {
-            Table::Peers(peers) => item["reference"] = json!(peers.reference()),
-            Table::Means | Table::Ablation(_) => {}
+            Table::Settings(peers) if peers.reference().is_empty() => {}
+            Table::Settings(peers) => item["reference"] = json!(peers.reference()),
+            Table::Exact => {}
+            Table::Claims(paper) => item["paper"] = json!(paper.name),
             Table::Paper(paper, experiment) => {
                 item["paper"] = json!(paper.name);
                 item["scenes"] = experiment.scenes.iter().map(|each| json!(each.scene)).collect();
@@ -234,5 +205,9 @@ fn tables() -> Vec<Value> {
 
 fn table_text(table: Table) -> String {
     let (name, rays) = (table.name(), if table.rays().is_empty() { "none" } else { table.rays() });
-    format!("{name:<14} {}\n{:14} rows: {}; rays: {rays}\n", table.summary(), "", rows(table).join(", "))
+    let rows = match rows(table) {
+        rows if rows.is_empty() => String::new(),
+        rows => format!("{:14} rows: {}; rays: {rays}\n", "", rows.join(", ")),
+    };
+    format!("{name:<14} {}\n{rows}", table.summary())
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::CliError;
-use super::output::print;
+use super::output::print_written;
 use crate::files::OutputFolder;
 use crate::measure::Journal;
 use crate::report::{self, ReportError};
@@ -46,5 +46,5 @@ pub(super) fn merge_shards(arguments: &MergeArguments) -> Result<(), CliError> {
     }
     let written = report::write_run(&whole, &folder, tables::of_run)?;
     report::take_pictures(&whole, &arguments.shards, &folder)?;
-    print(&written.iter().map(|path| format!("{}\n", path.display())).collect::<String>())
+    print_written(&written)
 }

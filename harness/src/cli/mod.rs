@@ -1,13 +1,12 @@
-//! The command line: `tracebench adapters | list | run | sweep | pareto | need | reproduce | table | claims | compare | merge | report | picture |
-//! stability | explain | tune | clock | docs`.
+//! The command line: `tracebench doctor | list | run | sweep | pareto | need | reproduce | table | compare | merge | report | picture |
+//! stability | explain`.
 //!
 //! Exit status 0 only when all went well; 2 for arguments; 1 for files, devices, memory.
 
 mod arguments;
-mod claims;
 mod clock;
 mod compare;
-mod docs;
+mod doctor;
 mod explain;
 mod list;
 mod merge;
@@ -16,13 +15,13 @@ mod need;
 mod output;
 mod page;
 mod pareto;
+mod renames;
 mod reproduce;
 mod run;
 mod stability;
 mod stop;
 mod sweep;
 mod table;
-mod tune;
 mod work;
 
 use std::process::ExitCode;
@@ -56,13 +55,15 @@ struct CommandLine {
 
 #[derive(Subcommand)]
 enum Verb {
-    /// List the graphics adapters of this machine.
-    Adapters(list::AdapterArguments),
+    /// Tell what this machine is, which graphics adapters it has, within which limits, and what it lacks; or try its clock.
+    #[command(mut_args(doctor::options))]
+    Doctor(doctor::DoctorArguments),
     /// List tracers (with their parameters), scenes, ray sets, cases or tables.
     List(list::ListArguments),
     /// Trace rays, judge them against the truth, and write run.json, tables and charts.
     Run(arguments::RunArguments),
-    /// Measure one tracer over values of its parameters and over resolutions: memory, build, trace and error.
+    /// Measure one tracer over values of its parameters and over resolutions: memory, build, trace and error; or show what the choice of a
+    /// parameter costs.
     Sweep(sweep::SweepArguments),
     /// Measure the same number of points of every tracer, over parameters and resolutions: who is fastest, smallest and quickest to build
     /// at which agreement.
@@ -71,10 +72,9 @@ enum Verb {
     Need(need::NeedArguments),
     /// Measure all that matters in order of weight within a time that is given, into one folder with one report.
     Reproduce(reproduce::ReproduceArguments),
-    /// Measure tracers of one family side by side, or what a paper's table or figure shows, and write a table of it.
+    /// Measure tracers of one family side by side, or what a paper's table or figure shows, and write a table of it; or set all that a paper
+    /// claims beside what was measured, with a verdict on every claim.
     Table(arguments::TableArguments),
-    /// Set what a paper claims beside what was measured of it, with a verdict on every claim.
-    Claims(claims::ClaimsArguments),
     /// Hold two runs against each other: what got slower or less accurate, what changed, what only one has.
     Compare(compare::CompareArguments),
     /// Join the shards of a run that was spread over machines by --shard.
@@ -87,12 +87,6 @@ enum Verb {
     Stability(stability::StabilityArguments),
     /// Tell why a tracer's rays are wrong, by taking its known weaknesses away one after the other.
     Explain(explain::ExplainArguments),
-    /// Show what the choice of a parameter costs: its default beside the values that are best here and elsewhere.
-    Tune(tune::TuneArguments),
-    /// Try the clock of this machine: race a tracer against itself, and against itself with more to do, and count what is said.
-    Clock(clock::ClockArguments),
-    /// Hold the numbers that README.md and docs/ quote of records against these, or write them there.
-    Docs(docs::DocsArguments),
 }
 
 /// What ends the program early.
@@ -138,15 +132,19 @@ pub fn main() -> ExitCode {
     let command_line = match CommandLine::try_parse() {
         Ok(command_line) => command_line,
         Err(error) => {
+            let words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
             // Help and version come this way too; clap knows which stream and status each needs.
-            let _ = error.print();
+            match renames::answer(&error, &words) {
+                Some(answer) => progress::to_stderr(&answer),
+                None => drop(error.print()),
+            }
             return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
         }
     };
     let progress = Progress::new(command_line.quiet);
     stop::watch(command_line.until_stdin_ends);
     let outcome = match &command_line.verb {
-        Verb::Adapters(arguments) => list::adapters(arguments, &progress),
+        Verb::Doctor(arguments) => doctor::doctor(arguments, &progress),
         Verb::List(arguments) => list::list(arguments),
         Verb::Run(arguments) => run::run(arguments, &progress),
         Verb::Sweep(arguments) => sweep::sweep(arguments, &progress),
@@ -154,16 +152,12 @@ pub fn main() -> ExitCode {
         Verb::Need(arguments) => need::need(arguments, &progress),
         Verb::Reproduce(arguments) => reproduce::reproduce(arguments, &progress),
         Verb::Table(arguments) => table::table(arguments, &progress),
-        Verb::Claims(arguments) => claims::claims(arguments),
         Verb::Compare(arguments) => compare::compare(arguments),
         Verb::Merge(arguments) => merge::merge_shards(arguments),
         Verb::Report(arguments) => run::report(arguments, &progress),
         Verb::Picture(arguments) => run::picture(arguments, &progress),
         Verb::Stability(arguments) => stability::stability(arguments, &progress),
         Verb::Explain(arguments) => explain::explain(arguments, &progress),
-        Verb::Tune(arguments) => tune::tune(arguments, &progress),
-        Verb::Clock(arguments) => clock::clock(arguments, &progress),
-        Verb::Docs(arguments) => docs::docs(arguments),
     };
     // The last hold on a folder of results: it is closed.
     stop::keeps(None);

@@ -8,9 +8,7 @@ use tracebench_api::{ParameterDescription, ParameterError, Parameters, Preset};
 
 use super::CliError;
 use crate::cases::{self, CASES, Case};
-use crate::contenders::Ablation;
-use crate::means;
-use crate::papers::{self, Experiment, PAPERS, Paper};
+use crate::papers::Experiment;
 use crate::peers;
 use crate::plan::{SceneSource, TracerRequest};
 use crate::rays::{self, RAY_SETS, RaySet};
@@ -203,20 +201,6 @@ pub(super) fn peers(table: &peers::Table, settings: &[String]) -> Result<Vec<Tra
     Ok(different)
 }
 
-/// The tracers that have means, by every combination, with `--set` values on top; none is required, since nobody has named it.
-pub(super) fn at_means(settings: &[String]) -> Result<Vec<TracerRequest>, CliError> {
-    let mut requests = means::contenders();
-    apply_all(settings, &mut requests)?;
-    Ok(requests)
-}
-
-/// The rows of an ablation with `--set` values on top; none is required, since nobody has named it.
-pub(super) fn ablated(ablation: &Ablation, settings: &[String]) -> Result<Vec<TracerRequest>, CliError> {
-    let mut requests = ablation.contenders();
-    apply_all(settings, &mut requests)?;
-    Ok(requests)
-}
-
 /// The tracers of an experiment's steps with `--set` values on top; values that a row is about stay.
 pub(super) fn steps(experiment: &Experiment, settings: &[String]) -> Result<Vec<Vec<TracerRequest>>, CliError> {
     let mut steps = experiment.requests();
@@ -253,12 +237,6 @@ pub(super) fn only(steps: &mut [Vec<TracerRequest>], wanted: &[String]) -> Resul
 pub(super) fn table(name: &str) -> Result<Table, CliError> {
     let known: Vec<&str> = Table::all().map(Table::name).collect();
     Table::find(name).ok_or_else(|| unknown("table", name, &known))
-}
-
-/// A paper by its short name.
-pub(super) fn paper(name: &str) -> Result<&'static Paper, CliError> {
-    let known: Vec<&str> = PAPERS.iter().map(|paper| paper.name).collect();
-    papers::paper(name).ok_or_else(|| unknown("paper", name, &known))
 }
 
 /// What `--set` says about ray sets.
@@ -449,7 +427,7 @@ mod tests {
     /// A table has every peer, none of them required, and no row twice, whatever is set.
     #[test]
     fn tables_have_every_peer_once() {
-        let Ok(Table::Peers(bvh)) = table("bvh") else { panic!("it is one of peers") };
+        let Ok(Table::Settings(bvh)) = table("bvh") else { panic!("it is one of peers") };
         let plain = peers(bvh, &[]).unwrap();
         let set = peers(bvh, &[format!("{}.build=fast", bvh.reference())]).unwrap();
         assert_eq!(set.len() + 1, plain.len());

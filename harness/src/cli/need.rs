@@ -41,5 +41,5 @@ pub(super) fn need(arguments: &NeedArguments, progress: &Progress) -> Result<(),
     let required = work.plan.tracers.iter().any(TracerRequest::must_have_device);
     let plan = described("need", std::slice::from_ref(&work.plan), Value::Null);
     work.bench.measure(&plan, progress, |context| need::execute(&work.plan, required, context))?;
-    print_page(&work.bench.out.path().join(report::NEED_PAGE))
+    print_page(&work.bench.out.path().join(report::NEED_PAGE), None)
 }

@@ -74,7 +74,7 @@ pub(super) fn pareto(arguments: &ParetoArguments, progress: &Progress) -> Result
     let words = json!({ "most_points": extent.most_points, "rays_per_pixel": extent.rays_per_pixel });
     let plan = described("pareto", std::slice::from_ref(&work.plan), words);
     work.bench.measure(&plan, progress, |context| pareto.execute(required, context))?;
-    print_page(&work.bench.out.path().join(report::PARETO_PAGE))
+    print_page(&work.bench.out.path().join(report::PARETO_PAGE), None)
 }
 
 #[cfg(test)]

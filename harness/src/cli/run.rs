@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::arguments::{PictureArguments, RunArguments};
-use super::output::print;
+use super::output::{print, print_end, print_written};
 use super::work::{Clock, Work, all_measured, refuse_others};
 use super::{CliError, names, open_device};
 use crate::files::OutputFolder;
@@ -29,7 +29,7 @@ pub(super) struct ReportArguments {
 pub(super) fn run(arguments: &RunArguments, progress: &Progress) -> Result<(), CliError> {
     let work = Work::prepare(&arguments.work, || arguments.matter(), Clock::Timed, progress)?;
     let run = work.measure("run", progress)?;
-    print(&format!("{}{}\n", reports::run_table(&run), work.bench.out.path().join("summary.md").display()))?;
+    print_end(&reports::run_table(&run), &work.bench.out.path().join("summary.md"))?;
     all_measured(&work.plan, &run)
 }
 
@@ -39,9 +39,7 @@ pub(super) fn report(arguments: &ReportArguments, progress: &Progress) -> Result
             let run = reports::read_run(path)?;
             let folder = OutputFolder::open(&folder_of(path))?;
             refuse_others(folder.path(), std::iter::once(path))?;
-            for written in reports::write_derived(&run, &folder, tables::of_run)? {
-                progress.say(&written.display().to_string());
-            }
+            print_written(&reports::write_derived(&run, &folder, tables::of_run)?)?;
         }
         return Ok(());
     };

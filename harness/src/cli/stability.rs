@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::arguments::DeviceArguments;
-use super::output::print;
+use super::output::{print, print_end};
 use super::work::{Bench, Clock, OutputArguments, described, needs_device};
 use super::{CliError, names, open_device};
 use crate::files;
@@ -61,7 +61,9 @@ pub(super) fn stability(arguments: &StabilityArguments, progress: &Progress) -> 
     let run = bench.measure(&plan, progress, |context| stability::run(&cases, &requests, context))?;
     let Some(found) = Stability::of(&run) else { return Ok(()) };
     let written = bench.out.path().join(report::STABILITY_TABLE);
-    print(&format!("{}\n{}\n", report::stability_matrix(&found), written.display()))?;
+    let surprises = found.surprises().len();
+    let said = if surprises == 0 { "All as expected.".to_owned() } else { format!("{surprises} unexpected.") };
+    print_end(&format!("{said}\n{}", report::stability_matrix(&found)), &written)?;
     outcome(&found)
 }
 

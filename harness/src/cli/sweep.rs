@@ -1,6 +1,6 @@
-//! `sweep`.
+//! `sweep`, and `sweep --choose`.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 
 use clap::Args;
 use serde_json::json;
@@ -10,30 +10,35 @@ use super::arguments::{Matter, WorkArguments};
 use super::output::print_page;
 use super::work::{Clock, Work, described};
 use super::{CliError, names};
+use crate::judge::Rule;
 use crate::plan::TracerRequest;
 use crate::progress::Progress;
 use crate::registry::{self, Registration, TRACERS};
 use crate::report;
-use crate::results::AxisRecord;
+use crate::results::{AxisRecord, CHOOSE};
 use crate::studies::sweep::{RESOLUTION, Sweep, SweepError, parameter_axis, resolution_axis};
+use crate::studies::tune::Tune;
 
 #[derive(Args)]
 pub(super) struct SweepArguments {
-    /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. `all`: every listed one.
-    #[arg(long, default_value = "room")]
-    scene: OsString,
-    /// The tracer: NAME, NAME:PRESET or NAME@PARAMETER=VALUE. Its values, with those of `--set`, are the ones round which
-    /// parameters are swept.
-    #[arg(long, default_value = registry::first(has_sweep).map(Registration::name))]
-    tracer: String,
-    /// Ray sets: names from `list rays` with commas, or all.
-    #[arg(long, default_value = "diffuse")]
-    rays: String,
+    /// Scenes: names from `list scenes`, or paths to .gltf or .glb files; several with commas. `all`: every listed one. If not given room,
+    /// with --choose all.
+    #[arg(long)]
+    scene: Option<OsString>,
+    #[arg(long, help = tracer_help())]
+    tracer: Option<String>,
+    /// Ray sets: names from `list rays` with commas, or all. If not given diffuse, with --choose specular,diffuse.
+    #[arg(long)]
+    rays: Option<String>,
     #[arg(long, value_name = "P[=V,V...],...", allow_hyphen_values = true, help = over_help())]
     over: Vec<String>,
     /// Sweeps all combinations of two, in place of one at a time: A,B, as in --over. Charts have A along the axis.
     #[arg(long, value_name = "A,B", conflicts_with = "over", allow_hyphen_values = true)]
     grid: Option<String>,
+    /// Shows what the choice of one parameter costs, in place of times: its default beside the values that are best by this rule here, from
+    /// another viewpoint of the scene and on the other scenes. Any-hit sets are judged by balanced accuracy.
+    #[arg(long, value_name = "RULE", value_parser = Rule::ALL.map(Rule::name), conflicts_with_all = ["grid", "samples", "interval", "time_limit"])]
+    choose: Option<String>,
     #[command(flatten)]
     work: WorkArguments,
 }
@@ -42,7 +47,25 @@ fn has_sweep(tracer: &Registration) -> bool {
     !tracer.sweep.is_empty()
 }
 
-/// The help of `--over`, with what rooms say is swept.
+fn has_choice(tracer: &Registration) -> bool {
+    tracer.tune.is_some()
+}
+
+/// The tracer that is swept, or whose parameter is chosen, where none is named.
+fn tracer_of(is: fn(&Registration) -> bool) -> &'static str {
+    registry::first(is).map_or("", Registration::name)
+}
+
+fn tracer_help() -> String {
+    format!(
+        "The tracer: NAME, NAME:PRESET or NAME@PARAMETER=VALUE. Its values, with those of `--set`, are the ones round which parameters are \
+         swept. If not given {}, with --choose {}",
+        tracer_of(has_sweep),
+        tracer_of(has_choice)
+    )
+}
+
+/// The help of `--over`, with what rooms say is swept or chosen.
 fn over_help() -> String {
     let list = |names: &[&str]| match names {
         [most @ .., last] if !most.is_empty() => format!("{} and {last}", most.join(", ")),
@@ -50,25 +73,38 @@ fn over_help() -> String {
     };
     let of = |each: &Registration| format!("{} {}", each.name(), list(each.sweep));
     let of: Vec<String> = TRACERS.iter().filter(|each| has_sweep(each)).map(of).collect();
+    let chosen = TRACERS.iter().filter_map(|each| Some(format!("{} {}", each.name(), each.tune?)));
     format!(
         "What is swept, with commas, and may be repeated: parameters of the tracer (NAME takes the values of `list \
          tracers`, NAME=V,V,... those given) and `resolution` (multiples N or 1/N of the edges of frame and faces; \
-         1/4,1/2,1,2). The tracer's own value is always among them. Of {} if not given; of another tracer all that it has",
-        of.join(", of ")
+         1/4,1/2,1,2). The tracer's own value is always among them. Of {} if not given; of another tracer all that it has. With --choose one parameter: of {} if not given",
+        of.join(", of "),
+        chosen.collect::<Vec<_>>().join(", of ")
     )
 }
 
 impl SweepArguments {
     fn request(&self) -> Result<TracerRequest, CliError> {
-        one_tracer(&self.tracer, &self.work.common.settings, "a sweep")
+        let own = tracer_of(if self.choose.is_some() { has_choice } else { has_sweep });
+        one_tracer(self.tracer.as_deref().unwrap_or(own), &self.work.common.settings)
     }
 
     fn matter(&self) -> Result<Matter, CliError> {
-        Matter::of(&self.scene, self.request().map(|request| vec![request]), &self.rays)
+        let (scene, rays) = if self.choose.is_some() { ("all", "specular,diffuse") } else { ("room", "diffuse") };
+        let scene = self.scene.as_deref().unwrap_or(OsStr::new(scene));
+        Matter::of(scene, self.request().map(|request| vec![request]), self.rays.as_deref().unwrap_or(rays))
+    }
+
+    /// The rule by which a value is chosen.
+    fn rule(&self) -> Option<Rule> {
+        self.choose.as_deref().and_then(|name| Rule::ALL.into_iter().find(|rule| rule.name() == name))
     }
 
     /// What is swept round a request's own values.
     fn axes(&self, request: &TracerRequest) -> Result<Vec<AxisRecord>, CliError> {
+        if self.choose.is_some() {
+            return Ok(vec![self.axis(request)?]);
+        }
         let wanted = match &self.grid {
             Some(grid) => vec![grid.clone()],
             None if self.over.is_empty() => vec![default_axes(request)],
@@ -83,14 +119,46 @@ impl SweepArguments {
             _ => Ok(axes),
         }
     }
+
+    /// The one parameter of which a value is chosen: the one that is named, or the one that the tracer's room names.
+    fn axis(&self, request: &TracerRequest) -> Result<AxisRecord, CliError> {
+        let over = match (self.over.as_slice(), request.registration.tune) {
+            ([], None) => return Err(CliError::Argument(which(request))),
+            ([], Some(own)) => vec![own.to_owned()],
+            (over, _) => over.to_vec(),
+        };
+        let mut found = axes(request, &over, "--over")?;
+        let (Some(axis), []) = (found.pop(), found.as_slice()) else {
+            return Err(CliError::Argument(format!("--over '{}': --choose takes one parameter", over.join(","))));
+        };
+        let name = &axis.name;
+        let why = if name == RESOLUTION {
+            format!("--over {name}: more is better, nobody has to choose it; leave --choose out to see what it costs")
+        } else if request.changed.contains(name) {
+            format!("--over {name}: it is set already, and its default is what the preset says; leave it to --choose")
+        } else if axis.values.len() < 2 {
+            format!("--over {name}: there is nothing to choose beside {}; give values as {name}=V,V,...", axis.own)
+        } else {
+            return Ok(axis);
+        };
+        Err(CliError::Argument(why))
+    }
 }
 
-/// The only tracer that a verb takes.
-pub(super) fn one_tracer(list: &str, settings: &[String], verb: &str) -> Result<TracerRequest, CliError> {
+/// Asks for the parameter of which a value is to be chosen.
+fn which(request: &TracerRequest) -> String {
+    let described = (request.registration.describe)().parameters;
+    let worth: Vec<&str> = described.iter().filter(|each| each.sweep.len() > 1).map(|each| each.name).collect();
+    let worth = if worth.is_empty() { "it has none with values to choose from".to_owned() } else { worth.join(", ") };
+    format!("which parameter of {} is to be chosen? Name one with --over: {worth}", request.name())
+}
+
+/// The only tracer that is swept.
+fn one_tracer(list: &str, settings: &[String]) -> Result<TracerRequest, CliError> {
     let mut tracers = names::tracers(list, settings)?;
     match (tracers.pop(), tracers.as_slice()) {
         (Some(tracer), []) => Ok(tracer),
-        _ => Err(CliError::Argument(format!("--tracer '{list}': {verb} takes one tracer"))),
+        _ => Err(CliError::Argument(format!("--tracer '{list}': a sweep takes one tracer"))),
     }
 }
 
@@ -107,7 +175,7 @@ fn default_axes(request: &TracerRequest) -> String {
 }
 
 /// Reads lists like `tile_size,buckets=1,4,8,resolution`: what is no parameter's name is a value of the one before.
-pub(super) fn axes(request: &TracerRequest, lists: &[String], option: &str) -> Result<Vec<AxisRecord>, CliError> {
+fn axes(request: &TracerRequest, lists: &[String], option: &str) -> Result<Vec<AxisRecord>, CliError> {
     let described = (request.registration.describe)().parameters;
     let mut known: Vec<&str> = described.iter().map(|each| each.name).collect();
     known.push(RESOLUTION);
@@ -151,6 +219,9 @@ fn refused(error: &SweepError, option: &str) -> CliError {
 pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(), CliError> {
     // Arguments are checked before any device or file is touched.
     let axes = arguments.axes(&arguments.request()?)?;
+    if let Some(rule) = arguments.rule() {
+        return choose(arguments, rule, progress);
+    }
     let grid = arguments.grid.is_some();
     let option = if grid { "--grid" } else { "--over" };
     let checked = arguments.work.plan(arguments.matter()?, || false)?;
@@ -167,11 +238,28 @@ pub(super) fn sweep(arguments: &SweepArguments, progress: &Progress) -> Result<(
     let required = work.plan.tracers.iter().any(TracerRequest::must_have_device);
     let plan = described("sweep", std::slice::from_ref(&work.plan), json!({ "axes": axes, "grid": grid }));
     work.bench.measure(&plan, progress, |context| sweep.execute(required, context))?;
-    print_page(&work.bench.out.path().join(report::SWEEP_PAGE))
+    print_page(&work.bench.out.path().join(report::SWEEP_PAGE), None)
+}
+
+/// Shows what the choice of a parameter costs.
+fn choose(arguments: &SweepArguments, rule: Rule, progress: &Progress) -> Result<(), CliError> {
+    let work = Work::prepare(&arguments.work, || arguments.matter(), Clock::Untimed, progress)?;
+    // By the means that it has here.
+    let request = &work.plan.tracers[0];
+    let axis = arguments.axis(request)?;
+    let words = json!({ "axis": axis, "rule": rule });
+    let tune = Tune::new(&work.plan, request, axis, rule)
+        .map_err(|error| refused(&error, "--over"))
+        .inspect_err(|_| work.bench.out.abandon())?;
+    let plan = described(CHOOSE, std::slice::from_ref(&work.plan), words);
+    work.bench.measure(&plan, progress, |context| tune.execute(context))?;
+    print_page(&work.bench.out.path().join(report::TUNE_PAGE), None)
 }
 
 #[cfg(test)]
 mod tests {
+    use clap::Parser as _;
+
     use super::*;
 
     fn parse(lists: &[&str]) -> Result<Vec<AxisRecord>, CliError> {
@@ -226,6 +314,45 @@ mod tests {
             for value in described.iter().flat_map(|each| &each.sweep) {
                 assert!(described.iter().all(|each| each.name != value.to_string()), "{value}");
             }
+        }
+    }
+
+    #[derive(clap::Parser)]
+    struct Line {
+        #[command(flatten)]
+        sweep: SweepArguments,
+    }
+
+    fn axis(arguments: &[&str]) -> Result<AxisRecord, CliError> {
+        let line = Line::try_parse_from([&["sweep", "--choose", "footprint"], arguments].concat()).unwrap();
+        line.sweep.axis(&line.sweep.request()?)
+    }
+
+    /// Proves that a value of one parameter is chosen, by the values of its description unless others are given, round the preset's value,
+    /// and that anything else is refused with what to do.
+    #[test]
+    fn one_parameter_round_its_default() {
+        let found = axis(&[]).unwrap();
+        assert!(found.name == "thickness" && found.values.len() > 5 && found.values.contains(&found.own), "{found:?}");
+        let found = axis(&["--tracer", "screen-dda", "--over", "thickness=0.3,0.1"]).unwrap();
+        assert_eq!((found.values.join(" ").as_str(), found.own.as_str()), ("0.005 0.1 0.3", "0.005"));
+        // Where nothing is said the tracer's own is meant.
+        assert_eq!(axis(&["--tracer", "quadtree"]).unwrap().name, "gamma_dist");
+        for (arguments, part) in [
+            (&["--over", "thickness,start_bias"][..], "one parameter"),
+            (&["--over", "resolution"], "leave --choose out"),
+            (&["--tracer", "screen-dda", "--over", "thickness=0.005"], "nothing to choose"),
+            (&["--over", "thicknes"], "'thickness'"),
+            (&["--over", "thickness=-1e5"], "a number from -10000"),
+            (&["--tracer", "screen-dda", "--over", "thickness=-1"], "a number from 0"),
+            (&["--tracer", "screen-dda@thickness=0.1"], "set already"),
+            (&["--tracer", "screen-dda", "--set", "screen-dda.thickness=0.1"], "set already"),
+            (&["--tracer", "dirt"], "which parameter of dirt is to be chosen? Name one with --over: "),
+            (&["--tracer", "ray-query"], "Name one with --over: prefer, equal_t"),
+            (&["--tracer", "all"], "one tracer"),
+        ] {
+            let message = axis(arguments).map_or_else(|error| error.to_string(), |_| String::new());
+            assert!(message.contains(part), "{arguments:?}: {message}");
         }
     }
 }

@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use itertools::Itertools as _;
 use serde_json::{Value, json};
 
 use super::arguments::TableArguments;
-use super::output::{print, print_page};
+use super::output::{print, print_head, print_page};
 use super::run::folder_of;
-use super::work::{Clock, Work, described, refuse_others};
+use super::work::{Clock, Work, all_measured, described, fresh_folder, refuse_others};
 use super::{CliError, names};
 use crate::files::OutputFolder;
 use crate::measure::{self, Context};
@@ -16,12 +17,17 @@ use crate::peers::Subject;
 use crate::plan::{Plan, SceneSource, TracerRequest};
 use crate::progress::Progress;
 use crate::report;
+use crate::results::Run;
+use crate::studies::exact;
 use crate::studies::tune::{Label, Tuning};
 use crate::studies::updates::{self, DEFAULT_FRAMES};
 use crate::tables::{self, Table};
 
 pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(), CliError> {
     let table = names::table(&arguments.name)?;
+    if let Table::Claims(paper) = table {
+        return claims(paper, &arguments.from, arguments.work.output.out.as_deref());
+    }
     let moving = table.is_moving();
     if !moving && arguments.frames.is_some() {
         return Err(CliError::Argument(format!("--frames: table {} is not over frames", table.name())));
@@ -29,13 +35,17 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
     if moving && arguments.work.common.time != 0.0 {
         return Err(CliError::Argument(format!("--time: table {} is over whole animations", table.name())));
     }
-    let walked = matches!(table, Table::Peers(peers) if peers.subject == Subject::Walked);
-    if walked && arguments.work.common.view.is_some() {
-        return Err(CliError::Argument(format!("--view: table {} is along the camera's path", table.name())));
+    let walked = matches!(table, Table::Settings(peers) if peers.subject == Subject::Walked);
+    let is_exact = matches!(table, Table::Exact);
+    if (walked || is_exact) && arguments.work.common.view.is_some() {
+        return Err(CliError::Argument(format!("--view: table {} has its own", table.name())));
+    }
+    if !is_exact && arguments.tracer.is_some() {
+        return Err(CliError::Argument(format!("--tracer: table {} has its own", table.name())));
     }
     let of_papers =
         !arguments.only.is_empty() || arguments.estimate.is_some() || arguments.tuned.is_some() || arguments.part;
-    if let (Table::Peers(_) | Table::Means | Table::Ablation(_), true) = (table, of_papers) {
+    if !matches!(table, Table::Paper(..)) && of_papers {
         return Err(CliError::Argument(format!(
             "--only, --tuned, --part, --estimate: table {} is no paper's",
             table.name()
@@ -44,23 +54,34 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
     if let (Table::Paper(paper, experiment), Some(path)) = (table, &arguments.estimate) {
         return estimate(table, paper, experiment, arguments, path);
     }
-    if let Some(path) = &arguments.from {
-        return again(table, path, arguments.work.output.out.as_deref());
+    match arguments.from.as_slice() {
+        [] => {}
+        [path] => return again(table, path, arguments.work.output.out.as_deref()),
+        _ => return Err(CliError::Argument(format!("--from: table {} is made of one run", table.name()))),
     }
     let mut work = Work::prepare(&arguments.work, || arguments.matter(table), Clock::Timed, progress)?;
     match table {
-        Table::Peers(table) if moving => {
+        Table::Settings(table) if moving => {
             let frames = arguments.frames.unwrap_or(DEFAULT_FRAMES);
             let plan = described("table", std::slice::from_ref(&work.plan), json!({ "frames": frames }));
             let execute = |context: &Context<'_>| updates::execute(table, &work.plan, frames, context);
             work.bench.measure(&plan, progress, execute)?;
         }
-        Table::Peers(_) | Table::Means | Table::Ablation(_) => {
+        Table::Settings(_) => {
             work.measure("table", progress)?;
         }
         Table::Paper(paper, experiment) => measure(paper, experiment, arguments, &mut work, progress)?,
+        Table::Exact => {
+            let plans = exact::plans(&work.plan);
+            let words = described("table", &plans, Value::Null);
+            let run = work.bench.measure(&words, progress, |context| measure::execute_all(&plans, context))?;
+            print_table(table, work.bench.out.path())?;
+            all_measured(&work.plan, &run)?;
+            return all_right(&run);
+        }
+        Table::Claims(_) => {}
     }
-    print_page(&report::table_page(table.name(), work.bench.out.path()))
+    print_table(table, work.bench.out.path())
 }
 
 /// Runs an experiment's steps into one run.
@@ -150,5 +171,39 @@ fn again(table: Table, path: &PathBuf, out: Option<&Path>) -> Result<(), CliErro
     let folder = OutputFolder::open(&out.map_or_else(|| folder_of(path), Path::to_owned))?;
     refuse_others(folder.path(), std::iter::once(path))?;
     tables::write(table, &run, &folder)?;
-    print_page(&report::table_page(table.name(), folder.path()))
+    print_table(table, folder.path())?;
+    if matches!(table, Table::Exact) { all_right(&run) } else { Ok(()) }
+}
+
+/// That no ray is wrong.
+fn all_right(run: &Run) -> Result<(), CliError> {
+    match report::exact::wrong_rays(run) {
+        0 => Ok(()),
+        wrong => Err(CliError::Other(format!("{wrong} rays are wrong under `tight`"))),
+    }
+}
+
+/// Of a paper's table the verdicts are the answer.
+fn print_table(table: Table, folder: &Path) -> Result<(), CliError> {
+    print_page(&report::table_page(table.name(), folder), matches!(table, Table::Paper(..)).then_some("## Claims"))
+}
+
+/// Sets what a paper claims beside what was measured of it.
+fn claims(paper: &Paper, from: &[PathBuf], out: Option<&Path>) -> Result<(), CliError> {
+    let place = |path: &PathBuf| std::fs::canonicalize(folder_of(path)).unwrap_or_else(|_| path.clone());
+    if let Some(twice) = from.iter().duplicates_by(|path| place(path)).next() {
+        return Err(CliError::Argument(format!("{}: it is given twice", twice.display())));
+    }
+    let runs = from.iter().map(|path| report::read_run(path)).collect::<Result<Vec<_>, _>>()?;
+    let of_paper = |run: &Run| run.table.as_deref().is_some_and(|table| paper.experiment(table).is_some());
+    if !runs.is_empty() && !runs.iter().any(of_paper) {
+        return Err(CliError::Argument(format!(
+            "none of these runs is of a table of {}: `tracebench list tables` names them, `tracebench table NAME` makes one",
+            paper.name
+        )));
+    }
+    let folder = out.map_or_else(fresh_folder, OutputFolder::open)?;
+    refuse_others(folder.path(), from.iter())?;
+    let written = report::write_all(&papers::claims_report(paper, &runs)?.contents()?, &folder)?;
+    print_head(&written[0])
 }

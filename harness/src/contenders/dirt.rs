@@ -1,9 +1,9 @@
 //! The room of `dirt`: analytic hits on every triangle that touches a tile of six views, found bucket by bucket; improved, by a tree in
 //! every tile.
 
-use super::ablation::{Values, improved, published};
 use super::expectation::{fails, few};
-use super::{Ablation, Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Touch};
+use super::table::{Values, improved, published, switches};
+use super::{Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Table, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: &[EXPECTATIONS],
@@ -102,11 +102,11 @@ const IN_COMPUTE: Values = &[
 ];
 
 /// One switch after the other; then the improved form, and single switches of it taken back or turned.
-const ABLATION: Ablation = Ablation {
-    name: "dirt-ablation",
-    summary: "the switches between DIRT as published and its improved form: builds, traces, bytes, accuracy, counters",
-    rays: "primary,specular,diffuse",
-    rows: &[
+const ABLATION: Table = switches(
+    "dirt-ablation",
+    "the switches between DIRT as published and its improved form: builds, traces, bytes, accuracy, counters",
+    "primary,specular,diffuse",
+    &[
         published(&[]),
         published(BY_DISTANCE),
         published(NO_NEAR),
@@ -125,7 +125,7 @@ const ABLATION: Ablation = Ablation {
         improved(&[("march", "tiles")]),
         improved(&[("centre_rays", "whole")]),
     ],
-};
+);
 
 const LADDER: &[Remedy] = &[
     Remedy {

@@ -1,9 +1,9 @@
 //! The room of `fragment-abuffer`: fragments at pixels' centres, every layer, seven views, no thickness; improved, fragments that are planes,
 //! in every pixel that a triangle touches.
 
-use super::ablation::{Values, improved, published};
 use super::expectation::{BETWEEN, SAMPLES_SOURCE, TILED, fails, few, of_huge_triangles, of_plates_along_rows};
-use super::{Ablation, Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Touch};
+use super::table::{Values, improved, published, switches};
+use super::{Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Table, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: &[EXPECTATIONS],
@@ -138,12 +138,12 @@ const TOUCHED: Values = &[("coverage", "conservative")];
 const TOUCHED_PLANES: Values = &[("fragments", "planes"), ("coverage", "conservative")];
 
 /// Each of the two switches that change what is stored alone, and both; then the improved form, and its switches taken back one by one.
-const ABLATION: Ablation = Ablation {
-    name: "fragment-abuffer-ablation",
-    summary: "the switches between the fragment A-buffer as published and its improved form: builds, traces, bytes, fragments, accuracy, \
+const ABLATION: Table = switches(
+    "fragment-abuffer-ablation",
+    "the switches between the fragment A-buffer as published and its improved form: builds, traces, bytes, fragments, accuracy, \
               counters",
-    rays: "primary,specular,diffuse",
-    rows: &[
+    "primary,specular,diffuse",
+    &[
         published(&[]),
         published(&[("march", "hi-z")]),
         published(&[("march", "hi-z"), ("start_bias", "0")]),
@@ -166,7 +166,7 @@ const ABLATION: Ablation = Ablation {
         improved(&[("start_bias", "1")]),
         improved(&[("build", "raster")]),
     ],
-};
+);
 
 const LADDER: &[Remedy] = &[
     Remedy {

@@ -1,7 +1,7 @@
 //! The room of `lbvh-gpu`, which has the searches of `bvh-gpu` over hierarchies built on the device.
 
-use super::ablation::{improved, published};
-use super::{Ablation, Expectation, Family, Improved, OF_HIERARCHIES, Registration};
+use super::table::{improved, published, switches};
+use super::{Expectation, Family, Improved, OF_HIERARCHIES, Registration, Table};
 
 pub(crate) const ROOM: Registration = Registration {
     improved: Some(Improved { otherwise: Some(Expectation::Exact), expectations: &[] }),
@@ -13,11 +13,11 @@ pub(crate) const ROOM: Registration = Registration {
 };
 
 /// Fewer neighbours early, late and throughout, of both kinds of nodes.
-const ABLATION: Ablation = Ablation {
-    name: "lbvh-gpu-ablation",
-    summary: "how far PLOC++ looks for neighbours, as published and improved: builds, traces, bytes, accuracy, counters",
-    rays: "primary,diffuse",
-    rows: &[
+const ABLATION: Table = switches(
+    "lbvh-gpu-ablation",
+    "how far PLOC++ looks for neighbours, as published and improved: builds, traces, bytes, accuracy, counters",
+    "primary,diffuse",
+    &[
         published(&[]),
         improved(&[("early_search_radius", "4")]),
         improved(&[]),
@@ -28,4 +28,4 @@ const ABLATION: Ablation = Ablation {
         published(&[("node", "bvh2")]),
         improved(&[("node", "bvh2")]),
     ],
-};
+);

@@ -1,7 +1,6 @@
 //! What the harness alone knows of the tracers, a room each: which tables it stands in, how it is made, what is expected of it on
 //! the stability cases, which remedies tell why its rays are wrong, and what of it is worth sweeping or tuning.
 
-pub mod ablation;
 pub(crate) mod bvh_cpu;
 pub(crate) mod bvh_gpu;
 pub(crate) mod dirt;
@@ -12,6 +11,7 @@ pub(crate) mod lbvh_gpu;
 pub(crate) mod quadtree;
 pub(crate) mod ray_query;
 pub(crate) mod screen_dda;
+pub mod table;
 pub(crate) mod voxel_abuffer;
 pub(crate) mod voxel_octree;
 
@@ -19,9 +19,9 @@ use std::sync::Arc;
 
 use tracebench_api::{Description, Gpu, Parameters, Preset, Residency, Tracer, TracerError};
 
-pub use ablation::{Ablation, Switched};
 use expectation::expected;
 pub use expectation::{Column, Expectation, Rule};
+pub use table::{Rows, Subject, Switched, Table};
 
 /// The device, or why there is none: what a tracer that needs one is skipped for.
 pub type Device = Result<Arc<Gpu>, TracerError>;
@@ -115,13 +115,13 @@ pub struct Registration {
     /// What is expected of its improved preset, where that is more than of the published one or less.
     pub improved: Option<Improved>,
     /// The switches of its improved form, as a table has them.
-    pub ablation: Option<&'static Ablation>,
+    pub ablation: Option<&'static Table>,
     /// Its weaknesses in the order in which `explain` takes them away; each rung keeps those before. None: it cannot be
     /// explained.
     pub ladder: &'static [Remedy],
     /// What `sweep` goes over where nothing is said; none: all that can be swept.
     pub sweep: &'static [&'static str],
-    /// The parameter that `tune` is about where nothing is said.
+    /// The parameter of which `sweep --choose` chooses a value where nothing is said.
     pub tune: Option<&'static str>,
     /// Parameters that no front is about: aids of proofs, units, and what only matters to refits, surfaces or rays of one kind.
     pub aside: &'static [&'static str],

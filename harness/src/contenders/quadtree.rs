@@ -1,10 +1,10 @@
 //! The room of `quadtree`: two depth layers of the frame, each pixel a small plane, merged by thresholds in the unit cube.
 
-use super::ablation::{Values, improved, published};
 use super::expectation::{
     ASIDE, BETWEEN, LEAVE_VIEW, NEAR_SOURCE, NO_BORDERS, fails, few, of_huge_triangles, of_plates_along_rows,
 };
-use super::{Ablation, Column, Expectation, Family, Improved, Registration, Remedy, Rule, Shrink, Touch};
+use super::table::{Values, improved, published, switches};
+use super::{Column, Expectation, Family, Improved, Registration, Remedy, Rule, Shrink, Table, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: &[EXPECTATIONS],
@@ -134,11 +134,11 @@ const JOINED: Values = &[
 ];
 
 /// One switch after the other; then the improved form, and single switches of it taken back or turned.
-const ABLATION: Ablation = Ablation {
-    name: "quadtree-ablation",
-    summary: "the switches between the quad-tree as published and its improved form: builds, traces, bytes, accuracy, counters",
-    rays: "stereo,diffuse",
-    rows: &[
+const ABLATION: Table = switches(
+    "quadtree-ablation",
+    "the switches between the quad-tree as published and its improved form: builds, traces, bytes, accuracy, counters",
+    "stereo,diffuse",
+    &[
         published(&[]),
         published(BY_TRIANGLES),
         published(IN_PIXELS),
@@ -158,7 +158,7 @@ const ABLATION: Ablation = Ablation {
         improved(&[("dilated", "none")]),
         improved(&[("next_layer", "always")]),
     ],
-};
+);
 
 const LADDER: &[Remedy] = &[
     Remedy {

@@ -1,9 +1,9 @@
 //! The room of `voxel-abuffer`: layers at texels' centres along three axes of the scene's bounds, inside told from outside;
 //! improved, planes that are clipped to texels, each a part of the surface itself.
 
-use super::ablation::{Values, improved, published};
 use super::expectation::{fails, few};
-use super::{Ablation, Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Touch};
+use super::table::{Values, improved, published, switches};
+use super::{Column, Expectation, Family, Improved, Matters, Registration, Remedy, Rule, Shrink, Table, Touch};
 
 pub(crate) const ROOM: Registration = Registration {
     expectations: &[EXPECTATIONS],
@@ -124,11 +124,11 @@ const IMPROVED_EXPECTATIONS: Column = &[
 const BEST_POINTS: Values = &[("fit", "box"), ("average", "lines"), ("depths", "plane"), ("start_bias", "1")];
 
 /// From row to row one thing more; then the improved form, and single switches of it turned.
-const ABLATION: Ablation = Ablation {
-    name: "voxel-abuffer-ablation",
-    summary: "the switches between HHZ14 as published and its improved form: builds, traces, bytes, accuracy, counters",
-    rays: "primary,specular,diffuse",
-    rows: &[
+const ABLATION: Table = switches(
+    "voxel-abuffer-ablation",
+    "the switches between HHZ14 as published and its improved form: builds, traces, bytes, accuracy, counters",
+    "primary,specular,diffuse",
+    &[
         published(&[]),
         published(&[("fit", "box")]),
         published(&[("fit", "box"), ("average", "lines"), ("depths", "plane")]),
@@ -142,7 +142,7 @@ const ABLATION: Ablation = Ablation {
         improved(&[("grid", "32")]),
         improved(&[("grid", "128")]),
     ],
-};
+);
 
 const LADDER: &[Remedy] = &[
     Remedy {

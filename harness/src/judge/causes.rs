@@ -46,6 +46,9 @@ pub const ASSUMED_THICKNESS: &str = "assumed_thickness";
 /// The true hit's surface is stored at a pixel that the ray looks at, and the ray passes that sample before or behind by more than its
 /// thickness. Of methods that know surfaces by samples alone.
 pub const SLIPPED_THROUGH: &str = "slipped_through";
+/// The ray goes through an edge or a vertex that triangles share, to rounding: each triangle's test may leave it to the other. Of methods
+/// that hold the scene itself.
+pub const SHARED_EDGE: &str = "shared_edge";
 /// The tracer's step limit.
 pub const STEP_CAP: &str = "step_cap";
 /// As `SLIPPED_THROUGH`, where the tracer says that it passed behind a surface by more than its thickness.
@@ -125,7 +128,11 @@ impl Judge<'_> {
     fn cause_of_loss(&self, ray: &Ray64, truth: TrueHit, hit: &Hit) -> &'static str {
         let capped = hit.status == Status::StepCap as u32;
         if self.samplings.is_empty() {
-            return if capped { STEP_CAP } else { UNEXPLAINED };
+            return match capped {
+                true => STEP_CAP,
+                false if self.truth.is_on_shared_edge(ray, truth) => SHARED_EDGE,
+                false => UNEXPLAINED,
+            };
         }
         let point = ray.at(truth.t);
         let contains = |view: &&Sampling| view.projection.project_inside(point).is_some();

@@ -1,6 +1,6 @@
 //! The clock, tried on recorded noise: races are replayed with the orders, the stopping and the verdicts that real ones have.
 //!
-//! noise.csv was recorded by `tracebench clock --record FILE --kind KIND --tracer TRACER --samples 200`, with `--load 2` where the kind
+//! noise.csv was recorded by `tracebench doctor --clock --record FILE --kind KIND --tracer TRACER --samples 200`, with `--load 2` where the kind
 //! says loaded: a line a round has the fixed kernel and four contenders that are all the same, in the order in which they were
 //! sampled, milliseconds. A replayed race begins at a round drawn by lot and goes on round by round, at the end from the first one
 //! again; who of its contenders stands in which place of a round is drawn by the harness's own lot.

@@ -37,6 +37,13 @@ pub fn choose_pose(request: &ViewRequest, scene: &str, cameras: &[Camera], truth
             viewpoint::other(&own, cameras, truth)
                 .ok_or_else(|| RunError::NoOtherView { scene: scene.to_owned(), own: own.name })
         }
+        ViewRequest::Nth(place, of) => match cameras.get(*place) {
+            Some(camera) => Ok(Pose::from(camera)),
+            None => {
+                let own = choose_pose(&ViewRequest::Default, scene, cameras, truth)?;
+                Ok(if *place == 0 { own } else { own.turned(truth.geometry().diagonal(), *place, *of) })
+            }
+        },
     }
 }
 

@@ -30,8 +30,8 @@ pub use claims::{Claim, Decision, Over, Rule, Test};
 pub use duration::Duration;
 pub use estimate::Estimate;
 pub use experiment::{Experiment, Part, Row, StandIn, Step, TooManyRays};
-pub(crate) use page::report;
-pub use page::{claims_files, claims_of, claims_text};
+pub use page::claims_of;
+pub(crate) use page::{claims_report, report};
 pub(crate) use part::PART_SETTINGS;
 pub use published::{Publication, Published, PublishedColumn, PublishedRow, PublishedTable, Setting};
 pub use quantity::{Measure, OfScene, Quantity};
@@ -58,6 +58,8 @@ pub struct Paper {
     at_paper: Option<Resolutions>,
     /// What it printed: the text of `published.json`.
     published: &'static str,
+    /// The table of all that it claims.
+    pub claims_table: &'static str,
     /// What it claims: the text of `claims.json`.
     claims: &'static str,
     /// What decides its claims.
@@ -101,11 +103,6 @@ impl Scope {
         (Self::WithTrace, "with the buffers of a trace, by the ledger (MiB) ↓"),
         (Self::OfPaper, "with the paper's own buffers, computed, not allocated (MiB) ↓"),
     ];
-}
-
-/// Finds a paper by its short name.
-pub fn paper(name: &str) -> Option<&'static Paper> {
-    PAPERS.iter().copied().find(|paper| paper.name == name)
 }
 
 /// Finds an experiment by name, with its paper.

@@ -118,7 +118,7 @@ fn experiments_name_what_exists() {
         }
         assert!(!experiment.holds("no-such"));
     }
-    assert!(find("no-such").is_none() && paper("no-such").is_none());
+    assert!(find("no-such").is_none());
 }
 
 /// A plan of nothing yet, with rays from an image of this size.
@@ -187,7 +187,8 @@ fn steps_have_their_own_rays_and_scales() {
 #[test]
 fn papers_have_their_resolutions() {
     let resolved = |name: &str, preset: &str| {
-        let preset = paper(name).unwrap().resolved(RunPreset::named(preset).unwrap());
+        let preset =
+            PAPERS.iter().find(|paper| paper.name == name).unwrap().resolved(RunPreset::named(preset).unwrap());
         (preset.ray_image, preset.frame, preset.face)
     };
     assert_eq!(resolved("wkp15", "paper"), ([1600, 900], [1600, 900], 1024));

@@ -1,92 +1,115 @@
-//! Tables of peers: tracers of one family side by side, as data.
+//! Tables whose rows are tracers at settings: peers of one family, ways to read and to launch, switches of an improved form.
 
-use tracebench_api::{Domain, ParameterScope, Preset};
+use tracebench_api::{Domain, ParameterScope, Preset, TracerError};
 
+use crate::contenders::Switched;
+pub use crate::contenders::{Rows, Subject, Table};
+use crate::means::combinations;
 use crate::plan::TracerRequest;
-use crate::registry::{Family, Registration, TRACERS};
+use crate::registry::{self, Family, Registration, TRACERS};
 use crate::results::READS;
 
-/// What a table is about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Subject {
-    /// Builds and traces of scenes that stand still.
-    Still,
-    /// Structures that follow an animation.
-    Moving,
-    /// Structures that follow the camera's path, and the scene where it moves.
-    Walked,
-}
-
-/// A table as data.
-#[derive(Debug, PartialEq, Eq)]
-pub struct Table {
-    /// Stable name; files are named after it.
-    pub name: &'static str,
-    /// What it shows, in one line.
-    pub summary: &'static str,
-    /// Whose tracers stand in it; every tracer without one.
-    pub family: Option<Family>,
-    /// A parameter of the reference tracer, each of whose values worth sweeping has a row.
-    pub swept: Option<&'static str>,
-    /// Ray sets where nothing else is said, as `--rays` takes them.
-    pub rays: &'static str,
-    /// What is measured.
-    pub subject: Subject,
-}
-
-/// Every table.
-pub const TABLES: &[Table] = &[
+/// Every table that is no tracer's own.
+const TABLES: &[Table] = &[
     Table {
         name: "bvh",
         summary: "bounding volume hierarchies: build rate, size, cost, speed with accuracy, counters, over every scene",
-        family: Some(Family::Bvh),
-        swept: Some("build"),
         rays: "primary,ao,specular,diffuse",
         subject: Subject::Still,
+        rows: Rows::Peers { family: Some(Family::Bvh), swept: Some("build") },
     },
     Table {
         name: "bvh-updates",
         summary: "bounding volume hierarchies over animations: rebuild and refit, their times and what is left of quality",
-        family: Some(Family::Bvh),
-        swept: None,
         rays: "diffuse",
         subject: Subject::Moving,
+        rows: Rows::Peers { family: Some(Family::Bvh), swept: None },
     },
     Table {
         name: "view-updates",
         summary: "every tracer along the camera's path: structures reused, refitted or rebuilt at every frame; the time of all frames, \
                   and the accuracy at each",
-        family: None,
-        swept: None,
         rays: "primary,diffuse",
         subject: Subject::Walked,
+        rows: Rows::Peers { family: None, swept: None },
+    },
+    Table {
+        name: "means",
+        summary: "equal means: every tracer that searches on the device, by each way to read and to launch",
+        rays: "primary,diffuse",
+        subject: Subject::Still,
+        rows: Rows::Means,
     },
 ];
 
+/// Every table, those of a tracer's own switches last.
+pub fn all() -> impl Iterator<Item = &'static Table> {
+    TABLES.iter().chain(TRACERS.iter().filter_map(|registration| registration.ablation))
+}
+
 /// Finds a table by name.
 pub fn find(name: &str) -> Option<&'static Table> {
-    TABLES.iter().find(|table| table.name == name)
+    all().find(|table| table.name == name)
+}
+
+/// The tracer beside which switches stand: the first hierarchy on the device.
+fn peer() -> Option<&'static Registration> {
+    registry::first(|registration| registration.family == Family::Bvh && registration.needs_device())
 }
 
 impl Table {
-    /// Whether a tracer's place in the registry is in the table's family.
+    /// Whether a tracer's place in the registry is in the table.
     fn has(&self, registration: &Registration) -> bool {
-        self.family.is_none_or(|family| registration.family == family)
+        match self.rows {
+            Rows::Peers { family, .. } => family.is_none_or(|family| registration.family == family),
+            Rows::Means => TracerRequest::of(registration, Preset::Published).has_means(),
+            Rows::Switches(_) => {
+                registration.ablation == Some(self) || peer().is_some_and(|peer| peer.name() == registration.name())
+            }
+        }
     }
 
-    /// The tracer that others are set against: the first of the family in the registry.
+    /// The tracer that others are set against: the first of a family in the registry, the hierarchy beside switches; none where each is set
+    /// against itself.
     pub fn reference(&self) -> &'static str {
-        let first = TRACERS.iter().find(|each| self.has(each));
-        first.map_or("", |registration| (registration.describe)().name)
+        match self.rows {
+            Rows::Peers { .. } => TRACERS.iter().find(|each| self.has(each)),
+            Rows::Means => None,
+            Rows::Switches(_) => peer(),
+        }
+        .map_or("", Registration::name)
     }
 
-    /// Every tracer of the family as published, each followed by its variants: of the reference the values of the swept
-    /// parameter, of others their own named kinds of structure, parameters that the reference has too left out. How they are read is
-    /// the same for all, and no variant. No variants where all families are side by side.
+    /// Its rows.
     pub fn contenders(&self) -> Vec<TracerRequest> {
-        let peers: Vec<_> = TRACERS.iter().filter(|each| self.has(each)).collect();
+        let of = |registration| TracerRequest::of(registration, Preset::Published);
+        let published = || TRACERS.iter().filter(|each| self.has(each)).map(of);
+        match self.rows {
+            Rows::Peers { family, swept } => self.peers(published().collect(), family, swept),
+            Rows::Means => {
+                let at = |request: TracerRequest| {
+                    combinations().into_iter().filter_map(move |means| request.clone().with_means(&means))
+                };
+                published().flat_map(at).collect()
+            }
+            Rows::Switches(rows) => {
+                let own = TRACERS.iter().find(|each| each.ablation == Some(self));
+                let rows = own.into_iter().flat_map(|own| rows.iter().filter_map(|row| row.request(own).ok()));
+                rows.chain(peer().map(of)).collect()
+            }
+        }
+    }
+
+    /// Every peer as published, each followed by its variants: of the reference the values of the swept parameter, of others their own named
+    /// kinds of structure, parameters that the reference has too left out. How they are read is the same for all, and no variant. No
+    /// variants where all families are side by side.
+    fn peers(
+        &self,
+        published: Vec<TracerRequest>,
+        family: Option<Family>,
+        swept: Option<&'static str>,
+    ) -> Vec<TracerRequest> {
         let is_reference = |request: &TracerRequest| request.name() == self.reference();
-        let published: Vec<_> = peers.into_iter().map(|each| TracerRequest::of(each, Preset::Published)).collect();
         let reference = published.iter().find(|request| is_reference(request));
         let known = reference.map(|request| (request.registration.describe)().parameters).unwrap_or_default();
         let mut contenders = Vec::new();
@@ -94,11 +117,11 @@ impl Table {
             contenders.push(request.clone());
             for parameter in (request.registration.describe)().parameters {
                 let wanted = if is_reference(request) {
-                    self.swept == Some(parameter.name)
+                    swept == Some(parameter.name)
                 } else {
                     let named = matches!(parameter.domain, Domain::Choice(_));
                     let shared = parameter.name == READS || known.iter().any(|other| other.name == parameter.name);
-                    self.family.is_some() && named && parameter.scope == ParameterScope::Build && !shared
+                    family.is_some() && named && parameter.scope == ParameterScope::Build && !shared
                 };
                 for value in parameter.sweep.iter().filter(|value| wanted && **value != parameter.published) {
                     let mut variant = request.clone();
@@ -114,7 +137,21 @@ impl Table {
 
     /// Whether a tracer of this name belongs into the table.
     pub fn holds(&self, tracer: &str) -> bool {
-        crate::registry::find(tracer).is_some_and(|registration| self.has(registration))
+        registry::find(tracer).is_some_and(|registration| self.has(registration))
+    }
+}
+
+impl Switched {
+    /// The tracer with the row's values.
+    ///
+    /// # Errors
+    /// [`TracerError::Parameter`] for a value that it cannot have.
+    pub fn request(&self, registration: &Registration) -> Result<TracerRequest, TracerError> {
+        let mut request = TracerRequest::of(registration, self.preset);
+        for (name, value) in self.values {
+            request.set(name, value)?;
+        }
+        Ok(request)
     }
 }
 
@@ -122,39 +159,49 @@ impl Table {
 mod tests {
     use super::*;
     use crate::rays::RAY_SETS;
-    use crate::registry;
 
-    /// The reference of every table is a tracer of its family with the parameter that is swept, its ray sets exist, and
-    /// names are unique.
+    /// The tables of peers, with the parameter that each sweeps and whether it is of one family.
+    fn of_peers() -> impl Iterator<Item = (&'static Table, Option<Family>, Option<&'static str>)> {
+        all().filter_map(|table| match table.rows {
+            Rows::Peers { family, swept } => Some((table, family, swept)),
+            _ => None,
+        })
+    }
+
+    /// Names are unique, ray sets exist, and the reference of every table of peers is a tracer of its family with the parameter that is
+    /// swept.
     #[test]
     fn tables_name_what_exists() {
-        for (index, table) in TABLES.iter().enumerate() {
-            assert!(TABLES[..index].iter().all(|other| other.name != table.name));
-            let reference = registry::find(table.reference()).unwrap();
-            assert!(table.has(reference) && table.holds(table.reference()));
-            let parameters = (reference.describe)().parameters;
-            assert!(table.swept.is_none_or(|name| parameters.iter().any(|parameter| parameter.name == name)));
+        let names: Vec<&str> = all().map(|table| table.name).collect();
+        for (index, table) in all().enumerate() {
+            assert!(!names[..index].contains(&table.name) && find(table.name) == Some(table));
             assert!(table.rays.split(',').all(|name| RAY_SETS.iter().any(|set| set.name == name)));
+            assert!(!table.holds("no-such") && table.contenders().iter().all(|row| table.holds(row.name())));
         }
-        assert!(find("no-such").is_none() && !TABLES[0].holds("no-such"));
+        for (table, _, swept) in of_peers() {
+            let reference = registry::find(table.reference()).unwrap();
+            assert!(table.has(reference));
+            let parameters = (reference.describe)().parameters;
+            assert!(swept.is_none_or(|name| parameters.iter().any(|parameter| parameter.name == name)));
+        }
+        assert!(find("no-such").is_none() && names.contains(&"means"));
     }
 
     /// Every tracer of the family stands in the table, no other does, every value of the swept parameter has a row, no two
     /// rows are the same, and parameters that the reference has are not swept again.
     #[test]
     fn every_peer_has_its_rows() {
-        for table in TABLES {
+        for (table, family, swept) in of_peers() {
             let rows = table.contenders();
             for registration in TRACERS {
                 let name = (registration.describe)().name;
                 let found = rows.iter().filter(|row| row.name() == name).count();
                 assert_eq!(found > 0, table.has(registration), "{name} in {}", table.name);
-                assert!(table.family.is_some() || found == 1, "{name} in {}", table.name);
+                assert!(family.is_some() || found == 1, "{name} in {}", table.name);
             }
             let of_reference = rows.iter().filter(|row| row.name() == table.reference()).count();
             let parameters = (registry::find(table.reference()).unwrap().describe)().parameters;
-            let swept =
-                parameters.iter().find(|each| Some(each.name) == table.swept).map_or(1, |each| each.sweep.len());
+            let swept = parameters.iter().find(|each| Some(each.name) == swept).map_or(1, |each| each.sweep.len());
             assert_eq!(of_reference, swept, "{}", table.name);
             for (index, row) in rows.iter().enumerate() {
                 let same = |other: &&TracerRequest| other.name() == row.name() && other.parameters == row.parameters;
@@ -165,5 +212,37 @@ mod tests {
                 assert!(!row.changed.iter().any(|name| name == READS), "{:?}", row.changed);
             }
         }
+    }
+
+    /// Proves that every row of every ablation is one that its tracer can be told, that no two are the same, that the published and the
+    /// improved form are among them, and that the peer stands last.
+    #[test]
+    fn every_switch_can_be_told() {
+        let mut ablations = 0;
+        for (registration, table) in TRACERS.iter().filter_map(|each| Some((each, each.ablation?))) {
+            let Rows::Switches(rows) = table.rows else { panic!("{} is of no switches", table.name) };
+            let requests: Vec<TracerRequest> = rows.iter().map(|row| row.request(registration).unwrap()).collect();
+            for (index, request) in requests.iter().enumerate() {
+                let same = requests[..index].iter().any(|other| other.parameters == request.parameters);
+                assert!(!same, "{}: row {index} stands there twice", table.name);
+            }
+            for preset in Preset::ALL {
+                let plain = TracerRequest::of(registration, preset);
+                assert!(requests.iter().any(|row| row.parameters == plain.parameters), "{}: {preset:?}", table.name);
+            }
+            assert!(find(table.name) == Some(table) && table.holds(registration.name()));
+            let all = table.contenders();
+            assert_eq!((all.len(), all.last().unwrap().name()), (requests.len() + 1, table.reference()));
+            ablations += 1;
+        }
+        assert!(ablations > 0);
+    }
+
+    /// Negative control: a value that there is not is refused.
+    #[test]
+    fn what_cannot_be_told_is_refused() {
+        let registration = TRACERS.iter().find(|each| each.ablation.is_some()).unwrap();
+        let row = Switched { preset: Preset::Improved, values: &[("no-such", "1")] };
+        assert!(row.request(registration).is_err());
     }
 }

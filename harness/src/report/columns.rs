@@ -6,7 +6,7 @@ use serde::Serialize;
 use tracebench_api::Query;
 
 use super::format::{self, clock_code, clock_of, significant};
-use super::metrics::{self, AMBIGUOUS, BUILD_TIME, FIRST_BUILD, Metric, STEADY_BUILD, STRUCTURE, Traced};
+use super::metrics::{self, AMBIGUOUS, BUILD_TIME, FIRST_BUILD, Metric, STEADY_BUILD, Traced};
 use super::sheet::{Cell, Column, Sheet};
 use crate::results::{
     CounterRecord, Judgement, PhaseRecord, Provenance, Run, SceneRecord, Times, TraceRecord, TracerRun, ViewpointRecord,
@@ -82,13 +82,6 @@ impl<'a, R> Sheet<'a, R> {
         let phase = |phase: &PhaseRecord| format!("{} {}", phase.name, significant(phase.median_ms, 3));
         let told = move |times: &Times| times.phases.iter().map(phase).collect::<Vec<_>>().join(between);
         self.told(heading, move |row| of(row).map(told))
-    }
-
-    /// With what building a structure took, and its bytes.
-    pub(super) fn build(self, of: impl Fn(&R) -> Option<&TracerRun> + Copy + 'a) -> Self {
-        self.clock("build_clock", move |row| of(row).map(|run| run.build.first()))
-            .builds("build", of)
-            .structure(STRUCTURE, of)
     }
 
     /// With the times of first and steady builds or, of records of before these were told, with that of builds under a name.
@@ -187,22 +180,16 @@ impl<'a, R> Sheet<'a, R> {
         self.constant("commit", from.commit.clone())
     }
 
-    /// With the run's preset and its machine.
-    fn run(self, preset: &str, seed: Option<u64>, from: &Provenance) -> Self {
-        let sheet = self.constant("run_preset", preset);
-        let sheet = if let Some(seed) = seed { sheet.constant("seed", seed) } else { sheet };
-        sheet.constant("machine", from.machine.label())
-    }
-
     /// With of what, how and where a table was measured.
     pub(super) fn provenance(self, from: &Provenance, preset: &str) -> Self {
-        self.commit(from).run(preset, None, from)
+        self.commit(from).constant("run_preset", preset).constant("machine", from.machine.label())
     }
 
-    /// The same with whether the tree was changed, and what rays come from where tables say so.
-    pub(super) fn whole_provenance(self, run: &Run, seed: Option<u64>) -> Self {
-        let from = &run.provenance;
-        self.commit(from).constant("dirty", from.dirty).run(&run.preset, seed, from)
+    /// The same with whether the tree was changed, and what rays come from.
+    pub(super) fn whole_provenance(self, run: &Run) -> Self {
+        let Run { provenance, preset, seed, .. } = run;
+        let sheet = self.commit(provenance).constant("dirty", provenance.dirty).constant("run_preset", &**preset);
+        sheet.constant("seed", *seed).constant("machine", provenance.machine.label())
     }
 
     /// With the machine of each row, where a record has several.

@@ -6,8 +6,6 @@ use tracebench_api::Query;
 
 use super::document::{Document, set_heading};
 use super::format;
-use super::sheet::{Sheet, Table};
-use super::summary::skipped;
 use crate::results::{Paired, Run, SceneRecord, Timed, TraceRecord, TracerRun, ViewpointRecord};
 
 /// Runs that may be compared.
@@ -113,45 +111,6 @@ impl RaySet<'_> {
     }
 }
 
-/// A contender with its trace of a ray set.
-pub(super) struct TracedRow<'a> {
-    pub group: &'a Group<'a>,
-    pub row: &'a TracerRun,
-    pub set: &'a RaySet<'a>,
-    pub trace: &'a TraceRecord,
-}
-
-/// Every trace of contenders, by group and contender.
-pub(super) fn traced_rows<'a>(groups: &'a [Group<'a>]) -> Vec<TracedRow<'a>> {
-    let of_row = |group: &'a Group<'a>, row: &'a TracerRun| {
-        let of_set = move |set: &'a RaySet<'a>| Some(TracedRow { group, row, set, trace: set.trace_of(row)? });
-        group.ray_sets.iter().filter_map(of_set)
-    };
-    groups.iter().flat_map(|group| group.contenders.iter().flat_map(move |row| of_row(group, row))).collect()
-}
-
-/// What tables of such rows end with.
-pub(super) fn traced<'a>(sheet: Sheet<'a, TracedRow<'a>>, run: &'a Run) -> Sheet<'a, TracedRow<'a>> {
-    sheet
-        .accuracy(|row| Some(row.trace))
-        .hits(|row| Some(row.trace))
-        .commit(&run.provenance)
-        .machine_of(&run.provenance, |row| row.row)
-        .counters(&run.runs, |row| Some(&row.trace.counters))
-}
-
-/// A section a group of a table's page: structures, then each ray set; then what did not run.
-pub(super) fn sections(
-    run: &Run,
-    groups: &[Group<'_>],
-    structures: impl Fn(&Group<'_>) -> Table,
-    traces: impl Fn(&Group<'_>, &RaySet<'_>) -> Document,
-) -> Document {
-    let section = |group: &Group<'_>| {
-        let sets = group.ray_sets.iter().map(|set| traces(group, set));
-        Document::default().scene(2, group.scene, "").table(structures(group)).and(sets)
-    };
-    Document::default().and(groups.iter().map(section)).and(skipped(&run.skipped))
 }
 
 /// Sorts a run into groups, in order of first appearance.

@@ -3,7 +3,6 @@
 //! Every file is made whole in memory, written beside its place and renamed, so no file is ever half-written. The
 //! derived files depend on nothing but the run: made again from the same `run.json` they are the same bytes.
 
-pub(crate) mod ablation;
 pub(crate) mod cells;
 pub(crate) mod chart;
 pub(crate) mod columns;
@@ -11,6 +10,7 @@ mod compare;
 mod distances;
 pub(crate) mod document;
 mod error;
+pub mod exact;
 mod explain;
 #[cfg(test)]
 pub(crate) mod fixture;
@@ -19,7 +19,7 @@ pub(crate) mod group;
 mod html;
 pub(crate) mod kept;
 pub(crate) mod markdown;
-pub(crate) mod means;
+mod means;
 pub(crate) mod metrics;
 mod need;
 mod pareto;
@@ -48,14 +48,14 @@ use serde::Deserialize;
 pub use chart::without_images;
 pub use compare::comparison_text;
 pub use error::ReportError;
-pub use explain::{EXPLAIN_PAGE, explanation_page};
+pub use explain::EXPLAIN_PAGE;
 pub use html::{Claims, MOST_BYTES, Makers, Page, page as html_page, quoted};
 pub use need::NEED_PAGE;
 pub use pareto::PARETO_PAGE;
 pub use stability::{STABILITY_TABLE, matrix as stability_matrix};
 pub use sweep::SWEEP_PAGE;
 pub use terminal::run_table;
-pub use tune::{TUNE_PAGE, tuning_overview};
+pub use tune::TUNE_PAGE;
 
 use crate::files::{self, OutputFolder};
 use crate::results::{FrontScene, PICTURES_FOLDER, Run, SCHEMA};
@@ -158,7 +158,7 @@ type Maker = fn(&Run, Tables) -> Result<Report, ReportError>;
 
 /// Every study, a line each. The first that a record is of makes what derives from it.
 const STUDIES: &[Study] = &[
-    study("tune", Section::Study, &[tune::STEM], |run| run.tuning.is_some(), tune::report),
+    study("sweep", Section::Study, &[tune::STEM], |run| run.tuning.is_some(), tune::report),
     study("table", Section::Table, &[], |run| run.updates.is_some(), |run, _| of_updates(run)),
     study("stability", Section::Matrix, &[], |run| run.cases.is_some(), stability::report),
     study("pareto", Section::Fronts, &[pareto::STEM], |run| run.pareto.is_some(), pareto::report),
@@ -345,7 +345,7 @@ struct Head {
 }
 
 /// The bytes of a file, unpacked where it is compressed, of which there may be no more than [`MOST_RECORD_BYTES`].
-pub(crate) fn unpacked(path: &Path) -> Result<Vec<u8>, ReportError> {
+fn unpacked(path: &Path) -> Result<Vec<u8>, ReportError> {
     let fail = |source: std::io::Error| match source.kind() {
         ErrorKind::NotFound => ReportError::Missing { path: path.to_owned(), file: RUN_FILE },
         _ => ReportError::Read { path: path.to_owned(), source },

@@ -27,7 +27,7 @@ pub(super) fn traces(run: &Run, groups: &[Group<'_>]) -> Table {
         .clock("clock", |(.., trace)| Some(&trace.times))
         .clock("build_clock", |(_, run, _)| Some(run.build.first()))
         .hits(|(.., trace)| Some(trace))
-        .whole_provenance(run, Some(run.seed))
+        .whole_provenance(run)
         .metrics(&run.runs, |(_, run, trace)| Some((run, trace)))
         .with(of_maps(&rows));
     sheet.table(&rows)

@@ -143,11 +143,14 @@ fn first_controls() -> Vec<String> {
     ["oracle", "always-miss", "always-hit"].map(str::to_owned).to_vec()
 }
 
+/// The verb, with its option, that measures what the choice of a parameter costs.
+pub const CHOOSE: &str = "sweep --choose";
+
 impl Run {
     /// The verb that has measured it.
     pub fn verb(&self) -> &'static str {
         let sections = [
-            ("tune", self.tuning.is_some()),
+            (CHOOSE, self.tuning.is_some()),
             ("stability", self.cases.is_some()),
             ("explain", self.explanation.is_some()),
             ("pareto", self.pareto.is_some()),

@@ -277,6 +277,16 @@ impl Truth {
         [right, left, up, down, span(near, 0.0), span(-near, 0.0), span(0.0, far), span(0.0, -far)]
     }
 
+    /// Whether a ray goes through an edge or a vertex that the triangle which it hits shares with another one: one of its four moves hits
+    /// another triangle at the same place.
+    pub fn is_on_shared_edge(&self, ray: &Ray64, hit: TrueHit) -> bool {
+        let is_same_place = |other: TrueHit| (other.t - hit.t).abs() <= tight_tolerance(hit.t, self.diagonal);
+        let moved = self.moved(ray).into_iter().filter(|moved| moved.origin != ray.origin);
+        moved
+            .filter_map(|moved| self.closest(&moved))
+            .any(|other| other.primitive != hit.primitive && is_same_place(other))
+    }
+
     /// Whether a moved ray gets another answer than a ray's own.
     fn changes(&self, ray: &Ray64, moved: &Ray64, hit: Option<TrueHit>, query: Query) -> bool {
         let is_nearer = |other: &TrueHit| hit.is_none_or(|hit| other.t < hit.t - tight_tolerance(hit.t, self.diagonal));

@@ -1,4 +1,4 @@
-//! How times are taken, and `clock`.
+//! How times are taken, and `doctor --clock`.
 
 use super::*;
 
@@ -64,7 +64,7 @@ fn sampling_goes_on_until_the_time_is_up() {
 #[test]
 fn the_clock_is_tried() {
     let bench = Bench::new();
-    let smoke = ["clock", "--tracer", "bvh-cpu", "--preset", "smoke"];
+    let smoke = ["doctor", "--clock", "--tracer", "bvh-cpu", "--preset", "smoke"];
     let call = |further: &[&str]| bench.call(&[&smoke[..], further].concat());
     let outcome = call(&["--races", "2", "--samples", "12", "--load", "1", "--out", "races"]);
     assert_eq!(outcome.status, 0, "{outcome:?}");
@@ -93,7 +93,11 @@ fn the_clock_is_tried() {
         "{record}"
     );
     bench.fails(&[&smoke[..], &["--fresh-rays", "3"]].concat(), 1, &["nothing random"]);
-    bench.fails(&["clock", "--tracer", "all"], 2, &["one tracer"]);
+    bench.fails(&["doctor", "--clock", "--tracer", "all"], 2, &["one tracer"]);
+    bench.fails(&["doctor", "--clock"], 2, &["--tracer"]);
+    bench.fails(&["doctor", "--races", "2"], 2, &["--clock"]);
+    bench.fails(&["doctor", "--scale", "0.5"], 2, &["--clock"]);
+    bench.fails(&["doctor", "--clock", "--tracer", "bvh-cpu", "--json"], 2, &["--json"]);
     bench.fails(&[&smoke[..], &["--rays", "all"]].concat(), 2, &["one ray set"]);
     bench.fails(&[&smoke[..], &["--slowdown", "7"]].concat(), 2, &["multiple of 5"]);
     bench.fails(&[&smoke[..], &["--record", "noise.csv"]].concat(), 2, &["--kind"]);

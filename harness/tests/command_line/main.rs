@@ -2,7 +2,6 @@
 
 mod clock;
 mod compare;
-mod docs;
 mod far;
 mod faults;
 mod fronts;
@@ -36,7 +35,12 @@ struct Outcome {
     status: i32,
     stdout: String,
     stderr: String,
+    /// The page that standard output ends with; empty where it ends with none.
+    page: String,
 }
+
+/// The most lines that a verb ends with, but for lists, JSON and texts that stand in no page.
+const MOST_LINES: usize = 25;
 
 /// A folder to work in, with a cache of its own.
 struct Bench {
@@ -71,11 +75,16 @@ impl Bench {
 
     fn finish(command: &mut Command) -> Outcome {
         let output = command.output().unwrap();
-        let outcome = Outcome {
-            status: output.status.code().unwrap_or(-1),
-            stdout: String::from_utf8(output.stdout).unwrap(),
-            stderr: String::from_utf8(output.stderr).unwrap(),
-        };
+        let stdout = String::from_utf8(output.stdout).unwrap();
+        let last = stdout.lines().last().filter(|line| line.ends_with(".md")).map(PathBuf::from);
+        let page = last.map(|path| command.get_current_dir().unwrap_or(Path::new(".")).join(path));
+        let page = page.and_then(|path| std::fs::read_to_string(path).ok()).unwrap_or_default();
+        let whole = ["list", "compare", "docs", "--json", "--help"];
+        let is_short = stdout.lines().count() <= MOST_LINES
+            || command.get_args().any(|word| whole.iter().any(|name| word == *name));
+        assert!(is_short, "{command:?}: {stdout}");
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        let outcome = Outcome { status: output.status.code().unwrap_or(-1), stdout, stderr, page };
         assert!(!outcome.stderr.contains("panicked"), "{outcome:?}");
         outcome
     }

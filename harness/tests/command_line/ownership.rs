@@ -63,10 +63,13 @@ fn spares(bench: &Bench, words: &[&str], further: &[&str]) {
         let after = tree(&bench.path(out));
         let stays = before.iter().all(|(name, contents)| after.get(name) == Some(contents));
         // What needs no measuring is made where nothing is in the way.
-        assert!(stays && (words[0] == "claims" || after.len() == before.len()), "{words:?}, {what} {names:?}");
+        assert!(
+            stays && (words.contains(&"dirt-claims") || after.len() == before.len()),
+            "{words:?}, {what} {names:?}"
+        );
     };
     // One after the other where no device is opened each time.
-    let is_quick = words.contains(&"bvh-cpu") || ["claims", "merge"].contains(&words[0]);
+    let is_quick = ["bvh-cpu", "dirt-claims", "merge"].iter().any(|word| words.contains(word));
     let each = all.iter().filter(|_| is_quick).map(|name| vec![*name]);
     let of_each: Vec<Vec<&str>> = std::iter::once(all.clone()).chain(each).collect();
     for (index, names) in of_each.iter().enumerate() {
@@ -146,7 +149,12 @@ fn tables_of_papers_spare() {
 
 #[test]
 fn tune_spares() {
-    let words = [&["tune"], &SMALL[..], &["--tracer", "bvh-cpu", "--over", "build", "--rays", "primary"]].concat();
+    let words = [
+        &["sweep", "--choose", "footprint"],
+        &SMALL[..],
+        &["--tracer", "bvh-cpu", "--over", "build", "--rays", "primary"],
+    ]
+    .concat();
     spares(&bench(), &words, &RACES);
 }
 
@@ -163,8 +171,20 @@ fn stability_spares() {
 
 #[test]
 fn clock_spares() {
-    let words =
-        ["clock", "--preset", "smoke", "--scene", "one.glb", "--tracer", "bvh-cpu", "--races", "1", "--samples", "1"];
+    let words = [
+        "doctor",
+        "--clock",
+        "--preset",
+        "smoke",
+        "--scene",
+        "one.glb",
+        "--tracer",
+        "bvh-cpu",
+        "--races",
+        "1",
+        "--samples",
+        "1",
+    ];
     spares(&bench(), &words, &[]);
 }
 
@@ -174,7 +194,7 @@ fn merge_and_claims_spare() {
     let part = [&["table", "dirt-figure10"], &SMALL[..], &["--only", "dirt.buckets=8", "--samples", "1"]].concat();
     let outcome = bench.call(&[&part[..], &["--quiet", "--shard", "1/1", "--out", "shard"]].concat());
     assert_eq!(outcome.status, 0, "{outcome:?}");
-    spares(&bench, &["claims", "dirt", "shard"], &[]);
+    spares(&bench, &["table", "dirt-claims", "--from", "shard"], &[]);
     for folder in std::fs::read_dir(bench.folder.path()).unwrap() {
         let name = folder.unwrap().file_name().into_string().unwrap();
         if !["shard", "one.glb"].contains(&&*name) {
@@ -207,7 +227,7 @@ fn reproduce_spares() {
 }
 
 /// Proves that a record which was handed in without a list vouches for what derives from it: what is identical stays, what is missing is
-/// made, what differs is named and stays, by `report`, by `table --from` and by `claims`; and that it is not measured over.
+/// made, what differs is named and stays, by `report` and by `table --from`; and that it is not measured over.
 #[test]
 fn a_record_vouches_for_what_derives_from_it() {
     let bench = bench();
@@ -261,7 +281,7 @@ fn another_runs_folder_is_left_alone() {
     let other = tree(&bench.path("other"));
     for words in [
         &["merge", "shard"][..],
-        &["claims", "dirt", "whole"],
+        &["table", "dirt-claims", "--from", "whole"],
         &["table", "dirt-figure10", "--from", "whole"],
         &["run", "--tracer", "bvh-cpu"],
     ] {
@@ -272,7 +292,7 @@ fn another_runs_folder_is_left_alone() {
     // Of the same plan the whole is replaced, and beside their own record claims and tables are welcome.
     for words in [
         &["merge", "shard", "--out", "whole"][..],
-        &["claims", "dirt", "whole", "--out", "whole"],
+        &["table", "dirt-claims", "--from", "whole", "--out", "whole"],
         &["table", "dirt-figure10", "--from", "whole/run.json"],
     ] {
         let outcome = bench.call(words);
@@ -283,7 +303,7 @@ fn another_runs_folder_is_left_alone() {
     let whole = tree(&bench.path("whole"));
     for words in [
         &["merge", "shard", "--out", "whole"][..],
-        &["claims", "dirt", "whole", "--out", "whole"],
+        &["table", "dirt-claims", "--from", "whole", "--out", "whole"],
         &["table", "dirt-figure10", "--from", "whole"],
         &["report", "whole"],
         &["report", "--html", "whole/page.html", "whole"],

@@ -1,4 +1,4 @@
-//! `table` over the papers' tables and figures, and `claims`.
+//! `table` over the papers' tables and figures, and over their claims.
 
 use super::*;
 
@@ -26,7 +26,7 @@ fn a_figure_over_parameters() {
     for part in
         ["## Published", "GTX 980 Ti", "| 1x1 to 2x2 | 56 | 50 |", "not available", "## Claims", "stands for none"]
     {
-        assert!(outcome.stdout.contains(part), "no '{part}' in {}", outcome.stdout);
+        assert!(outcome.page.contains(part), "no '{part}' in {}", outcome.page);
     }
     let run = bench.result("out");
     assert_eq!(run["table"], "dirt-figure10");
@@ -36,7 +36,7 @@ fn a_figure_over_parameters() {
     let verdicts = "out/verdicts_dirt_figure10.json";
     let judged: Value = serde_json::from_slice(&std::fs::read(bench.path(verdicts)).unwrap()).unwrap();
     for each in judged.as_array().unwrap() {
-        assert!(outcome.stdout.contains(each["claim"]["id"].as_str().unwrap()), "{each}");
+        assert!(outcome.page.contains(each["claim"]["id"].as_str().unwrap()), "{each}");
         assert_eq!(each["measured_by"]["table"], "dirt-figure10");
     }
     let references = |tile_size: &str, buckets: u64| {
@@ -71,7 +71,7 @@ fn a_figure_over_parameters() {
 fn a_figure_over_resolution_and_all_claims() {
     let bench = bench();
     let outcome = table(&bench, "dirt-figure11", "memory", &[]);
-    assert!(outcome.stdout.contains("references"), "{outcome:?}");
+    assert!(outcome.page.contains("references"), "{outcome:?}");
     let run = bench.result("memory");
     let runs = run["runs"].as_array().unwrap();
     let sizes: Vec<Value> =
@@ -84,9 +84,13 @@ fn a_figure_over_resolution_and_all_claims() {
     );
     // Without traces there is no accuracy, so no time either.
     let outcome = table(&bench, "dirt-table3", "bytes", &[]);
-    assert!(!outcome.stdout.contains("build clock") && outcome.stdout.contains("references"), "{outcome:?}");
-    let outcome = bench.call(&["claims", "dirt", "memory", "bytes/run.json", "--out", "claims"]);
+    assert!(!outcome.page.contains("build clock") && outcome.page.contains("references"), "{outcome:?}");
+    let outcome = bench.call(&["table", "dirt-claims", "--from", "memory", "bytes/run.json", "--out", "claims"]);
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
+    assert!(
+        outcome.stdout.contains("\n- not measured: ") && outcome.stdout.ends_with("\nclaims/claims_dirt.md\n"),
+        "{outcome:?}"
+    );
     assert_eq!(names(&bench.path("claims")), ["claims_dirt.json", "claims_dirt.md"].map(str::to_owned).into());
     let judged = std::fs::read(bench.path("claims/claims_dirt.json")).unwrap();
     let judged: Value = serde_json::from_slice(&judged).unwrap();
@@ -109,9 +113,9 @@ fn a_figure_over_resolution_and_all_claims() {
     assert_eq!(verdict("dirt-samples-2x2"), "not measured");
     for each in judged {
         let id = each["claim"]["id"].as_str().unwrap();
-        assert!(outcome.stdout.contains(&format!("| `{id}`:")), "{id}");
+        assert!(outcome.page.contains(&format!("| `{id}`:")), "{id}");
     }
-    assert!(outcome.stdout.contains("tracebench table dirt-figure10"), "{}", outcome.stdout);
+    assert!(outcome.page.contains("tracebench table dirt-figure10"), "{}", outcome.page);
 }
 
 /// Proves that steps that are about rays have their own, as many as they say, and that rows and page tell what was said of them.
@@ -129,7 +133,7 @@ fn steps_about_rays() {
     ];
     let only: Vec<&str> = rows.iter().flat_map(|row| ["--only", *row]).collect();
     let outcome = table(&bench, "wkp15-table4", "lens", &only);
-    assert!(outcome.stdout.contains("count = 32") && outcome.stdout.contains("| 4/1 |"), "{}", outcome.stdout);
+    assert!(outcome.page.contains("count = 32") && outcome.page.contains("| 4/1 |"), "{}", outcome.page);
     let run = bench.result("lens");
     assert_eq!(run["ray_parameters"]["lens_count"], 4);
     let told = |one: &Value| {
@@ -147,7 +151,7 @@ fn steps_about_rays() {
     ];
     assert_eq!(found, expected);
     // A file stands for none of the paper's scenes.
-    assert!(outcome.stdout.contains("**not measured**"), "{}", outcome.stdout);
+    assert!(outcome.page.contains("**not measured**"), "{}", outcome.page);
 }
 
 /// Proves that VVP16's tables are made as DIRT's are: a row for every storage, its ledger the paper's formula on the counts in
@@ -156,7 +160,7 @@ fn steps_about_rays() {
 fn storages_of_the_other_paper() {
     let bench = bench();
     let outcome = table(&bench, "vvp16-table2", "bytes", &[]);
-    assert!(outcome.stdout.contains("GTX 780 Ti") && outcome.stdout.contains("ledger over formula"), "{outcome:?}");
+    assert!(outcome.page.contains("GTX 780 Ti") && outcome.page.contains("ledger over formula"), "{outcome:?}");
     let runs = bench.result("bytes")["runs"].as_array().unwrap().clone();
     assert_eq!(runs.len(), 9);
     for run in &runs {
@@ -182,10 +186,10 @@ fn storages_of_the_other_paper() {
     }
     let set = ["--set", "rays.pixel_random_count=1"];
     let outcome = table(&bench, "vvp16-figure12", "variants", &set);
-    assert!(outcome.stdout.contains("| one | dllb |") && outcome.stdout.contains("not available"), "{outcome:?}");
+    assert!(outcome.page.contains("| one | dllb |") && outcome.page.contains("not available"), "{outcome:?}");
     assert_eq!(bench.result("variants")["runs"].as_array().unwrap().len(), 15);
     assert!(names(&bench.path("variants")).contains("figure_vvp16_figure12.svg"));
-    let outcome = bench.call(&["claims", "vvp16", "bytes", "variants", "--out", "claims"]);
+    let outcome = bench.call(&["table", "vvp16-claims", "--from", "bytes", "variants", "--out", "claims"]);
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
     let judged = std::fs::read(bench.path("claims/claims_vvp16.json")).unwrap();
     let judged: Value = serde_json::from_slice(&judged).unwrap();
@@ -239,7 +243,7 @@ fn settings_come_on_top() {
 fn fewer_rows_and_how_long_all_take() {
     let bench = bench();
     let outcome = table(&bench, "dirt-figure10", "few", &["--only", "dirt.buckets=8", "--only", "dirt.tile_size=1,4"]);
-    assert!(outcome.stdout.contains("0 of 45 rows"), "{outcome:?}");
+    assert!(outcome.page.contains("0 of 45 rows"), "{outcome:?}");
     let run = bench.result("few");
     let told = |one: &Value| {
         let parameters = &one["tracer"]["parameters"];
@@ -269,12 +273,14 @@ fn wrong_papers() {
         (vec!["table", "dirt-figure10", "--only", "bvh-cpu.build=fast"], vec!["no row has fast"]),
         (vec!["table", "bvh", "--only", "bvh-cpu.build=fast"], vec!["no paper's"]),
         (vec!["table", "dirt-figure11", "--preset", "smoke", "--size", "4096x4096"], vec!["--size", "2 times"]),
-        (vec!["claims", "dart"], vec!["'dirt'"]),
-        (vec!["claims"], vec!["<PAPER>"]),
+        (vec!["table", "dart-claims"], vec!["'dirt-claims'"]),
+        (vec!["table", "dirt-claims", "--from", "nowhere", "nowhere"], vec!["twice"]),
+        (vec!["table", "dirt-claims", "--from", "one.glb", "--scene", "room"], vec!["--scene"]),
+        (vec!["table", "dirt-table1", "--from", "one.glb", "two.glb"], vec!["one run"]),
     ] {
         bench.fails(&arguments, 2, &parts);
     }
-    bench.fails(&["claims", "dirt", "nowhere"], 1, &["nowhere", "run.json"]);
+    bench.fails(&["table", "dirt-claims", "--from", "nowhere"], 1, &["nowhere", "run.json"]);
     bench.fails(&["table", "dirt-table1", "--from", "nowhere"], 1, &["nowhere", "run.json"]);
     bench.run(&["--tracer", "bvh-cpu", "--rays", "primary"], "others");
     bench.fails(&["table", "dirt-table1", "--from", "others"], 1, &["no tracer of this run belongs"]);

@@ -55,6 +55,7 @@ fn wrong_arguments() {
         bench.fails(&run(&arguments), 2, &parts);
     }
     bench.fails(&["repot"], 2, &["report"]);
+    bench.fails(&["docs"], 2, &["cargo run --release --example figures"]);
     bench.fails(&["list", "tracer"], 2, &["tracers"]);
     let picture = ["picture", "--scene", "room", "--tracer", "all", "--out", "p.png"];
     bench.fails(&picture, 2, &["one tracer"]);
@@ -210,10 +211,11 @@ fn unknown_adapters() {
         ("WGPU_ADAPTER_NAME", "Voodoo 2", ["Voodoo 2", "there are"]),
         ("WGPU_BACKEND", "glide", ["WGPU_BACKEND=glide", "vulkan"]),
     ] {
-        for verb in [&run[..], &["adapters"]] {
+        for verb in [&run[..], &["doctor"]] {
             let outcome = Bench::finish(bench.command(verb).env(variable, value));
-            if variable == "WGPU_ADAPTER_NAME" && verb == ["adapters"] {
-                assert_eq!(outcome.status, 0, "{outcome:?}");
+            if variable == "WGPU_ADAPTER_NAME" && verb == ["doctor"] {
+                let said = parts.iter().all(|part| outcome.stdout.contains(part));
+                assert!(outcome.status == 0 && said, "{outcome:?}");
                 continue;
             }
             assert_eq!((outcome.status, outcome.stdout.as_str()), (1, ""), "{outcome:?}");
@@ -234,7 +236,7 @@ fn unknown_adapters() {
 #[test]
 fn standard_output_that_takes_nothing() {
     let bench = Bench::new();
-    for verb in [&["list", "tracers", "--json"][..], &["list", "scenes"], &["adapters"], &["--help"]] {
+    for verb in [&["list", "tracers", "--json"][..], &["list", "scenes"], &["doctor"], &["--help"]] {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
         let closed = Bench::finish(bench.command(verb).stdout(writer));
@@ -249,7 +251,7 @@ fn standard_output_that_takes_nothing() {
 }
 
 /// Proves a machine without an adapter: with `all`, device tracers are skipped with the reason; named, they are an
-/// error; host tracers run; lists and `adapters` work.
+/// error; host tracers run; lists work, and `doctor` says what to do.
 #[test]
 fn without_an_adapter() {
     let bench = Bench::new();
@@ -290,8 +292,10 @@ fn without_an_adapter() {
     let host = run("bvh-cpu", "host");
     assert_eq!(host.status, 0, "{host:?}");
     assert!(bench.result("host")["skipped"].as_array().unwrap().is_empty());
-    let list = bench.call_without_adapter(&["adapters", "--json"]);
-    assert_eq!((list.status, list.stdout.trim()), (0, "[]"), "{list:?}");
+    let doctor = bench.call_without_adapter(&["doctor", "--json"]);
+    let said: Value = serde_json::from_str(&doctor.stdout).unwrap();
+    assert_eq!((doctor.status, &said["adapters"], &said["taken"]), (0, &json!([]), &Value::Null), "{doctor:?}");
+    assert!(said["missing"][0]["do"].as_str().unwrap().contains("setup.sh"), "{doctor:?}");
     assert_eq!(bench.call_without_adapter(&["list", "tracers"]).status, 0);
 }
 

@@ -152,9 +152,9 @@ fn only_the_same_run_is_gone_on_with() {
     bench.fails(&sweep(&["--out", "out", "--resume"]), 1, &["cannot be read", "plan.json", "remove"]);
     std::fs::write(&plan, &text).unwrap();
     bench.fails(
-        &["tune", "--quiet", "--preset", "smoke", "--out", "out", "--resume"],
+        &["sweep", "--choose", "footprint", "--quiet", "--preset", "smoke", "--out", "out", "--resume"],
         1,
-        &["verb was \"sweep\", is \"tune\""],
+        &["verb was \"sweep\", is \"sweep --choose\""],
     );
     // Another process is at it.
     let held = File::options().append(true).open(out.join("tracebench.sha256")).unwrap();

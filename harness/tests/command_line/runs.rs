@@ -45,7 +45,26 @@ fn lists() {
         assert_eq!(text.status, 0);
         assert!(found.iter().all(|name| text.stdout.contains(name)), "{text:?}");
     }
-    assert!(!json(&["adapters", "--json"]).is_empty(), "there is no adapter; setup.sh installs one");
+    let machine: Value = serde_json::from_str(&bench.call(&["doctor", "--json"]).stdout).unwrap();
+    let adapters = machine["adapters"].as_array().unwrap();
+    assert!(!adapters.is_empty(), "there is no adapter; setup.sh installs one");
+    let taken = &adapters[machine["taken"].as_u64().unwrap() as usize];
+    assert_eq!(machine["machine"]["adapter"]["name"], taken["name"]);
+    assert!(
+        taken["max_buffer_bytes"].as_u64().unwrap() > 0 && machine["machine"]["threads"].as_u64().unwrap() > 0,
+        "{machine}"
+    );
+    let text = bench.call(&["doctor"]).stdout;
+    assert!(text.contains(taken["name"].as_str().unwrap()) && text.contains("\ntaken: 0; buffers of "), "{text}");
+    let missing = machine["missing"].as_array().unwrap();
+    assert!(
+        missing.iter().all(|each| text.contains(&format!("missing: {}", each["what"].as_str().unwrap()))),
+        "{text}"
+    );
+    assert_eq!(
+        missing.iter().any(|each| each["what"].as_str().unwrap().contains("software")),
+        taken["kind"] == "software"
+    );
     for help in [vec!["--help"], vec!["--version"], vec!["run", "--help"]] {
         let outcome = bench.call(&help);
         assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""));
@@ -147,7 +166,7 @@ fn missing(run: &Value) -> Vec<String> {
 #[test]
 fn drivers_are_quiet_without_a_display() {
     let bench = Bench::new();
-    let mut command = bench.command(&["adapters"]);
+    let mut command = bench.command(&["doctor"]);
     for name in ["NODEVICE_SELECT", "XDG_RUNTIME_DIR", "WAYLAND_DISPLAY", "DISPLAY"] {
         command.env_remove(name);
     }

@@ -16,7 +16,7 @@ fn a_matrix_and_its_files() {
     assert_eq!(names(&bench.path("out")), expected.map(str::to_owned).into());
     assert!(
         outcome.stdout.starts_with(
-            "| case | bvh-cpu | bvh-gpu | lbvh-gpu | ray-query | dirt | fragment-abuffer | voxel-abuffer | voxel-octree | quadtree | screen-dda | height-field |\n"
+            "All as expected.\n| case | bvh-cpu | bvh-gpu | lbvh-gpu | ray-query | dirt | fragment-abuffer | voxel-abuffer | voxel-octree | quadtree | screen-dda | height-field |\n"
         ),
         "{}",
         outcome.stdout
@@ -24,8 +24,8 @@ fn a_matrix_and_its_files() {
     let with_ray_queries = adapter_has_ray_queries(&gpu());
     let ray_query = if with_ray_queries { "exact" } else { "unavailable" };
     let row = format!("| edge-on | exact | exact | exact | {ray_query} | exact | known failure ");
-    assert!(outcome.stdout.contains(&row), "{}", outcome.stdout);
-    assert_eq!(outcome.stdout.contains("Skipped ray-query: "), !with_ray_queries, "{}", outcome.stdout);
+    assert!(outcome.page.contains(&row), "{}", outcome.page);
+    assert_eq!(outcome.page.contains("Skipped ray-query: "), !with_ray_queries, "{}", outcome.page);
     let page = std::fs::read_to_string(bench.path("out/stability.md")).unwrap();
     assert!(page.contains(&row), "{page}");
     let found: Value = serde_json::from_slice(&std::fs::read(bench.path("out/run.json")).unwrap()).unwrap();
@@ -89,10 +89,10 @@ fn changed_parameters_do_not_count() {
     let arguments = ["stability", "--quiet", "--case", "through-view-centre", "--tracer"];
     let outcome = bench.call(&[&arguments[..], &changed].concat());
     assert_eq!(outcome.status, 0, "{outcome:?}");
-    assert!(outcome.stdout.contains("do not count") && outcome.stdout.contains("UNEXPECTED"), "{outcome:?}");
+    assert!(outcome.page.contains("do not count") && outcome.page.contains("UNEXPECTED"), "{outcome:?}");
     let improved = bench.call(&[&FEW[..], &["bvh-cpu:improved", "--out", "improved"]].concat());
     assert_eq!(improved.status, 0, "{improved:?}");
-    assert!(improved.stdout.contains("| edge-on | exact |") && !improved.stdout.contains("UNEXPECTED"), "{improved:?}");
+    assert!(improved.page.contains("| edge-on | exact |") && !improved.page.contains("UNEXPECTED"), "{improved:?}");
 }
 
 /// Proves that `--expect` makes a file of what records measured, by adapter, which it makes again of the same byte for byte; that it leaves
@@ -146,10 +146,10 @@ fn cases_without_an_adapter() {
     let bench = Bench::new();
     let all = bench.call_without_adapter(&[&FEW[..], &["all", "--out", "all"]].concat());
     assert_eq!(all.status, 0, "{all:?}");
-    assert!(all.stdout.contains("Skipped screen-dda") && all.stdout.contains("adapter"), "{all:?}");
-    assert!(all.stdout.contains("| edge-on | exact | unavailable | unavailable | unavailable |"), "{all:?}");
+    assert!(all.page.contains("Skipped screen-dda") && all.page.contains("adapter"), "{all:?}");
+    assert!(all.page.contains("| edge-on | exact | unavailable | unavailable | unavailable |"), "{all:?}");
     // Why it would fail where it runs is no reason for anything here, and it has no line in the chart.
-    assert!(!all.stdout.contains("- screen-dda, "), "{all:?}");
+    assert!(!all.page.contains("- screen-dda, "), "{all:?}");
     let chart = std::fs::read_to_string(bench.path("all/error_vs_strength.svg")).unwrap();
     assert!(chart.contains("bvh-cpu") && !chart.contains("screen-dda"));
     let named = bench.call_without_adapter(&[&FEW[..], &["screen-dda", "--out", "named"]].concat());

@@ -17,12 +17,8 @@ fn points_are_those_of_runs() {
         ["--over", "buckets=4,24", "--over", "resolution=1/2,tile_size=4", "--rays", "diffuse,ao", "--out", "out"];
     let outcome = sweep(&bench, &over);
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
-    assert!(
-        outcome.stdout.contains("| 24 * |") && outcome.stdout.contains("| 1/2 | 64×32, 32 |"),
-        "{}",
-        outcome.stdout
-    );
-    assert!(outcome.stdout.contains("all score what they must"), "{}", outcome.stdout);
+    assert!(outcome.page.contains("| 24 * |") && outcome.page.contains("| 1/2 | 64×32, 32 |"), "{}", outcome.page);
+    assert!(outcome.page.contains("all score what they must"), "{}", outcome.page);
     let found = bench.result("out");
     let runs = found["runs"].as_array().unwrap();
     assert_eq!((runs.len(), found["sweep"]["points"].as_array().unwrap().len()), (4, 4));
@@ -68,7 +64,7 @@ fn what_is_too_large_is_skipped() {
     let reasons = found["skipped"].as_array().unwrap();
     assert_eq!(reasons.len(), skipped.len());
     assert!(reasons[0]["reason"].as_str().unwrap().starts_with("resolution=64: "), "{reasons:?}");
-    assert!(outcome.stdout.contains("skipped, see below"));
+    assert!(outcome.page.contains("skipped, see below"));
 }
 
 /// Proves that the host's tracer is swept without an adapter.

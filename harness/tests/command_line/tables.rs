@@ -26,7 +26,7 @@ fn a_table_of_hierarchies() {
     let scenes = ["--scene", "room,one.glb", "--rays", "diffuse,ao", "--out", "out"];
     let outcome = table(&bench, "bvh", &scenes);
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
-    assert!(outcome.stdout.contains("| bvh-cpu build=fastest | host clock |"), "{}", outcome.stdout);
+    assert!(outcome.page.contains("| bvh-cpu build=fastest | host clock |"), "{}", outcome.page);
     let run = bench.result("out");
     assert_eq!((run["table"].as_str(), run["schema"].as_u64()), (Some("bvh"), Some(2)));
     let listed: Value = serde_json::from_str(&bench.call(&["list", "tables", "--json"]).stdout).unwrap();
@@ -72,7 +72,7 @@ fn a_table_of_hierarchies() {
     assert!(!bench.path("plain/table_bvh.md").exists());
     let outcome = bench.call(&["table", "bvh", "--from", "plain/run.json", "--out", "elsewhere"]);
     assert_eq!(outcome.status, 0, "{outcome:?}");
-    assert!(outcome.stdout.contains("| bvh-cpu |") && !outcome.stdout.contains("| screen-dda |"));
+    assert!(outcome.page.contains("| bvh-cpu |") && !outcome.page.contains("| screen-dda |"));
     assert_eq!(names(&bench.path("elsewhere")), ["table_bvh.csv", "table_bvh.md"].map(str::to_owned).into());
 }
 
@@ -93,12 +93,12 @@ fn a_table_of_switches() {
     assert_eq!(found.len(), wanted);
     for row in &found {
         let number = |name: &str| row[name].parse::<f64>().unwrap();
-        assert!(number("references") > 0.0 && number("counter_triangle_tests_per_ray") > 0.0, "{row:?}");
+        assert!(number("structure_references") > 0.0 && number("counter_triangle_tests_per_ray") > 0.0, "{row:?}");
         assert!(number("agreement_tight_share") > 0.9, "{row:?}");
     }
-    let improved = found.iter().find(|row| row["row"] == "dirt:improved").unwrap();
+    let improved = found.iter().find(|row| row["tracer"] == "dirt:improved").unwrap();
     assert_eq!(improved["agreement_tight_share"].parse::<f64>().unwrap(), 1.0);
-    assert!(outcome.stdout.contains("× bvh-gpu") && outcome.stdout.contains("| dirt:improved face_tiles=64 |"));
+    assert!(outcome.page.contains("× bvh-gpu") && outcome.page.contains("| dirt:improved face_tiles=64 |"));
     let files = ["out/table_dirt_ablation.md", "out/table_dirt_ablation.csv"].map(|name| bench.path(name));
     let before = files.clone().map(|file| std::fs::read(file).unwrap());
     for again in [vec!["report", "out"], vec!["table", "dirt-ablation", "--from", "out"]] {
@@ -202,10 +202,7 @@ fn tables_without_an_adapter() {
     let arguments = ["table", "bvh", "--scene", "cloth", "--rays", "ao", "--out", "out"];
     let outcome = bench.call_without_adapter(&[&arguments[..], &SMALL].concat());
     assert_eq!(outcome.status, 0, "{outcome:?}");
-    assert!(
-        outcome.stdout.contains("| bvh-cpu |") && outcome.stdout.contains("| bvh-gpu | cloth | all |"),
-        "{outcome:?}"
-    );
+    assert!(outcome.page.contains("| bvh-cpu |") && outcome.page.contains("| bvh-gpu | cloth | all |"), "{outcome:?}");
 }
 
 /// Proves that tables are listed for people and for scripts, and that the rows of one are names that `--tracer` takes, each a
@@ -226,4 +223,49 @@ fn tables_are_listed() {
     let labels: BTreeSet<String> =
         run["runs"].as_array().unwrap().iter().map(|one| one["tracer"].to_string()).collect();
     assert_eq!(labels.len(), rows.len());
+}
+
+/// Proves that the table of wrong rays has every ray set from five viewpoints of every scene, other eyes on the circle where a scene has no
+/// further cameras; that it ends well where no ray is wrong, and with status 1 and their number where some are (the negative control), also
+/// over what was measured before; and that other tables take no tracer, nor this one a viewpoint.
+#[test]
+fn a_table_of_wrong_rays() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("one.glb"), glb(&TRIANGLE)).unwrap();
+    let small = ["--scene", "one.glb,room", "--rays", "primary,ao"];
+    let exact = |tracer: &str, out: &str| {
+        bench.call(
+            &[
+                &["table", "exact", "--quiet", "--preset", "smoke", "--size", "16x8", "--tracer", tracer, "--out", out],
+                &small[..],
+            ]
+            .concat(),
+        )
+    };
+    let outcome = exact("bvh-cpu", "right");
+    assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
+    assert!(outcome.stdout.contains("\n**0 of ") && outcome.stdout.ends_with("right/table_exact.md\n"), "{outcome:?}");
+    let found = rows(&bench.path("right/table_exact.csv"));
+    assert_eq!(found.len(), 2 * 2 * 5);
+    let views: BTreeSet<_> = found.iter().map(|row| (&row["scene"], &row["viewpoint"])).collect();
+    assert_eq!(views.len(), 2 * 5);
+    assert!(found.iter().all(|row| row["wrong_tight"] == "0" && row["rays_sha256"].len() == 64), "{found:?}");
+    let eyes: BTreeSet<String> = bench.result("right")["runs"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|row| row["viewpoint"]["eye"].to_string())
+        .collect();
+    assert_eq!(eyes.len(), 2 * 5);
+    let outcome = exact("screen-dda", "wrong");
+    let wrong: u64 =
+        rows(&bench.path("wrong/table_exact.csv")).iter().map(|row| row["wrong_tight"].parse::<u64>().unwrap()).sum();
+    assert!(wrong > 0 && outcome.page.contains("Sets with wrong rays:"), "{outcome:?}");
+    let again = bench.call(&["table", "exact", "--from", "wrong"]);
+    for outcome in [outcome, again] {
+        assert_eq!(outcome.status, 1, "{outcome:?}");
+        assert!(outcome.stderr.contains(&format!("error: {wrong} rays are wrong")), "{outcome:?}");
+    }
+    bench.fails(&["table", "bvh", "--tracer", "bvh-cpu"], 2, &["--tracer"]);
+    bench.fails(&["table", "exact", "--view", "entrance"], 2, &["--view"]);
 }

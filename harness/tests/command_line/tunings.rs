@@ -1,4 +1,4 @@
-//! `tune`.
+//! `sweep --choose`.
 
 use super::*;
 
@@ -6,7 +6,7 @@ use tracebench_harness::report;
 use tracebench_harness::results::Judgement;
 use tracebench_harness::studies::tune::{Label, Tuning};
 
-const SMALL: [&str; 6] = ["tune", "--quiet", "--preset", "smoke", "--size", "16x8"];
+const SMALL: [&str; 8] = ["sweep", "--choose", "footprint", "--quiet", "--preset", "smoke", "--size", "16x8"];
 const DDA: [&str; 2] = ["--tracer", "screen-dda"];
 
 fn tune(bench: &Bench, arguments: &[&str]) -> Outcome {
@@ -24,7 +24,7 @@ fn values_are_those_of_runs() {
     let bench = Bench::new();
     let outcome = tune(&bench, &["--scene", "room", "--over", "thickness=0,0.02", "--rays", "diffuse", "--out", "out"]);
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
-    assert!(outcome.stdout.contains("all score what they must") && outcome.stdout.contains("tuned elsewhere"));
+    assert!(outcome.page.contains("all score what they must") && outcome.page.contains("tuned elsewhere"));
     let found = tuning(&bench, "out");
     let views = &found.scenes[0].views;
     let named: Vec<&str> = views.iter().map(|view| view.viewpoint.name.as_str()).collect();
@@ -97,15 +97,16 @@ fn wrong_arguments() {
         (vec!["--tracer", "all"], vec!["one tracer"]),
         (vec!["--over", "thickness,start_bias"], vec!["one parameter"]),
         (vec!["--over", "thick"], vec!["'thickness'"]),
-        (vec!["--over", "resolution"], vec!["sweep"]),
+        (vec!["--over", "resolution"], vec!["leave --choose out"]),
         (vec!["--over", "thickness=-1e5"], vec!["a number from -10000"]),
         (vec!["--tracer", "screen-dda", "--set", "screen-dda.thickness=0.1"], vec!["set already"]),
-        (vec!["--rule", "loose"], vec!["footprint"]),
+        (vec!["--grid", "thickness,start_bias"], vec!["--choose"]),
         (vec!["--rays", "difuse"], vec!["'diffuse'"]),
-        (vec!["--samples", "3"], vec!["takes no times"]),
+        (vec!["--samples", "3"], vec!["--choose"]),
         (vec!["--scene", "room,candy", "--view", "entrance"], vec!["candy has no viewpoint 'entrance'"]),
     ] {
         bench.fails(&[&SMALL[..], &arguments, &["--out", "out"]].concat(), 2, &parts);
     }
+    bench.fails(&["sweep", "--choose", "loose"], 2, &["footprint"]);
     assert!(names(bench.folder.path()).iter().all(|name| name == "cache"), "{:?}", names(bench.folder.path()));
 }

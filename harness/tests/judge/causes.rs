@@ -225,6 +225,21 @@ fn steep() -> Vec<[[f32; 3]; 3]> {
     rectangle([0.27, -4.0, 1.0], [0.0, 8.0, 0.0], [0.72, 0.0, -2.0]).to_vec()
 }
 
+/// Proves `shared_edge`, of methods without images: what lies exactly on an edge between two triangles was lost, or what lies behind it was
+/// hit. As negative controls, the same within a triangle, something that is not there, and a method with images.
+#[test]
+fn cause_shared_edge() {
+    let two = [plate(), plate_at(-1.0, 1.0)].concat();
+    let bare = |ray| Case { samplings: Vec::new(), ..seen(two.clone(), ray) };
+    let [on_edge, within] = [down(0.0, 0.0, 1.0), down(0.5, 0.125, 1.0)];
+    for lost in [status(Status::Miss), hit(2.0)] {
+        assert_eq!(bare(on_edge).cause("tight", &[lost]), "shared_edge");
+        assert_eq!(bare(within).cause("tight", &[lost]), "unexplained");
+        assert_ne!(seen(two.clone(), on_edge).cause("tight", &[lost]), "shared_edge");
+    }
+    assert_eq!(bare(on_edge).cause("tight", &[hit(0.5)]), "unexplained");
+}
+
 /// Proves `slipped_through` where points without thickness are declared: the ray is never as deep as the pixel's centre, or only beside
 /// the pixel. As negative controls, one that is so within the pixel, and a method that declares nothing.
 #[test]

@@ -20,6 +20,7 @@ pub(super) const PAPER: Paper = Paper {
     part: Part { rays: &["visibility", "diffuse"], step, row },
     at_paper: None,
     published: include_str!("published.json"),
+    claims_table: "dirt-claims",
     claims: include_str!("claims.json"),
     quantities: quantities::QUANTITIES,
     counts: &[

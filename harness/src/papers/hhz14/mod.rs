@@ -18,6 +18,7 @@ pub(super) const PAPER: Paper = Paper {
     part: Part { rays: &["specular", "refraction", "visibility", "ao", "diffuse"], step, row: in_part },
     at_paper: None,
     published: include_str!("published.json"),
+    claims_table: "hhz14-claims",
     claims: include_str!("claims.json"),
     quantities: quantities::QUANTITIES,
     counts: &[

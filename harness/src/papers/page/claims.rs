@@ -143,21 +143,13 @@ fn judged(paper: &Paper, runs: &[Run]) -> Result<Vec<JudgedClaim>, ReportError> 
     judge_all(paper, runs).map_err(|error| broken(&error))
 }
 
-/// The same as Markdown.
-///
-/// # Errors
-/// If the embedded data is not as it should be.
-pub fn claims_text(paper: &Paper, runs: &[Run]) -> Result<String, ReportError> {
-    Ok(claims_page(paper, runs)?.markdown())
-}
-
 /// All claims of a paper together, `claims_PAPER.md` and `claims_PAPER.json`.
 ///
 /// # Errors
 /// If the embedded data is not as it should be.
-pub fn claims_files(paper: &Paper, runs: &[Run]) -> Result<Contents, ReportError> {
+pub(crate) fn claims_report(paper: &Paper, runs: &[Run]) -> Result<Report, ReportError> {
     let stem = format!("claims_{}", paper.name);
     let name = format!("{stem}.json");
-    let page = claims_page(paper, runs)?.markdown().into_bytes();
-    Ok(vec![(format!("{stem}.md"), page), (name.clone(), json(&name, &judged(paper, runs)?)?)])
+    let data = vec![(name.clone(), json(&name, &judged(paper, runs)?)?)];
+    Ok(Report { pages: vec![(format!("{stem}.md"), claims_page(paper, runs)?)], data, ..Report::default() })
 }

@@ -6,7 +6,8 @@ mod claims;
 pub(super) mod measured;
 mod published;
 
-pub use claims::{claims_files, claims_of, claims_text};
+pub use claims::claims_of;
+pub(crate) use claims::claims_report;
 use measured::Row;
 
 use super::{DataError, Experiment, Paper, PublishedTable, Rows, judge};

@@ -22,6 +22,7 @@ pub(super) const PAPER: Paper = Paper {
     part: Part { rays: &["diffuse", "pixel-random"], step, row: in_part },
     at_paper: None,
     published: include_str!("published.json"),
+    claims_table: "vvp16-claims",
     claims: include_str!("claims.json"),
     quantities: quantities::QUANTITIES,
     counts: &[

@@ -21,6 +21,7 @@ pub(super) const PAPER: Paper = Paper {
     part: Part { rays: &["primary", "stereo", "temporal", "lens", "glossy", "light-field"], step, row: in_part },
     at_paper: Some(Resolutions { image: [1600, 900], face: 1024 }),
     published: include_str!("published.json"),
+    claims_table: "wkp15-claims",
     claims: include_str!("claims.json"),
     quantities: quantities::QUANTITIES,
     counts: &[

@@ -18,6 +18,7 @@ pub(super) const SCALE: f64 = 2.0;
 
 /// The bundled font first; where an SVG's viewer lacks it, fonts of much the same widths, then any.
 const FAMILY: &str = "Roboto, Arial, Helvetica, sans-serif";
+const FAMILY_ATTRIBUTE: &str = " font-family=\"Roboto, Arial, Helvetica, sans-serif\"";
 
 /// plotters measures fonts by line height: this many times the em in its SVG backend.
 const LINE_HEIGHT: f64 = 1.24;
@@ -213,7 +214,32 @@ pub(super) fn to_svg(figure: &impl Figure) -> Result<String, DrawError> {
     // plotters gives the page the size of its pixels; in points it is as large as meant, the coordinates stay.
     let (points_wide, points_high) = figure.size();
     let page = format!("width=\"{width}\" height=\"{height}\"");
-    Ok(svg.replacen(&page, &format!("width=\"{points_wide}\" height=\"{points_high}\""), 1))
+    let in_points = format!("width=\"{points_wide}\" height=\"{points_high}\"{FAMILY_ATTRIBUTE}");
+    Ok(compact(&svg).replacen(&page, &in_points, 1))
+}
+
+/// An SVG of plotters in less than half the bytes, the same to the eye: without attributes that say what holds anyway, the font named once,
+/// and lines of one look that follow each other, such as dashes, as one path.
+fn compact(svg: &str) -> String {
+    const USUAL: [&str; 4] =
+        [" opacity=\"1\"", " stroke=\"none\" stroke-width=\"1\"", " stroke=\"none\"", FAMILY_ATTRIBUTE];
+    let plain = USUAL.iter().fold(svg.to_owned(), |svg, usual| svg.replace(usual, ""));
+    let mut compact = String::with_capacity(plain.len());
+    let mut look = None;
+    for line in plain.lines() {
+        let of_line = line.strip_prefix("<polyline ").and_then(|line| line.strip_suffix(" \"/>"));
+        let (next, points) = of_line.and_then(|line| line.split_once(" points=\"")).unzip();
+        if next != look && look.is_some() {
+            compact.push_str("\"/>\n");
+        }
+        match (next, points) {
+            (Some(_), Some(points)) if next == look => compact.extend(["M", points]),
+            (Some(look), Some(points)) => compact.extend(["<path ", look, " d=\"M", points]),
+            _ => compact.extend([line, "\n"]),
+        }
+        look = next;
+    }
+    compact
 }
 
 thread_local! {

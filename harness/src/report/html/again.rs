@@ -36,6 +36,9 @@ fn of_record(run: &Run) -> String {
         Some(table) => words.push(quoted(table)),
         None => option(&mut words, "--tracer", run.runs.iter().map(contender)),
     }
+    if let Some(tuning) = &run.tuning {
+        option(&mut words, "--choose", [tuning.rule.name().to_owned()].into_iter());
+    }
     // Cases are scenes with rays of their own.
     if verb != "stability" {
         option(&mut words, "--scene", run.runs.iter().map(|row| row.scene.name.clone()));

@@ -34,11 +34,6 @@ pub(in crate::report) fn of_tuning(tuning: &Tuning) -> Report {
     }
 }
 
-/// The part of the page that tells what every choice is worth in every scene.
-pub fn tuning_overview(tuning: &Tuning) -> String {
-    page::head(tuning).markdown()
-}
-
 /// What the charts of the scenes are called, without their ends.
 fn chart_stems(tuning: &Tuning) -> Vec<String> {
     let told = |one: &SceneTuned| {

@@ -29,7 +29,7 @@ pub(super) fn page(tuning: &Tuning) -> Document {
 }
 
 /// What holds of the whole tuning, and what every choice is worth in every scene.
-pub(super) fn head(tuning: &Tuning) -> Document {
+fn head(tuning: &Tuning) -> Document {
     let axis = &tuning.axis;
     let title = format!("Tuning {} of {}", axis.name, tuning.tracer.label());
     let controls = verdict::tuning_controls(tuning);
