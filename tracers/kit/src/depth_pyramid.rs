@@ -247,7 +247,7 @@ impl DepthPyramid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{DrawnBy, LayerTarget, NearestLayers, NearestScene, Passing};
+    use crate::{DrawnBy, LayerTarget, NearestLayers, NearestScene};
     use tracebench_api::glam::DVec3;
     use tracebench_api::{AdapterChoice, Geometry, View};
 
