@@ -3,15 +3,18 @@
 
 mod list;
 mod needs;
+mod structs;
 mod table;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use list::{Listed, Source, check_definitions, modules_of, read_list};
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::Module;
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue};
 use needs::needs_of;
+use structs::bound_structs;
 use table::{Composed, Table};
 
 /// What a folder's list is called.
@@ -51,6 +54,8 @@ fn make(root: &Path, out: &Path) -> Result<(), String> {
             return Err(format!("{} and {} define the same import path", other.file, module.file));
         }
     }
+    // One for all, since it keeps every module that it has composed.
+    let mut composer = Composer::default().with_capabilities(WGSL);
     let mut table = Table::default();
     for Folder { name, listed, shaders } in &folders {
         table.add_folder(name, listed, |each, definitions| {
@@ -60,10 +65,18 @@ fn make(root: &Path, out: &Path) -> Result<(), String> {
             };
             let modules = modules_of(shader, &modules)?;
             check_definitions(each, shader, &modules)?;
-            match shader.text.starts_with(WITH_RAY_QUERIES) {
-                true => join(shader, &modules),
-                false => compose(shader, &modules, definitions),
-            }
+            let (module, info, text) = match shader.text.starts_with(WITH_RAY_QUERIES) {
+                true => join(shader, &modules)?,
+                false => compose(&mut composer, shader, &modules, definitions)?,
+            };
+            let file_of = |name: &str| {
+                let begin = format!("struct {name} {{");
+                let declares = |source: &&Source| source.text.lines().any(|line| line == begin);
+                let mut sources = std::iter::once(shader).chain(modules.iter().copied());
+                sources.find(declares).map(|source| source.file.clone()).unwrap_or_default()
+            };
+            let structs = bound_structs(&module, file_of)?;
+            Ok(Composed { text, needs: needs_of(&module, &info), structs })
         })?;
     }
     let source = ("table.rs".to_owned(), table.source());
@@ -109,13 +122,25 @@ fn read_folder(root: &Path, name: String, modules: &mut Vec<Source>) -> Result<F
     Ok(folder)
 }
 
-fn compose(shader: &Source, modules: &[&Source], definitions: &[String]) -> Result<Composed, String> {
-    let mut composer = Composer::default().with_capabilities(WGSL);
+/// A shader with what validation finds of it, and its text.
+type Validated = (Module, ModuleInfo, String);
+
+fn compose(
+    composer: &mut Composer,
+    shader: &Source,
+    modules: &[&Source],
+    definitions: &[String],
+) -> Result<Validated, String> {
+    let is_new =
+        |composer: &Composer, module: &Source| module.module_name().is_some_and(|name| !composer.contains_module(name));
     for module in modules {
+        if !is_new(composer, module) {
+            continue;
+        }
         let descriptor =
             ComposableModuleDescriptor { source: &module.text, file_path: &module.file, ..Default::default() };
         if let Err(error) = composer.add_composable_module(descriptor) {
-            return Err(error.emit_to_string(&composer));
+            return Err(error.emit_to_string(composer));
         }
     }
     let shader_defs: HashMap<_, _> =
@@ -124,17 +149,17 @@ fn compose(shader: &Source, modules: &[&Source], definitions: &[String]) -> Resu
         NagaModuleDescriptor { source: &shader.text, file_path: &shader.file, shader_defs, ..Default::default() };
     let module = match composer.make_naga_module(descriptor) {
         Ok(module) => module,
-        Err(error) => return Err(error.emit_to_string(&composer)),
+        Err(error) => return Err(error.emit_to_string(composer)),
     };
     let mut validator = Validator::new(ValidationFlags::all(), WGSL);
     let info = validator.validate(&module).map_err(|error| error.emit_to_string(&shader.text))?;
     let text = naga::back::wgsl::write_string(&module, &info, naga::back::wgsl::WriterFlags::empty())
         .map_err(|error| error.to_string())?;
-    Ok(Composed { text, needs: needs_of(&module, &info) })
+    Ok((module, info, text))
 }
 
 /// The file as text, after its modules and behind its `enable` lines, validated.
-fn join(shader: &Source, modules: &[&Source]) -> Result<Composed, String> {
+fn join(shader: &Source, modules: &[&Source]) -> Result<Validated, String> {
     let (enabled, own): (Vec<&str>, Vec<&str>) = shader.text.lines().partition(|line| line.starts_with("enable "));
     let mut joined = enabled.join("\n");
     for line in modules.iter().flat_map(|module| module.text.lines()).chain(own) {
@@ -151,6 +176,5 @@ fn join(shader: &Source, modules: &[&Source]) -> Result<Composed, String> {
     let module = naga::front::wgsl::parse_str(&joined).map_err(|error| error.emit_to_string(&joined))?;
     let mut validator = Validator::new(ValidationFlags::all(), WGSL | Capabilities::RAY_QUERY);
     let info = validator.validate(&module).map_err(|error| error.emit_to_string(&joined))?;
-    let needs = needs_of(&module, &info);
-    Ok(Composed { text: joined, needs })
+    Ok((module, info, joined))
 }

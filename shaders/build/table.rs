@@ -2,15 +2,18 @@
 //! variants, a struct of flags for one whose flags are free, an enum for one with several lines. Every value of these types
 //! is a variant that was composed, so that one that does not exist does not compile.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use crate::list::{Case, Listed};
 use crate::needs::EntryNeeds;
+use crate::structs::{BoundStruct, module_of};
 
 /// A variant as it was composed.
 pub struct Composed {
     pub text: String,
     pub needs: Vec<EntryNeeds>,
+    pub structs: Vec<BoundStruct>,
 }
 
 /// The table while it is written, with the files that it includes: their names and texts.
@@ -19,7 +22,10 @@ pub struct Table {
     pub files: Vec<(String, String)>,
     /// Entries of the list of all.
     all: String,
-    modules: String,
+    /// Items of each module.
+    modules: BTreeMap<String, String>,
+    /// By module and name.
+    structs: BTreeMap<[String; 2], BoundStruct>,
 }
 
 impl Table {
@@ -28,7 +34,7 @@ impl Table {
         &mut self,
         folder: &str,
         listed: &[Listed],
-        compose: impl Fn(&Listed, &[String]) -> Result<Composed, String>,
+        mut compose: impl FnMut(&Listed, &[String]) -> Result<Composed, String>,
     ) -> Result<(), String> {
         let mut items = String::new();
         for each in listed {
@@ -39,8 +45,15 @@ impl Table {
                     let definitions = case.definitions(&choice);
                     let name = std::iter::once(format!("{folder}/{}", each.stem)).chain(definitions.iter().cloned());
                     let name = name.collect::<Vec<_>>().join(" ");
-                    let Composed { text, needs } =
+                    let Composed { text, needs, structs } =
                         compose(each, &definitions).map_err(|error| format!("{name}: {error}"))?;
+                    for each in structs {
+                        let key = [module_of(&each.file), each.name.clone()];
+                        let known = self.structs.entry(key).or_insert_with(|| each.clone());
+                        if (&known.members, known.size) != (&each.members, each.size) {
+                            return Err(format!("{name} lays {} out otherwise than {}", each.name, known.file));
+                        }
+                    }
                     let place = self.files.len();
                     let _ = writeln!(
                         self.all,
@@ -55,16 +68,32 @@ impl Table {
             items.push_str(&item(each, &file, &arms));
         }
         if !items.is_empty() {
-            let name = folder.replace('-', "_");
-            let _ = writeln!(self.modules, "/// Shaders of `{folder}/`.\npub mod {name} {{\n{items}}}");
+            self.modules.insert(module_of(folder), items);
         }
         Ok(())
     }
 
     /// The source.
     pub fn source(&self) -> String {
+        let mut modules = self.modules.clone();
+        let mut structs = String::new();
+        for ([module, _], each) in &self.structs {
+            modules.entry(module.clone()).or_default().push_str(&each.item());
+            structs.push_str(&each.listed());
+        }
+        let modules: String = modules
+            .iter()
+            .map(|(name, items)| {
+                let allowed = "#[allow(unused_qualifications, reason = \"a struct's own module is named, too\")]";
+                format!("/// Shaders of `{name}`, and what they bind.\n{allowed}\npub mod {name} {{\n{items}}}\n")
+            })
+            .collect();
         // A constant would put all texts into every part of the program that names one.
-        format!("/// Every variant.\npub static ALL: &[Shader] = &[\n{}];\n{}", self.all, self.modules)
+        format!(
+            "/// Every variant.\npub static ALL: &[Shader] = &[\n{}];\n/// Every struct that shaders bind.\npub static STRUCTS: \
+             &[BoundStruct] = &[\n{structs}];\n{modules}",
+            self.all
+        )
     }
 }
 

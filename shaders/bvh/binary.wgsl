@@ -3,9 +3,7 @@
 // a visit tests both.
 
 #import tracebench::types::{Ray, Hit}
-#ifdef DEEP
-#import tracebench::dispatch::linear_invocation
-#endif
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::lanes::{WORKGROUP_SIZE, block_of, take_ray}
 #import tracebench::reads::quad_0
 #import tracebench::bvh_search::{
@@ -75,20 +73,14 @@ fn meet_box(node: BinaryNode, search: ptr<function, Search>) -> Meeting {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let block = block_of(
-        workgroup, workgroups, local, settings.first_ray, settings.ray_count, settings.rays_per_lane,
-    );
-    var ray = take_ray(block, local);
+fn trace(invocation: Invocation) {
+    let block = block_of(invocation, settings.first_ray, settings.ray_count, settings.rays_per_lane);
+    var ray = take_ray(block, invocation.local);
     if (ray >= block.end) {
         return;
     }
 #ifdef DEEP
-    let stack_base = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE) * settings.stack_entries;
+    let stack_base = linear_invocation(invocation, WORKGROUP_SIZE) * settings.stack_entries;
 #else
     var stack: array<u32, PRIVATE_STACK>;
 #endif
@@ -185,7 +177,7 @@ fn trace(
             counts[ray] = work;
             work = Work();
 #endif
-            ray = take_ray(block, local);
+            ray = take_ray(block, invocation.local);
             if (ray >= block.end) {
                 break;
             }

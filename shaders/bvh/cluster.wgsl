@@ -8,7 +8,7 @@
 // without asking, so that the number of iterations has a bound, and clusters that are too tall to be searched for wait for
 // that, so that the depth has one. The last clusters are merged by one workgroup (`finish`).
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::bvh_build::{BinaryNode, FINISHED, height, is_inner, parent_of}
 #import tracebench::bvh_nearest::{Box, four_of, compare}
 
@@ -102,12 +102,8 @@ fn clusters_to_move() -> u32 {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn search(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let first = SEARCHED * linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn search(invocation: Invocation) {
+    let first = SEARCHED * linear_invocation(invocation, WORKGROUP_SIZE);
     let count = clusters_to_move();
     if (first < count) {
         seek(first, count, count > iteration.allowed);
@@ -143,12 +139,8 @@ fn tally_of(run: vec2<u32>) -> vec2<u32> {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn tally(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let lane = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn tally(invocation: Invocation) {
+    let lane = linear_invocation(invocation, WORKGROUP_SIZE);
     let run = run_of(lane, clusters_to_move());
     if (run.x < run.y) {
         tallies[lane] = tally_of(run);
@@ -224,12 +216,8 @@ fn merge_pair(cluster: BinaryNode, other: BinaryNode, count: u32, rank: u32) -> 
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn merge(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let lane = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn merge(invocation: Invocation) {
+    let lane = linear_invocation(invocation, WORKGROUP_SIZE);
     let count = clusters_to_move();
     let run = run_of(lane, count);
     if (run.x >= run.y) {

@@ -9,9 +9,7 @@
 // extension. Postponing costs 1 to 2 % more nodes and 5 to 7 % more triangles.
 
 #import tracebench::types::{Ray, Hit}
-#ifdef DEEP
-#import tracebench::dispatch::linear_invocation
-#endif
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::lanes::{WORKGROUP_SIZE, block_of, take_ray}
 #import tracebench::reads::quad_0
 #import tracebench::bvh_search::{
@@ -153,20 +151,14 @@ fn octant_of(inverse: vec3<f32>) -> u32 {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let block = block_of(
-        workgroup, workgroups, local, settings.first_ray, settings.ray_count, settings.rays_per_lane,
-    );
-    var ray = take_ray(block, local);
+fn trace(invocation: Invocation) {
+    let block = block_of(invocation, settings.first_ray, settings.ray_count, settings.rays_per_lane);
+    var ray = take_ray(block, invocation.local);
     if (ray >= block.end) {
         return;
     }
 #ifdef DEEP
-    let stack_base = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE) * settings.stack_entries;
+    let stack_base = linear_invocation(invocation, WORKGROUP_SIZE) * settings.stack_entries;
 #else
     var stack: array<vec2<u32>, PRIVATE_STACK>;
 #endif
@@ -254,7 +246,7 @@ fn trace(
             counts[ray] = work;
             work = Work();
 #endif
-            ray = take_ray(block, local);
+            ray = take_ray(block, invocation.local);
             if (ray >= block.end) {
                 break;
             }

@@ -1,6 +1,6 @@
 // From the scene's triangles to leaves along a Morton curve, and to triangles in the order of leaves.
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::bvh_build::{BuildSettings, BinaryNode, CROWDED, LEVELS}
 #import tracebench::bvh_triangle::Triangle
 
@@ -48,12 +48,8 @@ fn spread(cell: u32) -> u32 {
 
 // The Morton code of the centre of every triangle's box.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn encode(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let triangle = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn encode(invocation: Invocation) {
+    let triangle = linear_invocation(invocation, WORKGROUP_SIZE);
     if (triangle >= settings.triangle_count) {
         return;
     }
@@ -70,12 +66,8 @@ const CROWD: u32 = 256u;
 
 // A leaf in every place along the curve: the first clusters.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn place(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let slot = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn place(invocation: Invocation) {
+    let slot = linear_invocation(invocation, WORKGROUP_SIZE);
     if (slot >= settings.triangle_count) {
         return;
     }
@@ -104,12 +96,8 @@ fn place(
 
 // The corners of the triangle that every slot names.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn fill(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let slot = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn fill(invocation: Invocation) {
+    let slot = linear_invocation(invocation, WORKGROUP_SIZE);
     if (slot >= settings.triangle_count) {
         return;
     }

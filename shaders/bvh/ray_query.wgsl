@@ -5,7 +5,7 @@ enable wgpu_ray_query;
 // round the hit.
 
 #import tracebench::types::{Ray, Hit, miss, STATUS_HIT, STATUS_MISS}
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 
 struct QuerySettings {
     ray_count: u32,
@@ -85,12 +85,8 @@ fn answer(ray: Ray) -> Hit {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn trace(invocation: Invocation) {
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     if (index < settings.ray_count) {
         hits[index] = answer(rays[index]);
     }
@@ -100,12 +96,8 @@ fn trace(
 // asked before every triangle that it would take: once a triangle nearer than the last, and once at its end; and which triangles were so offered. It offers none that it
 // tests and a ray misses, so that what is touched is not told.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn trace_counted(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn trace_counted(invocation: Invocation) {
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     if (index >= settings.ray_count) {
         return;
     }
@@ -127,12 +119,8 @@ fn trace_counted(
 
 // For validation: the hit of each ray on the triangle of its own number, whatever lies before it.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn find_own_triangle(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn find_own_triangle(invocation: Invocation) {
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     if (index >= settings.ray_count) {
         return;
     }

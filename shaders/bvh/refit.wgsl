@@ -1,7 +1,7 @@
 // Fits the boxes of one level, or of the pairs of one iteration, to triangles that moved; levels follow each other from
 // the leaves up.
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::bvh_build::{BinaryNode, WideNode, FINISHED, LEVELS, is_inner, grid_of, enter_box}
 #import tracebench::bvh_triangle::Triangle
 
@@ -119,12 +119,8 @@ fn fit_pair(rank: u32) {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn fit(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let lane = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn fit(invocation: Invocation) {
+    let lane = linear_invocation(invocation, WORKGROUP_SIZE);
     let rank = stage.triangle_count - progress[stage.index] + lane;
     if (rank < stage.triangle_count - progress[stage.index + 1u]) {
         fit_pair(rank);

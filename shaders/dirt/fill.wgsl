@@ -9,7 +9,7 @@
 #import tracebench::dirt_drawn::{DrawnTriangles, NOTHING_DRAWN}
 #import tracebench::dirt_vertices::corner_of
 #ifdef COMPUTE
-#import tracebench::dispatch::linear_workgroup
+#import tracebench::dispatch::Invocation
 #import tracebench::raster_work::{RasterPart, part_of}
 #ifdef CONSERVATIVE
 #import tracebench::tile_clip::{tile_rectangle, tiles_frustum}
@@ -203,12 +203,8 @@ fn put_parts(part: RasterPart) {
 #endif
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn draw(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let part = part_of(linear_workgroup(workgroup, workgroups), local);
+fn draw(invocation: Invocation) {
+    let part = part_of(invocation);
     if (all(part.low < part.high)) {
         put_parts(part);
     }

@@ -1,6 +1,6 @@
 // Mipmaps of the depth bounds (section 4.1.1): a tile of a level bounds the four below it.
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::pyramid::{level_size, cell_below}
 #import tracebench::dirt_grid::{TileGrid, bounds_index}
 
@@ -18,13 +18,9 @@ struct MipmapLevel {
 const WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn mipmap(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+fn mipmap(invocation: Invocation) {
     let tiles = level_size(grid.tiles, made.level);
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     let view = index / (tiles.x * tiles.y);
     if (view >= made.views) {
         return;

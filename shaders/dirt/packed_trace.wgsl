@@ -8,7 +8,7 @@
 // Boxes are widened by what places are off by and by what the ray's own planes lose. Faces overlap by TILE_MARGIN.
 
 #import tracebench::types::{Ray, Hit, miss, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP}
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #ifdef TREES
 #import tracebench::lanes::{WORKGROUP_SIZE, Block, block_of, take_ray}
 #else
@@ -190,33 +190,25 @@ fn answer_ray(index: u32) {
     }
 }
 
-fn answer_rays_in_turns(workgroup: vec3<u32>, workgroups: vec3<u32>, local: u32, rays_per_lane: u32) {
+fn answer_rays_in_turns(invocation: Invocation, rays_per_lane: u32) {
 #ifdef TREES
-    answer_rays(block_of(workgroup, workgroups, local, 0u, search.ray_count, rays_per_lane), local);
+    answer_rays(block_of(invocation, 0u, search.ray_count, rays_per_lane), invocation.local);
 #else
-    answer_rays(turns_of(workgroup, workgroups, local, 0u, search.ray_count, rays_per_lane));
+    answer_rays(turns_of(invocation, 0u, search.ray_count, rays_per_lane));
 #endif
 }
 
 // A ray a lane.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    answer_rays_in_turns(workgroup, workgroups, local, 1u);
+fn trace(invocation: Invocation) {
+    answer_rays_in_turns(invocation, 1u);
 }
 
 // Several rays a lane, one after the other. Loops are counted over all of them: rays that are cut off, and those behind them, are left
 // unanswered.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn trace_in_turns(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    answer_rays_in_turns(workgroup, workgroups, local, search.rays_per_lane);
+fn trace_in_turns(invocation: Invocation) {
+    answer_rays_in_turns(invocation, search.rays_per_lane);
 }
 
 // Whether a ray of the workgroup has no answer.
@@ -225,12 +217,8 @@ var<workgroup> unanswered: atomic<u32>;
 // After that: a ray a lane in every workgroup that has one without an answer. All of its rays are answered again, so that the same ones
 // run together, and are cut off, as where a lane has one ray from the first.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn trace_unanswered(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn trace_unanswered(invocation: Invocation) {
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     if (index < search.ray_count && hits[index].status == 0u) {
         atomicStore(&unanswered, 1u);
     }

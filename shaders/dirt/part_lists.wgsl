@@ -9,7 +9,7 @@
 // face that they may touch waits for a lane that clips it to each of its tiles, or, where these are many or something must be clipped off
 // before it is divided, for a workgroup.
 
-#import tracebench::dispatch::{linear_invocation, linear_workgroup}
+#import tracebench::dispatch::{Invocation, linear_invocation, linear_workgroup}
 #import tracebench::dirt_packed_grid::{
     PackedGrid, NEAREST, FARTHEST, NEAR_COUNT, NEAR_CUBE, SLICE_BASE, SLICE_RATE, MISPLACED, SEVERAL_COUNT, LARGE_COUNT, FIRST_NEAR,
     FACES, TILE_MARGIN, BOX_MARGIN, BOX_STEP, tile_number, cell_number, first_corner, listed_cube, slice_of, slices_between
@@ -64,12 +64,8 @@ var<workgroup> cube_here: atomic<u32>;
 
 // Corners into their record, how near each triangle may come, the depths that there are, and the cube in which tiles do not hold all.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn measure(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let triangle = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn measure(invocation: Invocation) {
+    let triangle = linear_invocation(invocation, WORKGROUP_SIZE);
     if (triangle < grid.triangle_count) {
         var corners: array<vec3<f32>, 3>;
         for (var corner = 0u; corner < 3u; corner++) {
@@ -96,7 +92,7 @@ fn measure(
         }
     }
     workgroupBarrier();
-    if (local == 0u && atomicLoad(&nearest_here) > 0u) {
+    if (invocation.local == 0u && atomicLoad(&nearest_here) > 0u) {
         atomicMax(&words[NEAREST], atomicLoad(&nearest_here));
         atomicMax(&words[FARTHEST], atomicLoad(&farthest_here));
         atomicMax(&words[NEAR_CUBE], atomicLoad(&cube_here));
@@ -139,12 +135,8 @@ fn margin_counted(state: PolygonState) -> f32 {
 
 // Parts of triangles that lie in one tile, what waits, and what is listed near the eye.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn count(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let triangle = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn count(invocation: Invocation) {
+    let triangle = linear_invocation(invocation, WORKGROUP_SIZE);
     if (triangle >= grid.triangle_count) {
         return;
     }
@@ -208,14 +200,10 @@ fn tiles_along(tiles: vec4<u32>, part: Part, margin: f32) -> u32 {
 
 // Those that wait, a lane each.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn count_several(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+fn count_several(invocation: Invocation) {
     let waiting = atomicLoad(&words[SEVERAL_COUNT]);
-    let lanes = workgroups.x * workgroups.y * WORKGROUP_SIZE;
-    for (var item = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE); item < waiting; item += lanes) {
+    let lanes = invocation.workgroups.x * invocation.workgroups.y * WORKGROUP_SIZE;
+    for (var item = linear_invocation(invocation, WORKGROUP_SIZE); item < waiting; item += lanes) {
         let coded = atomicLoad(&plans[2u * grid.triangle_count + item]);
         let triangle = coded / FACES;
         let seen = seen_from(coded % FACES, load_corners(triangle));
@@ -285,13 +273,9 @@ fn large_in_row(large: Large, row: u32, margin: f32) -> Part {
 
 // Those that wait for a workgroup.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn count_large(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+fn count_large(invocation: Invocation) {
     let waiting = atomicLoad(&words[LARGE_COUNT]);
-    for (var item = linear_workgroup(workgroup, workgroups); item < waiting; item += LARGE_WORKGROUPS) {
+    for (var item = linear_workgroup(invocation); item < waiting; item += LARGE_WORKGROUPS) {
         let large = load_large(item);
         let state = large.whole.state;
         if (state.count == 0u) {
@@ -302,14 +286,14 @@ fn count_large(
         var total = 0u;
 #ifdef SLICES
         let covered = tiles_within(tiles);
-        for (var number = local; number < covered; number += WORKGROUP_SIZE) {
+        for (var number = invocation.local; number < covered; number += WORKGROUP_SIZE) {
             let part = large_in_tile(large, tile_in(tiles, number), margin);
             if (is_part(part)) {
                 total += keys_of(state, part, large.size);
             }
         }
 #else
-        for (var row = tiles.y + local; row < tiles.w; row += WORKGROUP_SIZE) {
+        for (var row = tiles.y + invocation.local; row < tiles.w; row += WORKGROUP_SIZE) {
             total += tiles_along(tiles, large_in_row(large, row, margin), margin);
         }
 #endif
@@ -389,12 +373,8 @@ fn store_part(face: u32, state: PolygonState, tile: vec2<u32>, touched: Part, si
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn store(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let triangle = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn store(invocation: Invocation) {
+    let triangle = linear_invocation(invocation, WORKGROUP_SIZE);
     if (triangle >= grid.triangle_count) {
         return;
     }
@@ -409,14 +389,10 @@ fn store(
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn store_several(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+fn store_several(invocation: Invocation) {
     let waiting = atomicLoad(&words[SEVERAL_COUNT]);
-    let lanes = workgroups.x * workgroups.y * WORKGROUP_SIZE;
-    for (var item = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE); item < waiting; item += lanes) {
+    let lanes = invocation.workgroups.x * invocation.workgroups.y * WORKGROUP_SIZE;
+    for (var item = linear_invocation(invocation, WORKGROUP_SIZE); item < waiting; item += lanes) {
         let coded = atomicLoad(&plans[2u * grid.triangle_count + item]);
         let triangle = coded / FACES;
         let seen = seen_from(coded % FACES, load_corners(triangle));
@@ -435,13 +411,9 @@ fn store_several(
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn store_large(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+fn store_large(invocation: Invocation) {
     let waiting = atomicLoad(&words[LARGE_COUNT]);
-    for (var item = linear_workgroup(workgroup, workgroups); item < waiting; item += LARGE_WORKGROUPS) {
+    for (var item = linear_workgroup(invocation); item < waiting; item += LARGE_WORKGROUPS) {
         let large = load_large(item);
         let state = large.whole.state;
         if (state.count == 0u) {
@@ -450,7 +422,7 @@ fn store_large(
         let margin = margin_of(state, TILE_MARGIN);
         let tiles = tiles_of(state, grid.tiles, margin);
         let covered = tiles_within(tiles);
-        for (var number = local; number < covered; number += WORKGROUP_SIZE) {
+        for (var number = invocation.local; number < covered; number += WORKGROUP_SIZE) {
             let tile = tile_in(tiles, number);
             let part = large_in_tile(large, tile, margin);
             if (is_part(part)) {

@@ -3,7 +3,7 @@
 //
 // No node is pointed to: first_leaf_of tells where nodes lie from the number of parts alone.
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::pyramid::{level_size, cell_below}
 #import tracebench::dirt_packed_grid::{
     PackedGrid, MISPLACED, FIRST_NEAR, FACES, cell_number, lowest_bits, first_leaf_of, node_count_of, depth_scale, depth_base, depth_step
@@ -48,12 +48,8 @@ fn tile_code(place: u32) -> u32 {
 
 // References, and where those of every tile begin and end.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn bound(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let place = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn bound(invocation: Invocation) {
+    let place = linear_invocation(invocation, WORKGROUP_SIZE);
     if (place >= grid.part_capacity) {
         return;
     }
@@ -74,12 +70,8 @@ fn bound(
 
 // How many parts, and nodes or lists, every tile has.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn size(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let tile = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn size(invocation: Invocation) {
+    let tile = linear_invocation(invocation, WORKGROUP_SIZE);
     if (tile >= tile_count()) {
         return;
     }
@@ -144,12 +136,8 @@ var<workgroup> leaf_places: array<u32, WORKGROUP_SIZE>;
 // The last nodes of every tile, eight parts each. One place in eight begins a node: these are gathered first, so that lanes that run
 // together all make one.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn leaves(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let place = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn leaves(invocation: Invocation) {
+    let place = linear_invocation(invocation, WORKGROUP_SIZE);
     if (place < grid.part_capacity) {
         let code = tile_code(place);
         if (code > 0u && ((place - quads[4u * max(code, 1u) - 4u]) & 7u) == 0u) {
@@ -157,8 +145,8 @@ fn leaves(
         }
     }
     workgroupBarrier();
-    if (local < atomicLoad(&leaf_count)) {
-        make_leaf(leaf_places[local]);
+    if (invocation.local < atomicLoad(&leaf_count)) {
+        make_leaf(leaf_places[invocation.local]);
     }
 }
 
@@ -212,12 +200,8 @@ fn with_node(boxes: Box, child: u32, node: u32) -> Box {
 // The other nodes of a tile from the last one up: children come behind their parents. A lane a tile, so nothing need be waited for; and
 // a round a node, whose children are not gone over by a loop of their own, since drivers count rounds.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn join(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let tile = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn join(invocation: Invocation) {
+    let tile = linear_invocation(invocation, WORKGROUP_SIZE);
     if (tile >= tile_count()) {
         return;
     }
@@ -264,12 +248,8 @@ fn join(
 
 // Where the lists of a tile's slices begin: in the order of slices, those that its mask has.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn list(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let place = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn list(invocation: Invocation) {
+    let place = linear_invocation(invocation, WORKGROUP_SIZE);
     if (place >= grid.part_capacity) {
         return;
     }
@@ -288,13 +268,9 @@ fn list(
 
 // The masks' pyramid: a cell has what any of the four below it has.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn join_masks(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+fn join_masks(invocation: Invocation) {
     let cells = level_size(vec2<u32>(grid.tiles), made.level);
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     let face = index / (cells.x * cells.y);
     if (face >= made.views) {
         return;

@@ -5,7 +5,7 @@
 // Lists keep the order of triangles: bits tell which triangles of a block a view sees, and a prefix sum over the blocks' counts
 // (those of the first view, then those of the next one) where in the view's list a block begins.
 
-#import tracebench::dispatch::linear_workgroup
+#import tracebench::dispatch::{Invocation, linear_workgroup}
 #import tracebench::view::{View, to_eye_space}
 #import tracebench::tile_clip::{TileRectangle, tile_rectangle}
 #import tracebench::dirt_drawn::{DrawnTriangle, DrawnTriangles}
@@ -48,13 +48,9 @@ fn rectangle_in(view: View, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> TileRec
 
 // Corners into their record, and which views see the triangle.
 @compute @workgroup_size(BLOCK)
-fn see(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let block = linear_workgroup(workgroup, workgroups);
-    let triangle = block * BLOCK + local;
+fn see(invocation: Invocation) {
+    let block = linear_workgroup(invocation);
+    let triangle = block * BLOCK + invocation.local;
     if (triangle < setup.triangle_count) {
         var corners: array<vec3<f32>, 3>;
         for (var corner = 0u; corner < 3u; corner++) {
@@ -67,14 +63,14 @@ fn see(
         for (var view = 0u; view < setup.view_count; view++) {
             let rectangle = rectangle_in(views[view], corners[0], corners[1], corners[2]);
             if (all(rectangle.last > rectangle.first)) {
-                atomicOr(&seen_here[2u * view + (local >> 5u)], 1u << (local & 31u));
+                atomicOr(&seen_here[2u * view + (invocation.local >> 5u)], 1u << (invocation.local & 31u));
             }
         }
     }
     workgroupBarrier();
-    if (local < setup.view_count && block < setup.block_count) {
-        let bits = vec2<u32>(atomicLoad(&seen_here[2u * local]), atomicLoad(&seen_here[2u * local + 1u]));
-        let place = local * setup.block_count + block;
+    if (invocation.local < setup.view_count && block < setup.block_count) {
+        let bits = vec2<u32>(atomicLoad(&seen_here[2u * invocation.local]), atomicLoad(&seen_here[2u * invocation.local + 1u]));
+        let place = invocation.local * setup.block_count + block;
         seen[place] = bits;
         blocks[place] = countOneBits(bits.x) + countOneBits(bits.y);
     }
@@ -92,21 +88,17 @@ fn packed(tile: vec2<f32>) -> u32 {
 
 // Every triangle into the lists of the views that see it.
 @compute @workgroup_size(BLOCK)
-fn list(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let block = linear_workgroup(workgroup, workgroups);
-    let triangle = block * BLOCK + local;
-    if (block == 0u && local < setup.view_count) {
-        listed.counts[local] = blocks[(local + 1u) * setup.block_count] - blocks[local * setup.block_count];
+fn list(invocation: Invocation) {
+    let block = linear_workgroup(invocation);
+    let triangle = block * BLOCK + invocation.local;
+    if (block == 0u && invocation.local < setup.view_count) {
+        listed.counts[invocation.local] = blocks[(invocation.local + 1u) * setup.block_count] - blocks[invocation.local * setup.block_count];
     }
     if (triangle >= setup.triangle_count) {
         return;
     }
-    let upper = local >= 32u;
-    let bit = 1u << (local & 31u);
+    let upper = invocation.local >= 32u;
+    let bit = 1u << (invocation.local & 31u);
     for (var view = 0u; view < setup.view_count; view++) {
         let place = view * setup.block_count + block;
         let bits = seen[place];

@@ -1,7 +1,7 @@
 // Rays to the light, answered by a shadow map: what starts behind the surface that the map shows there is in shadow.
 
 #import tracebench::types::{Ray, Hit, miss, NO_PRIMITIVE, STATUS_HIT, STATUS_MISS}
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::view::{View, pixel_position, to_eye_space}
 
 struct ShadowLookup {
@@ -19,12 +19,8 @@ struct ShadowLookup {
 const WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn look_up(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn look_up(invocation: Invocation) {
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     if (index >= lookup.ray_count) {
         return;
     }

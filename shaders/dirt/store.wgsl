@@ -2,7 +2,7 @@
 // to. The search tells no view, so that it is the same for both end points: the view is the first that has the hit.
 
 #import tracebench::types::{Ray, Hit, Surface, no_surface, is_hit, SURFACE_LOST, SURFACE_NO_HIT}
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::view::{View, to_eye_space, direction_to_eye_space, pixel_position}
 #import tracebench::dirt_hit_buffer::{HitNode, SHADING_BITS}
 
@@ -25,12 +25,8 @@ struct StoreSettings {
 const WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn store(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn store(invocation: Invocation) {
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     if (index >= settings.ray_count) {
         return;
     }

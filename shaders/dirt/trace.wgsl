@@ -2,7 +2,7 @@
 // depth bounds, and tests the triangles in the lists of the buckets that it meets.
 
 #import tracebench::types::{Ray, Hit, miss, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, NO_PRIMITIVE}
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
 #import tracebench::view::{View, pixel_position}
 #import tracebench::triangle::{RayFrame, ray_frame, cross_triangle}
@@ -342,12 +342,8 @@ fn answer_ray(index: u32) {
 
 // A ray a lane.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn trace(invocation: Invocation) {
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     if (index < search.ray_count) {
         answer_ray(index);
     }
@@ -356,12 +352,8 @@ fn trace(
 // Several rays a lane, one after the other. Loops are counted over all of them: rays that are cut off, and those behind them,
 // are left unanswered.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn trace_in_turns(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    var turns = turns_of(workgroup, workgroups, local, 0u, search.ray_count, search.rays_per_lane);
+fn trace_in_turns(invocation: Invocation) {
+    var turns = turns_of(invocation, 0u, search.ray_count, search.rays_per_lane);
     loop {
         if (turns.ray >= turns.end) {
             break;
@@ -384,12 +376,8 @@ var<workgroup> unanswered: atomic<u32>;
 // After that: a ray a lane in every workgroup that has one without an answer. All of its rays are answered again, so that the same
 // ones run together, and are cut off, as where a lane has one ray from the first.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn trace_unanswered(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn trace_unanswered(invocation: Invocation) {
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     if (index < search.ray_count && hits[index].status == 0u) {
         atomicStore(&unanswered, 1u);
     }

@@ -2,7 +2,7 @@
 // from the triangle that was rasterized there and the line through the pixel's centre.
 
 #import tracebench::types::{Surface, no_surface, SURFACE_NO_HIT}
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::view::View
 #import tracebench::surface::surface_at
 
@@ -37,13 +37,9 @@ fn weights(direction: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> ve
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn resolve(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+fn resolve(invocation: Invocation) {
     let size = textureDimensions(primitives);
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     if (index >= size.x * size.y) {
         return;
     }

@@ -1,7 +1,7 @@
 // Depth bounds by the bounding boxes of objects (section 3.3): looser than the geometry's own and quicker to draw where objects
 // have many triangles. With COMPUTE without the rasterizer.
 
-#import tracebench::dispatch::{linear_invocation, linear_workgroup}
+#import tracebench::dispatch::{Invocation, linear_invocation, linear_workgroup}
 #import tracebench::view::{View, to_eye_space}
 #import tracebench::depth_bounds::{near_code, far_code}
 #import tracebench::fragment_layout::{Storage, DrawnView, word_index}
@@ -27,12 +27,8 @@ fn unordered(code: u32) -> f32 {
 const WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn bound(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let triangle = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn bound(invocation: Invocation) {
+    let triangle = linear_invocation(invocation, WORKGROUP_SIZE);
     if (triangle >= arrayLength(&objects)) {
         return;
     }
@@ -133,14 +129,10 @@ const WORKGROUP_SIZE: u32 = 64u;
 const BAND: u32 = 16u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn draw(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+fn draw(invocation: Invocation) {
     let size = vec2<u32>(drawn.view.size);
     let bands = (size.y + BAND - 1u) / BAND;
-    let group = linear_workgroup(workgroup, workgroups);
+    let group = linear_workgroup(invocation);
     if (group / bands >= arrayLength(&boxes) / 6u) {
         return;
     }
@@ -153,7 +145,7 @@ fn draw(
         return;
     }
     for (var row = max(low.y, first); row < min(high.y, first + BAND); row++) {
-        for (var column = low.x + local; column < high.x; column += WORKGROUP_SIZE) {
+        for (var column = low.x + invocation.local; column < high.x; column += WORKGROUP_SIZE) {
             put_depths(vec2<f32>(vec2<u32>(column, row)) + 0.5, found.low, found.high);
         }
     }

@@ -24,7 +24,7 @@
 #endif
 #endif
 #ifdef COMPUTE
-#import tracebench::dispatch::linear_workgroup
+#import tracebench::dispatch::Invocation
 #import tracebench::coverage::{outline_in_view, rows_of_outline, span_of_row}
 #import tracebench::raster_work::part_of
 #endif
@@ -330,12 +330,8 @@ fn put_touched(low: vec2<i32>, high: vec2<i32>, facing: Facing) {
 #endif
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn draw(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let part = part_of(linear_workgroup(workgroup, workgroups), local);
+fn draw(invocation: Invocation) {
+    let part = part_of(invocation);
     if (any(part.high <= part.low)) {
         return;
     }

@@ -1,7 +1,7 @@
 // The pyramid of depth bounds for marching by Hi-Z (section 3.4; Uludag, GPU Pro 5, 2014): a cell of a level bounds the four
 // below it. The pixels' own bounds are the first level.
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::pyramid::{level_size, cell_below}
 #import tracebench::fragment_layout::{Storage, TracedView, word_index, pyramid_index}
 
@@ -15,14 +15,10 @@
 const WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn mipmap(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+fn mipmap(invocation: Invocation) {
     let size = vec2<u32>(made.view.size);
     let cells = level_size(size, level.x);
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     if (index >= cells.x * cells.y) {
         return;
     }

@@ -1,7 +1,7 @@
 // The reorder stage (section 3.3): the fragments of every list, or of every piece of the s-buffer, by depth. An invocation a list;
 // pieces that are too long for one are listed for `reorder_long`.
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::list_order::{node_words, open, in_order, next_of, ordered_list, ids}
 #import tracebench::fragment_layout::word_index
 #import tracebench::fragment_ties::{shape, Tie, settle, finish, swap, settle_piece}
@@ -70,12 +70,8 @@ fn leave_piece(index: u32) {
 #endif
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn reorder(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn reorder(invocation: Invocation) {
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     if (index >= shape.pixel_count * shape.buckets) {
         return;
     }

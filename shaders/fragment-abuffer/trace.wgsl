@@ -1,6 +1,7 @@
 // The trace of the fragment A-buffer (section 3.4): a ray is marched over the images of the views that it passes; in each pixel
 // that it looks at, the fragments are searched for one within the depths that the ray has there.
 
+#import tracebench::dispatch::Invocation
 #import tracebench::types::{Ray, Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, SURFACE_NO_HIT, SURFACE_WRITTEN}
 #import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
 #import tracebench::image_walk::{Span, eye_ray_of, span_in_view}
@@ -150,12 +151,8 @@ fn answer(index: u32) {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    var turns = turns_of(workgroup, workgroups, local, 0u, search.ray_count, search.rays_per_lane);
+fn trace(invocation: Invocation) {
+    var turns = turns_of(invocation, 0u, search.ray_count, search.rays_per_lane);
     while (turns.ray < turns.end) {
         if (search.unanswered_only == 0u || hits[turns.ray].status == STATUS_UNWRITTEN) {
             answer(turns.ray);

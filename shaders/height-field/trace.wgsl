@@ -5,6 +5,7 @@
 //
 // MIN_MAX: cells bound the farthest depth, too: a ray that enters one behind that is in solid wherever it is in it.
 
+#import tracebench::dispatch::Invocation
 #import tracebench::types::{Ray, Hit, miss, NO_PRIMITIVE, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS}
 #import tracebench::view::View
 #import tracebench::image_walk::{EyeRay, Span, eye_ray_of, span_in_view, image_direction}
@@ -12,7 +13,7 @@
 #import tracebench::cell_walk::{pixel_at, leaves_cell, next_pixel, is_in_image}
 #import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
 #import tracebench::reads::{word_0, word_1, pair_0}
-#import tracebench::depth_cells::{DepthPyramid, NO_SURFACE, depth_cell}
+#import tracebench::depth_cells::{PyramidLayout, NO_SURFACE, depth_cell}
 
 struct HeightSettings {
     ray_count: u32,
@@ -48,7 +49,7 @@ struct HeightSettings {
 @group(0) @binding(8) var<storage, read_write> seen: array<u32>;
 #endif
 // Its cells are the array of pairs 0, near and far, or of words 1, near alone.
-@group(0) @binding(9) var<uniform> pyramid: DepthPyramid;
+@group(0) @binding(9) var<uniform> pyramid: PyramidLayout;
 
 fn stored_depth(pixel: vec2<i32>) -> f32 {
 #ifdef TEXTURES
@@ -167,12 +168,8 @@ fn search(ray: Ray) -> Answer {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    var turns = turns_of(workgroup, workgroups, local, 0u, settings.ray_count, settings.rays_per_lane);
+fn trace(invocation: Invocation) {
+    var turns = turns_of(invocation, 0u, settings.ray_count, settings.rays_per_lane);
     while (turns.ray < turns.end) {
         let answer = search(rays[turns.ray]);
         hits[turns.ray] = answer.hit;

@@ -1,7 +1,7 @@
 // The bottom level of the quad-trees (WKP15, section 3.2): every pixel of every layer as a small plane, with the z that was drawn
 // there, a normal, and the flag of what lies near a discontinuity of depth.
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::view::{View, direction_to_eye_space}
 #import tracebench::quadtree_forest::{Forest, z_of_depth, z_of_pixels, node_index}
 #import tracebench::quadtree_node::{NOTHING, plane_words, slope_words}
@@ -54,13 +54,9 @@ fn slope_of_geometry(image: u32, pixel: vec2<i32>, depth: f32) -> vec2<f32> {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn bottom(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+fn bottom(invocation: Invocation) {
     let pixels = forest.size.x * forest.size.y;
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     if (index >= pixels * forest.image_count) {
         return;
     }

@@ -1,7 +1,7 @@
 // One level of the quad-trees from the one below (WKP15, section 3.3): for every node the plane that stands for its children, or the
 // box round them.
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::pyramid::level_size
 #import tracebench::quadtree_forest::{Forest, node_index}
 #import tracebench::quadtree_node::NOTHING
@@ -45,14 +45,10 @@ fn least_joined(image: u32, pixel: vec2<u32>, words: vec2<u32>) -> f32 {
 #endif
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn merge(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+fn merge(invocation: Invocation) {
     let level = made.x;
     let cells = level_size(forest.size, level);
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     if (index >= cells.x * cells.y * forest.image_count) {
         return;
     }

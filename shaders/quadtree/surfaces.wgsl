@@ -1,7 +1,7 @@
 // Normal and material of every pixel of every layer: what shading needs of them, 16 bytes each, of the triangle that was drawn there.
 // The paper keeps colours (section 3.1).
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::surface::unit_normal
 #import tracebench::quadtree_forest::Forest
 
@@ -22,13 +22,9 @@ fn corner(primitive: u32, index: u32) -> vec3<f32> {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn surfaces(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+fn surfaces(invocation: Invocation) {
     let pixels = forest.size.x * forest.size.y;
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     if (index >= pixels * forest.image_count) {
         return;
     }

@@ -2,7 +2,7 @@
 // view (Mara, McGuire, Luebke, "Lighting Deep G-Buffers", 2013, on the minimum separation). A layer of which nothing was caught is
 // empty: peeling asks the scene again instead.
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 
 struct ThinPass {
     pixels: u32,
@@ -23,12 +23,8 @@ struct ThinPass {
 const WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn thin(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let pixel = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn thin(invocation: Invocation) {
+    let pixel = linear_invocation(invocation, WORKGROUP_SIZE);
     if (pixel >= thinned.pixels) {
         return;
     }

@@ -1,6 +1,7 @@
 // The trace over quad-trees (WKP15, section 4): through a view's layers, each asked where the one before leaves something open, and
 // from view to view where faces of a cube are connected (section 5.4).
 
+#import tracebench::dispatch::Invocation
 #import tracebench::types::{Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, STATUS_OCCLUDED, STATUS_INPAINTED, SURFACE_NO_HIT, SURFACE_WRITTEN}
 #import tracebench::types::Ray
 #import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
@@ -270,12 +271,8 @@ fn answer(index: u32) {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    var turns = turns_of(workgroup, workgroups, local, 0u, search.ray_count, search.rays_per_lane);
+fn trace(invocation: Invocation) {
+    var turns = turns_of(invocation, 0u, search.ray_count, search.rays_per_lane);
     while (turns.ray < turns.end) {
         if (search.unanswered_only == 0u || hits[turns.ray].status == STATUS_UNWRITTEN) {
             answer(turns.ray);

@@ -6,13 +6,14 @@
 // before or all behind what the cell bounds, so that what is answered is the same bit for bit. Which cell a sample on a border lies in
 // is told by the pixel that it reads; of a ray along a border the cells on both sides are asked.
 
+#import tracebench::dispatch::Invocation
 #import tracebench::types::{Ray, Hit, miss, NO_PRIMITIVE, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, STATUS_THICKNESS_REJECTED}
 #import tracebench::view::{View, pixel_position}
 #import tracebench::image_walk::{Span, eye_ray_of, span_in_view}
 #import tracebench::image_line::between
 #import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
 #import tracebench::reads::{word_0, pair_0}
-#import tracebench::depth_cells::{DepthPyramid, NO_SURFACE, depth_cell}
+#import tracebench::depth_cells::{PyramidLayout, NO_SURFACE, depth_cell}
 
 struct Settings {
     ray_count: u32,
@@ -65,7 +66,7 @@ struct Settings {
 #endif
 #ifdef HI_Z
 // Its cells are the array of pairs 0: near and far.
-@group(0) @binding(9) var<uniform> pyramid: DepthPyramid;
+@group(0) @binding(9) var<uniform> pyramid: PyramidLayout;
 
 // Share by which depths at the ends of a run of samples may be off those of the samples between, by rounding: some ulps.
 const DEPTH_SLACK: f32 = 4e-6;
@@ -361,13 +362,9 @@ fn march(ray: Ray) -> Answer {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+fn trace(invocation: Invocation) {
     var turns =
-        turns_of(workgroup, workgroups, local, 0u, settings.ray_count, settings.rays_per_lane);
+        turns_of(invocation, 0u, settings.ray_count, settings.rays_per_lane);
     while (turns.ray < turns.end) {
         let answer = march(rays[turns.ray]);
         hits[turns.ray] = answer.hit;

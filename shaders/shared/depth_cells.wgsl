@@ -7,7 +7,7 @@
 // The eye depth where there is no surface: beyond every one.
 const NO_SURFACE: f32 = 1e30;
 
-struct DepthPyramid {
+struct PyramidLayout {
     // Pixels.
     size: vec2<u32>,
     // The pixels themselves are the first.
@@ -18,7 +18,7 @@ struct DepthPyramid {
     level_offsets: array<vec4<u32>, 4>,
 }
 
-fn depth_cell(pyramid: DepthPyramid, image: u32, level: u32, cell: vec2<u32>) -> u32 {
+fn depth_cell(pyramid: PyramidLayout, image: u32, level: u32, cell: vec2<u32>) -> u32 {
     let offset = pyramid.level_offsets[level >> 2u][level & 3u];
     return image * pyramid.cells + offset + index_in_level(pyramid.size, level, cell);
 }

@@ -2,7 +2,7 @@
 // farthest one too (Tevs, Ihrke, Seidel, "Maximum Mipmaps for Fast, Accurate, and Scalable Dynamic Height Field Rendering", I3D 2008;
 // Uludag, "Hi-Z Screen-Space Cone-Traced Reflections", GPU Pro 5, 2014).
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::pyramid::{level_size, index_in_level, cell_below}
 #import tracebench::depth_cells::NO_SURFACE
 
@@ -46,13 +46,9 @@ fn bounds_below(below: vec2<u32>) -> vec2<f32> {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn reduce(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
+fn reduce(invocation: Invocation) {
     let size = level_size(made.size, made.level);
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     if (index >= size.x * size.y) {
         return;
     }

@@ -1,7 +1,7 @@
 // The same arithmetic every time, whatever the scene: how long it takes tells how fast the device runs. Hashes of PCG (O'Neill 2014),
 // each of the last, so that nothing can be left out.
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 
 // Invocations that work.
 @group(0) @binding(0) var<uniform> tasks: u32;
@@ -14,12 +14,8 @@ const RESULTS: u32 = 64u;
 const STEPS: u32 = 1024u;
 
 @compute @workgroup_size(LANES)
-fn work(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let task = linear_invocation(workgroup, workgroups, local, LANES);
+fn work(invocation: Invocation) {
+    let task = linear_invocation(invocation, LANES);
     if task >= tasks {
         return;
     }

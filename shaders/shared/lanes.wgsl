@@ -3,7 +3,7 @@
 // Which rays a lane answers, one after the other (persistent lanes; Aila, Laine, "Understanding the Efficiency of Ray Traversal
 // on GPUs", HPG 2009). A lane whose search was short need not wait for others. With a ray a lane there is one turn.
 
-#import tracebench::dispatch::linear_workgroup
+#import tracebench::dispatch::{Invocation, linear_workgroup}
 
 // Lanes of a workgroup.
 const WORKGROUP_SIZE: u32 = 64u;
@@ -21,17 +21,10 @@ struct Block {
 // The block of a lane where lanes answer `rays_per_lane` of the `ray_count` rays from `first_ray` on. With several rays a lane those of a
 // workgroup lie far apart: a driver may give each of its threads workgroups in a row, and parts of an image differ in what they cost. With one,
 // neighbours stay neighbours.
-fn block_of(
-    workgroup: vec3<u32>,
-    workgroups: vec3<u32>,
-    local: u32,
-    first_ray: u32,
-    ray_count: u32,
-    rays_per_lane: u32,
-) -> Block {
-    let group = linear_workgroup(workgroup, workgroups);
-    let place = local / BLOCK_LANES;
-    let apart = place * workgroups.x * workgroups.y + group;
+fn block_of(invocation: Invocation, first_ray: u32, ray_count: u32, rays_per_lane: u32) -> Block {
+    let group = linear_workgroup(invocation);
+    let place = invocation.local / BLOCK_LANES;
+    let apart = place * invocation.workgroups.x * invocation.workgroups.y + group;
     let number = select(apart, group * BLOCKS + place, rays_per_lane == 1u);
     let first = number * BLOCK_LANES * rays_per_lane;
     return Block(first_ray + min(first, ray_count), first_ray + min(first + BLOCK_LANES * rays_per_lane, ray_count));
@@ -46,16 +39,9 @@ struct Turns {
 
 // The turns of a lane: every eighth ray of its block. For searches that answer a ray before they begin the next: lanes that run together
 // wait for one another there, and have done together.
-fn turns_of(
-    workgroup: vec3<u32>,
-    workgroups: vec3<u32>,
-    local: u32,
-    first_ray: u32,
-    ray_count: u32,
-    rays_per_lane: u32,
-) -> Turns {
-    let block = block_of(workgroup, workgroups, local, first_ray, ray_count, rays_per_lane);
-    return Turns(block.first + local % BLOCK_LANES, block.end);
+fn turns_of(invocation: Invocation, first_ray: u32, ray_count: u32, rays_per_lane: u32) -> Turns {
+    let block = block_of(invocation, first_ray, ray_count, rays_per_lane);
+    return Turns(block.first + invocation.local % BLOCK_LANES, block.end);
 }
 
 // Rays of the workgroup's blocks that lanes have taken.

@@ -1,6 +1,7 @@
 // What tells how searches should read and be launched: kernels that do of a search what differs between drivers, and nothing
 // else.
 
+#import tracebench::dispatch::Invocation
 #import tracebench::lanes::{WORKGROUP_SIZE, turns_of, block_of, take_ray}
 #import tracebench::reads::quad_0
 
@@ -26,12 +27,8 @@ fn scatter(value: u32) -> u32 {
 
 // Reads one after the other, each where the one before says.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn gather(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let turns = turns_of(workgroup, workgroups, local, 0u, settings.count, 1u);
+fn gather(invocation: Invocation) {
+    let turns = turns_of(invocation, 0u, settings.count, 1u);
     if (turns.ray >= turns.end) {
         return;
     }
@@ -53,13 +50,9 @@ const ROUNDS: u32 = 4u;
 
 // Searches of different length, each a loop over rounds of some arithmetic.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn search(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let block = block_of(workgroup, workgroups, local, 0u, settings.count, settings.rays_per_lane);
-    var ray = take_ray(block, local);
+fn search(invocation: Invocation) {
+    let block = block_of(invocation, 0u, settings.count, settings.rays_per_lane);
+    var ray = take_ray(block, invocation.local);
     if (ray >= block.end) {
         return;
     }
@@ -83,7 +76,7 @@ fn search(
         }
         if (!busy) {
             results[ray] = bitcast<u32>(point.x + point.y);
-            ray = take_ray(block, local);
+            ray = take_ray(block, invocation.local);
             if (ray >= block.end) {
                 break;
             }

@@ -5,7 +5,7 @@
 #import tracebench::view::View
 #import tracebench::plane_depth::{FlatTriangle, flat_triangle, plane_depth, tested_depth}
 #import tracebench::depth_bounds::near_code
-#import tracebench::dispatch::linear_workgroup
+#import tracebench::dispatch::Invocation
 #import tracebench::coverage::{outline_in_view, rows_of_outline, span_of_row}
 #import tracebench::raster_work::part_of
 #ifdef BEHIND
@@ -62,12 +62,8 @@ fn put_fragment(at: vec2<i32>, triangle: FlatTriangle, primitive: u32) {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn draw(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let part = part_of(linear_workgroup(workgroup, workgroups), local);
+fn draw(invocation: Invocation) {
+    let part = part_of(invocation);
     if (any(part.high <= part.low)) {
         return;
     }

@@ -1,6 +1,6 @@
 // What nearest_compute.wgsl leaves, as textures have it: complements of what was kept, and what stands for nothing.
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 
 struct ResolvedImage {
     words: u32,
@@ -15,12 +15,8 @@ struct ResolvedImage {
 const WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn resolve(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let word = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn resolve(invocation: Invocation) {
+    let word = linear_invocation(invocation, WORKGROUP_SIZE);
     if (word < resolved.words) {
         kept[word] = select(~kept[word], resolved.nothing, (kept[word] == 0u));
     }

@@ -2,7 +2,7 @@
 // sums of blocks, their prefix sums by the same two kernels, then the blocks' elements. Lanes take runs of neighbours, so
 // that a block needs few barriers.
 
-#import tracebench::dispatch::linear_workgroup
+#import tracebench::dispatch::{Invocation, linear_workgroup}
 
 // Elements.
 @group(0) @binding(0) var<uniform> count: u32;
@@ -57,29 +57,21 @@ fn groups_before(group: u32) -> u32 {
 }
 
 @compute @workgroup_size(LANES)
-fn reduce(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let block = linear_workgroup(workgroup, workgroups);
-    scan_groups(local, sum_of(run_of(block, local)));
+fn reduce(invocation: Invocation) {
+    let block = linear_workgroup(invocation);
+    scan_groups(invocation.local, sum_of(run_of(block, invocation.local)));
     // A folded dispatch may have more workgroups than there are blocks.
-    if (local == 0u && block < arrayLength(&blocks)) {
+    if (invocation.local == 0u && block < arrayLength(&blocks)) {
         blocks[block] = groups_before(LANES / GROUP);
     }
 }
 
 @compute @workgroup_size(LANES)
-fn scan(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let block = linear_workgroup(workgroup, workgroups);
-    let run = run_of(block, local);
-    scan_groups(local, sum_of(run));
-    var sum = groups_before(local / GROUP) + lane_sums[local];
+fn scan(invocation: Invocation) {
+    let block = linear_workgroup(invocation);
+    let run = run_of(block, invocation.local);
+    scan_groups(invocation.local, sum_of(run));
+    var sum = groups_before(invocation.local / GROUP) + lane_sums[invocation.local];
     if (run.x < run.y) {
         sum += blocks[block];
     }

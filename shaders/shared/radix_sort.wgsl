@@ -3,7 +3,7 @@
 // first, then blocks) tell where each block puts each digit, and `scatter` puts it there. A lane ranks a run of
 // neighbours with counters of its own in workgroup memory, so neither atomics nor subgroups decide the order.
 
-#import tracebench::dispatch::linear_workgroup
+#import tracebench::dispatch::{Invocation, linear_workgroup}
 
 struct SortPass {
     // Keys.
@@ -38,18 +38,14 @@ fn digit_of(key: u32) -> u32 {
 var<workgroup> tally: array<atomic<u32>, DIGITS>;
 
 @compute @workgroup_size(LANES)
-fn count(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let block = linear_workgroup(workgroup, workgroups);
-    for (var digit = local; digit < DIGITS; digit += LANES) {
+fn count(invocation: Invocation) {
+    let block = linear_workgroup(invocation);
+    for (var digit = invocation.local; digit < DIGITS; digit += LANES) {
         atomicStore(&tally[digit], 0u);
     }
     workgroupBarrier();
     for (var place = 0u; place < RUN; place++) {
-        let index = block * BLOCK + place * LANES + local;
+        let index = block * BLOCK + place * LANES + invocation.local;
         if (index < settings.count) {
             atomicAdd(&tally[digit_of(keys[index])], 1u);
         }
@@ -57,7 +53,7 @@ fn count(
     workgroupBarrier();
     // A folded dispatch may have more workgroups than there are blocks.
     if (block < settings.blocks) {
-        for (var digit = local; digit < DIGITS; digit += LANES) {
+        for (var digit = invocation.local; digit < DIGITS; digit += LANES) {
             table[digit * settings.blocks + block] = atomicLoad(&tally[digit]);
         }
     }
@@ -67,24 +63,20 @@ fn count(
 var<workgroup> counters: array<u32, DIGITS / 2u * ROW>;
 
 @compute @workgroup_size(LANES)
-fn scatter(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let block = linear_workgroup(workgroup, workgroups);
+fn scatter(invocation: Invocation) {
+    let block = linear_workgroup(invocation);
     for (var row = 0u; row < DIGITS / 2u; row++) {
-        counters[row * ROW + local] = 0u;
+        counters[row * ROW + invocation.local] = 0u;
     }
-    let first = block * BLOCK + local * RUN;
+    let first = block * BLOCK + invocation.local * RUN;
     let end = min(first + RUN, settings.count);
     for (var index = first; index < end; index++) {
         let digit = digit_of(keys[index]);
-        counters[(digit >> 1u) * ROW + local] += 1u << ((digit & 1u) * 16u);
+        counters[(digit >> 1u) * ROW + invocation.local] += 1u << ((digit & 1u) * 16u);
     }
     workgroupBarrier();
     // Both halves at once: no half exceeds the block's 4,096 keys.
-    for (var row = local; row < DIGITS / 2u; row += LANES) {
+    for (var row = invocation.local; row < DIGITS / 2u; row += LANES) {
         var sum = 0u;
         for (var lane = 0u; lane < LANES; lane++) {
             let next = sum + counters[row * ROW + lane];
@@ -97,7 +89,7 @@ fn scatter(
         let key = keys[index];
         let digit = digit_of(key);
         let half = (digit & 1u) * 16u;
-        let word = (digit >> 1u) * ROW + local;
+        let word = (digit >> 1u) * ROW + invocation.local;
         let rank = counters[word];
         counters[word] = rank + (1u << half);
         let place = table[digit * settings.blocks + block] + ((rank >> half) & 0xffffu);

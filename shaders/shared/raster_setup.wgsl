@@ -1,7 +1,7 @@
 // Which triangles of an image that is rasterized in compute are seen, and the blocks of those that are large. A prefix sum over the blocks
 // follows, which tells where each triangle's begin, and then the number of workgroups is known that passes take.
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::raster_work::{RasterPass, BLOCK_EDGE, NOT_SEEN}
 #import tracebench::coverage::{outline_box, first_centre}
 #ifdef AXIS
@@ -95,12 +95,8 @@ fn rectangle_of(triangle: u32) -> vec4<i32> {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn find(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let triangle = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn find(invocation: Invocation) {
+    let triangle = linear_invocation(invocation, WORKGROUP_SIZE);
     if (triangle >= setup.triangle_count) {
         return;
     }

@@ -3,13 +3,15 @@
 // How triangles are dealt out where they are rasterized in compute: small ones a lane each; large ones are divided into blocks of the
 // image, a workgroup each, as many workgroups as raster_setup.wgsl has found blocks. A pass is
 //
-//     let part = part_of(linear_workgroup(workgroup, workgroups), local);
+//     let part = part_of(invocation);
 //     if (all(part.low < part.high)) {
 //         // Of triangle `part.triangle` the pixels from part.low to before part.high.
 //     }
 //
 // All lanes make outlines by the same instructions, whatever part is theirs, so that the parts of a triangle, and neighbours of
 // different sizes, fit.
+
+#import tracebench::dispatch::{Invocation, linear_workgroup}
 
 struct RasterPass {
     // Pixels.
@@ -64,7 +66,9 @@ fn triangle_of_block(block: u32) -> u32 {
 }
 
 // What a lane draws.
-fn part_of(workgroup: u32, local: u32) -> RasterPart {
+fn part_of(invocation: Invocation) -> RasterPart {
+    let workgroup = linear_workgroup(invocation);
+    let local = invocation.local;
     let places = raster.triangle_count + 1u;
     let size = vec2<i32>(raster.size);
     if (workgroup < raster.lane_groups) {

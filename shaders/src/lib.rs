@@ -66,6 +66,17 @@ pub struct EntryPoint {
     pub invocations: u32,
 }
 
+/// A struct that shaders bind. Its folder's module has it as a type of the same members, which host code fills and reads.
+#[derive(Clone, Copy, Debug)]
+pub struct BoundStruct {
+    /// Its name.
+    pub name: &'static str,
+    /// Its members in order, with their offsets in bytes.
+    pub members: &'static [(&'static str, usize)],
+    /// Its bytes.
+    pub size: usize,
+}
+
 /// The variants of one file.
 pub trait Variant: Copy + Ord + Into<Shader> + 'static {
     /// Every one.

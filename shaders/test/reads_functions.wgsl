@@ -1,6 +1,6 @@
 // Reads one array of each kind of record, for a test.
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::reads::{quad_1, pair_1, word_3}
 
 struct Found {
@@ -13,12 +13,8 @@ struct Found {
 @group(0) @binding(0) var<storage, read_write> found: array<Found>;
 
 @compute @workgroup_size(64)
-fn look_up(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = linear_invocation(workgroup, workgroups, local, 64u);
+fn look_up(invocation: Invocation) {
+    let index = linear_invocation(invocation, 64u);
     if (index >= arrayLength(&found)) {
         return;
     }

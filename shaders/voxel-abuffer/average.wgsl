@@ -1,7 +1,7 @@
 // What searches read of the grid: of every voxel whether it has anything, and which image its average normal chooses (section 3.2).
 // Eight voxels a word, an invocation a word.
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::unit_space::dominant_axis
 
 struct AveragedGrid {
@@ -50,12 +50,8 @@ fn code_of(voxel: u32) -> u32 {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn average(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn average(invocation: Invocation) {
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     if (index >= (averaged.voxels + 7u) / 8u) {
         return;
     }

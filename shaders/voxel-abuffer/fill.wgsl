@@ -7,7 +7,7 @@
 #import tracebench::unit_space::{to_unit, on_image, from_image, dominant_axis, voxel_at, voxel_index}
 #import tracebench::voxel_space::{DrawnAxis, layer_code}
 #ifdef COMPUTE
-#import tracebench::dispatch::linear_workgroup
+#import tracebench::dispatch::Invocation
 #import tracebench::coverage::{outline_in_image, rows_of_outline, span_of_row}
 #import tracebench::raster_work::part_of
 #endif
@@ -157,12 +157,8 @@ fn put_fragment(centre: vec2<f32>, facing: Facing) {
 const WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn draw(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let part = part_of(linear_workgroup(workgroup, workgroups), local);
+fn draw(invocation: Invocation) {
+    let part = part_of(invocation);
     if (any(part.high <= part.low)) {
         return;
     }

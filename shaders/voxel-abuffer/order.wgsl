@@ -3,7 +3,7 @@
 // that nothing hangs on the order in which fragments came. Fragments that are ORIENTED planes stay all: those of one depth at their
 // texel's centre are parts of it side by side.
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::list_order::{node_words, open, depth_bits, next_of, set_next, ordered_list}
 #import tracebench::voxel_space::DrawnAxis
 
@@ -59,12 +59,8 @@ fn is_less(one: vec4<u32>, other: vec4<u32>) -> bool {
 #endif
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn order(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let texel = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn order(invocation: Invocation) {
+    let texel = linear_invocation(invocation, WORKGROUP_SIZE);
     if (texel >= drawn.space.image * drawn.space.image) {
         return;
     }

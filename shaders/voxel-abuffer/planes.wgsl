@@ -9,7 +9,7 @@
 #import tracebench::voxel_space::{DrawnAxis, layer_code}
 #import tracebench::voxel_plane_parts::{Part, part_margin, part_in_texel, is_part, part_words}
 #ifdef COMPUTE
-#import tracebench::dispatch::linear_workgroup
+#import tracebench::dispatch::Invocation
 #import tracebench::raster_work::part_of
 #else
 #import tracebench::tile_clip::{TileRectangle, rectangle_corner}
@@ -187,12 +187,8 @@ fn put_fragment(texel: vec2<f32>, triangle: AxisTriangle) {
 const WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn draw(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let part = part_of(linear_workgroup(workgroup, workgroups), local);
+fn draw(invocation: Invocation) {
+    let part = part_of(invocation);
     if (any(part.high <= part.low)) {
         return;
     }

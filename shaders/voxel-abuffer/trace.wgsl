@@ -3,7 +3,7 @@
 // fragments are planes, and the ray is met by the nearest that it goes through.
 
 #import tracebench::types::{Ray, Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP, SURFACE_NO_HIT, SURFACE_WRITTEN, SURFACE_LOST}
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
 #ifdef ORIENTED
 #import tracebench::voxel_store::{search, open, work, counted, COUNTS}
@@ -217,12 +217,8 @@ fn write_answer(index: u32) {
 
 // A ray a lane.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn trace(invocation: Invocation) {
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     if (index < search.ray_count) {
         search_ray(index);
         write_answer(index);
@@ -231,12 +227,8 @@ fn trace(
 
 // Several rays a lane, one after the other. Rays that are cut off, and those behind them, are left unanswered.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn trace_in_turns(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    var turns = turns_of(workgroup, workgroups, local, 0u, search.ray_count, search.rays_per_lane);
+fn trace_in_turns(invocation: Invocation) {
+    var turns = turns_of(invocation, 0u, search.ray_count, search.rays_per_lane);
     loop {
         if (turns.ray >= turns.end) {
             break;
@@ -256,12 +248,8 @@ var<workgroup> unanswered: atomic<u32>;
 // After that: a ray a lane in every workgroup that has one without an answer. All of its rays are answered again, so that the same
 // ones run together, and are cut off, as where a lane has one ray from the first.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn trace_unanswered(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn trace_unanswered(invocation: Invocation) {
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
     if (index < search.ray_count && hits[index].status == STATUS_UNWRITTEN) {
         atomicStore(&unanswered, 1u);
     }

@@ -1,6 +1,7 @@
 // The trace through voxels alone, a bit each: what the paper's Figure 9 sets its method beside (Papaioannou et al. 2010). A ray ends
 // where it enters a voxel that has anything; those that hold its start are left first.
 
+#import tracebench::dispatch::Invocation
 #import tracebench::types::{Ray, Hit, miss, NO_PRIMITIVE, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP}
 #import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
 #import tracebench::reads::word_1
@@ -65,12 +66,8 @@ fn find_hit(ray: Ray) -> Answer {
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    var turns = turns_of(workgroup, workgroups, local, 0u, search.ray_count, search.rays_per_lane);
+fn trace(invocation: Invocation) {
+    var turns = turns_of(invocation, 0u, search.ray_count, search.rays_per_lane);
     while (turns.ray < turns.end) {
         let answer = find_hit(rays[turns.ray]);
         hits[turns.ray] = answer.hit;

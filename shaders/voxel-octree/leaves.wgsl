@@ -1,7 +1,7 @@
 // Sorted fragments to leaves: those of one key are one voxel, with the average of its triangles' normals and the material of the lowest
 // of them. Sums are integers, so that nothing hangs on the order of atomics.
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::surface::{greatest_of, unit_normal}
 #import tracebench::octree_normal::packed_normal
 #import tracebench::octree_settings::{OctreeBuild, WORKGROUP_SIZE, OPENED, MOST_DEPTH, no_voxel}
@@ -35,14 +35,10 @@ var<workgroup> tally: array<atomic<u32>, MOST_DEPTH>;
 
 // Marks the first fragment of every voxel, and counts from which level on it lies in nodes of its own.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn mark(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let place = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
-    if (local < MOST_DEPTH) {
-        atomicStore(&tally[local], 0u);
+fn mark(invocation: Invocation) {
+    let place = linear_invocation(invocation, WORKGROUP_SIZE);
+    if (invocation.local < MOST_DEPTH) {
+        atomicStore(&tally[invocation.local], 0u);
     }
     workgroupBarrier();
     let first = is_first(place);
@@ -57,22 +53,18 @@ fn mark(
         atomicAdd(&tally[level], 1u);
     }
     workgroupBarrier();
-    if (local < MOST_DEPTH) {
-        let count = atomicLoad(&tally[local]);
+    if (invocation.local < MOST_DEPTH) {
+        let count = atomicLoad(&tally[invocation.local]);
         if (count > 0u) {
-            atomicAdd(&taken[OPENED + local], count);
+            atomicAdd(&taken[OPENED + invocation.local], count);
         }
     }
 }
 
 // Where every leaf's fragments begin.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn gather(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let place = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn gather(invocation: Invocation) {
+    let place = linear_invocation(invocation, WORKGROUP_SIZE);
     if (place > build.fragment_capacity) {
         return;
     }
@@ -104,12 +96,8 @@ fn unit_of(count: u32) -> f32 {
 
 // Every fragment's normal, to its leaf's sums.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn sum(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let place = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn sum(invocation: Invocation) {
+    let place = linear_invocation(invocation, WORKGROUP_SIZE);
     if (!is_fragment(place)) {
         return;
     }
@@ -131,12 +119,8 @@ const LEAST_LENGTH: f32 = 0.0625;
 
 // Every leaf's normal and material.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn finish(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let leaf = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn finish(invocation: Invocation) {
+    let leaf = linear_invocation(invocation, WORKGROUP_SIZE);
     if (leaf >= min(ranks[build.fragment_capacity], build.leaf_capacity)) {
         return;
     }

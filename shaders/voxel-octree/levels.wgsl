@@ -1,6 +1,6 @@
 // A level of nodes from the one below: neighbours along the curve whose keys differ in the last three bits alone have one parent.
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::octree_settings::{WORKGROUP_SIZE, OPENED}
 
 struct OctreeLevel {
@@ -40,12 +40,8 @@ fn is_first(child: u32, count: u32) -> bool {
 
 // Marks the first child of every node.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn mark(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let child = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn mark(invocation: Invocation) {
+    let child = linear_invocation(invocation, WORKGROUP_SIZE);
     if (child <= level.child_capacity) {
         ranks[child] = select(0u, 1u, is_first(child, child_count()));
     }
@@ -53,12 +49,8 @@ fn mark(
 
 // Makes the nodes, each by the lane of its first child.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn join(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let child = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn join(invocation: Invocation) {
+    let child = linear_invocation(invocation, WORKGROUP_SIZE);
     let count = child_count();
     if (!is_first(child, count)) {
         return;

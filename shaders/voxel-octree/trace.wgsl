@@ -3,6 +3,7 @@
 // deepest node that holds it (Laine, Karras, "Efficient Sparse Voxel Octrees", I3D 2010). A ray is at a voxel of the finest grid all the time
 // and goes on to a neighbour of the part that it leaves, across the side that it leaves it by, so that no rounding leads it past a voxel's edge.
 
+#import tracebench::dispatch::Invocation
 #import tracebench::types::{Ray, Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP, SURFACE_NO_HIT, SURFACE_WRITTEN}
 #import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
 #import tracebench::reads::{pair_0, pair_1}
@@ -174,12 +175,8 @@ fn surface_of(ray: Ray, answer: Answer) -> Surface {
 #endif
 
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    var turns = turns_of(workgroup, workgroups, local, 0u, search.ray_count, search.rays_per_lane);
+fn trace(invocation: Invocation) {
+    var turns = turns_of(invocation, 0u, search.ray_count, search.rays_per_lane);
     while (turns.ray < turns.end) {
         let answer = find_hit(rays[turns.ray]);
         hits[turns.ray] = answer.hit;

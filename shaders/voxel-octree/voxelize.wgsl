@@ -3,7 +3,7 @@
 // draw every triangle along its dominant axis, conservatively; here lanes follow the rows of that projection, which is exact and asks
 // nothing of a rasterizer.
 
-#import tracebench::dispatch::linear_invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::surface::unit_normal
 #import tracebench::unit_space::{to_unit, on_image, from_image, dominant_axis}
 #import tracebench::octree_settings::{OctreeBuild, WORKGROUP_SIZE, ROWS, FRAGMENTS, BROKEN, no_voxel}
@@ -58,12 +58,8 @@ fn count_up(word: u32, count: u32) {
 
 // The rows of every triangle; none of one without an area, which no ray hits.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn measure(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let triangle = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn measure(invocation: Invocation) {
+    let triangle = linear_invocation(invocation, WORKGROUP_SIZE);
     if (triangle > build.triangle_count) {
         return;
     }
@@ -116,12 +112,8 @@ fn is_row(row: u32) -> bool {
 
 // The fragments of every row.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn count(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let row = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn count(invocation: Invocation) {
+    let row = linear_invocation(invocation, WORKGROUP_SIZE);
     if (row > build.row_capacity) {
         return;
     }
@@ -140,12 +132,8 @@ fn count(
 
 // The fragments themselves.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn emit(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let row = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn emit(invocation: Invocation) {
+    let row = linear_invocation(invocation, WORKGROUP_SIZE);
     if (!is_row(row)) {
         return;
     }
@@ -168,12 +156,8 @@ fn emit(
 
 // Room that is left has the key of no voxel.
 @compute @workgroup_size(WORKGROUP_SIZE)
-fn pad(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) workgroups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let place = linear_invocation(workgroup, workgroups, local, WORKGROUP_SIZE);
+fn pad(invocation: Invocation) {
+    let place = linear_invocation(invocation, WORKGROUP_SIZE);
     if (place < build.fragment_capacity && place >= fragment_starts[build.row_capacity]) {
         keys[place] = no_voxel(build.levels);
         primitives[place] = 0u;

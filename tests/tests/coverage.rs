@@ -8,9 +8,9 @@ use tracebench_api::wgpu::{Buffer, BufferUsages};
 use tracebench_api::{Geometry, Parameters, PhaseClock, Preset, View};
 use tracebench_harness::registry::find;
 use tracebench_kit::{
-    DrawnBy, EyeDepthTarget, LayerTarget, NO_SURFACE, NearestLayers, NearestScene, Passing, SUBPIXELS, TileBounds,
-    ViewUniform, allowed_fragments, bind_group_at, clipped_polygon, compute_pipeline, covers_centre, dispatch_linear,
-    eye_space,
+    DrawnBy, EyeDepthTarget, LayerTarget, NO_SURFACE, NearestLayers, NearestScene, SUBPIXELS, TileBounds,
+    allowed_fragments, bind_group_at, clipped_polygon, compute_pipeline, covers_centre, dispatch_linear, eye_space,
+    view_uniform,
 };
 use tracebench_shaders::test::COVERAGE_FUNCTIONS;
 use tracebench_tests::{Numbers, gpu, soup, viewpoint};
@@ -143,7 +143,7 @@ fn triangles() -> Vec<[[f32; 3]; 3]> {
 /// The outlines that the device finds of triangles in a view, on the grid.
 fn outlines(view: &View, triangles: &[[[f32; 3]; 3]]) -> Vec<Vec<[i32; 2]>> {
     let points: Vec<[f32; 4]> = triangles.as_flattened().iter().map(|[x, y, z]| [*x, *y, *z, 0.0]).collect();
-    let uniform = bytemuck::bytes_of(&ViewUniform::from(view)).to_vec();
+    let uniform = bytemuck::bytes_of(&view_uniform(view)).to_vec();
     let buffers = [
         (3, gpu().buffer_with("view", &uniform, BufferUsages::UNIFORM, "nothing").unwrap()),
         (4, storage("points", bytemuck::cast_slice(&points))),
@@ -229,7 +229,7 @@ fn drawn(geometry: &Geometry, view: &View, drawn_by: DrawnBy) -> [Vec<f32>; 2] {
     let target = EyeDepthTarget::of_images(&gpu, view.size, 2).unwrap();
     let (device, triangle_count) = (geometry.on_device().unwrap(), geometry.triangles.len() as u32);
     let scene = NearestScene { drawn_by, view, geometry: device, triangle_count };
-    let passed = [None, Some((&target.images[0], Passing::behind(0.0)))];
+    let passed = [None, Some((&target.images[0], tracebench_kit::behind(0.0)))];
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     for ((layer, image), passed) in (0..).zip(&target.images).zip(passed) {
         let pass = layers.prepare(&gpu, scene, passed).unwrap();

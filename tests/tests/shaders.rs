@@ -13,7 +13,7 @@ use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::wgpu::BufferUsages;
 use tracebench_api::{NO_PRIMITIVE, Status, SurfaceStatus, View, Viewpoint};
 use tracebench_bvh::{BINARY_STACK, WIDE_STACK};
-use tracebench_kit::{ROW_BITS, ViewUniform, bind_group, compute_pipeline, dispatch_linear};
+use tracebench_kit::{ROW_BITS, bind_group, compute_pipeline, dispatch_linear, view_uniform};
 use tracebench_shaders::test::VIEW_FUNCTIONS;
 use tracebench_shaders::{ALL, Shader};
 use tracebench_tests::{Numbers, gpu, viewpoint};
@@ -45,7 +45,7 @@ fn misfits(module: &Module) -> (Vec<String>, Vec<String>) {
     let shared = shared();
     let found = layouts(module);
     let present: Vec<String> = found.keys().filter(|name| shared.contains_key(name.as_str())).cloned().collect();
-    let wrong = present.iter().filter(|name| shared[name.as_str()] != found[*name]).cloned().collect();
+    let wrong = present.iter().filter(|name| !shared[name.as_str()].contains(&found[*name])).cloned().collect();
     (present, wrong)
 }
 
@@ -284,7 +284,7 @@ fn project_on_device(view: &View, points: &[Vec3]) -> Vec<Projection> {
     let pipeline = compute_pipeline(&gpu, VIEW_FUNCTIONS, "project").unwrap();
     let padded: Vec<[f32; 4]> = points.iter().map(|point| [point.x, point.y, point.z, 0.0]).collect();
     let buffer = |name: &str, contents: &[u8], usage| gpu.buffer_with(name, contents, usage, "nothing").unwrap();
-    let uniform = buffer("view", bytemuck::bytes_of(&ViewUniform::from(view)), BufferUsages::UNIFORM);
+    let uniform = buffer("view", bytemuck::bytes_of(&view_uniform(view)), BufferUsages::UNIFORM);
     let input = buffer("points", bytemuck::cast_slice(&padded), BufferUsages::STORAGE);
     let bytes = (points.len() * size_of::<Projection>()) as u64;
     let output = gpu.buffer("projections", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "nothing").unwrap();

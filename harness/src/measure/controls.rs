@@ -71,7 +71,6 @@ impl Control {
             queries: &Query::ALL,
             no_refit: None,
             parameters: Vec::new(),
-            layouts: Vec::new(),
         }
     }
 

@@ -15,7 +15,7 @@ use tracebench_api::{
 };
 use tracebench_harness::registry::find;
 use tracebench_harness::viewpoint::Pose;
-use tracebench_kit::{DrawnBy, EyeDepthTarget, LayerTarget, NearestLayers, NearestScene, Passing};
+use tracebench_kit::{DrawnBy, EyeDepthTarget, LayerTarget, NearestLayers, NearestScene};
 use tracebench_tests::{Numbers, gpu, ray, soup};
 
 /// From the origin along -z: 90 degrees across, over odd numbers of pixels.
@@ -164,8 +164,8 @@ fn draw(geometry: &Geometry, view: &View, layers: u32, separation: f32, backs: b
     for layer in 0..images {
         let passed = match (layer, layer.checked_sub(layers)) {
             (0, _) => None,
-            (_, Some(front)) => Some((&target.images[front as usize], Passing::backs())),
-            (_, None) => Some((&target.images[layer as usize - 1], Passing::behind(separation))),
+            (_, Some(front)) => Some((&target.images[front as usize], tracebench_kit::backs())),
+            (_, None) => Some((&target.images[layer as usize - 1], tracebench_kit::behind(separation))),
         };
         let pass = drawn.prepare(&gpu, scene, passed).unwrap();
         let image = &target.images[layer as usize];

@@ -2,7 +2,7 @@
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{Ray, Viewpoint};
-use tracebench_kit::ViewUniform;
+use tracebench_kit::{ViewUniform, view_uniform};
 use tracebench_tests::Numbers;
 
 use crate::tasks::{Task, enter};
@@ -22,7 +22,7 @@ fn faces(pulled_back: f64) -> [ViewUniform; 6] {
         frame: [16, 16],
         face: 16,
     };
-    viewpoint.face_views(pulled_back).map(|view| ViewUniform::from(&view))
+    viewpoint.face_views(pulled_back).map(|view| view_uniform(&view))
 }
 
 /// Rays in the planes between faces, along their lines, through their corners, across them at every angle; with an end beyond far.

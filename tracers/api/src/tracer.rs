@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::{
     EndPoint, Geometry, HitBuffer, MemoryEntry, MemoryReport, ParameterDescription, Parameters, PhaseClock, Query,
-    RayBuffer, Sampling, SharedLayout, TracerError, Viewpoint, VoxelGrid,
+    RayBuffer, Sampling, TracerError, Viewpoint, VoxelGrid,
 };
 
 /// Where a tracer's triangles, rays and hits live.
@@ -52,9 +52,6 @@ pub struct Description {
     pub no_refit: Option<&'static str>,
     /// Its parameters.
     pub parameters: Vec<ParameterDescription>,
-    /// The structs that it shares with its shaders.
-    #[serde(skip)]
-    pub layouts: Vec<SharedLayout>,
 }
 
 impl Description {

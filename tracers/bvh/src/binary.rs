@@ -1,12 +1,12 @@
 //! A binary hierarchy as the device has it: siblings stand together, after their parents, in 32 bytes a node.
 
-use bytemuck::{Pod, Zeroable};
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::triangle::Triangle;
 use tracebench_api::TracerError;
+pub(crate) use tracebench_shaders::bvh::BinaryNode;
 
 /// `count` of a node that is no leaf.
 pub(crate) const INNER: u32 = u32::MAX;
@@ -14,32 +14,13 @@ pub(crate) const INNER: u32 = u32::MAX;
 /// Half the edge of the inside-out box of an empty leaf: the scene's diagonal, as it is scaled.
 const INSIDE_OUT: f32 = 131_072.0;
 
-/// `BinaryNode` of shaders/bvh/binary.wgsl.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct BinaryNode {
-    /// Least corner, units of the hierarchy.
-    pub low: [f32; 3],
-    /// The first of two siblings below, or of the leaf's triangles.
-    pub first: u32,
-    /// Greatest corner.
-    pub high: [f32; 3],
-    /// Triangles of a leaf, or `u32::MAX` for a node that is none.
-    pub count: u32,
+fn node_of(aabb: &Aabb, first: u32, count: u32) -> BinaryNode {
+    BinaryNode { low: aabb.min.to_array(), first, high: aabb.max.to_array(), count }
 }
 
-impl BinaryNode {
-    fn new(aabb: &Aabb, first: u32, count: u32) -> Self {
-        Self { low: aabb.min.to_array(), first, high: aabb.max.to_array(), count }
-    }
-
-    fn set_box(&mut self, aabb: &Aabb) {
-        (self.low, self.high) = (aabb.min.to_array(), aabb.max.to_array());
-    }
-
-    pub(crate) fn aabb(&self) -> Aabb {
-        Aabb::new(Vec3A::from(self.low), Vec3A::from(self.high))
-    }
+/// A node's box.
+pub(crate) fn box_of(node: &BinaryNode) -> Aabb {
+    Aabb::new(Vec3A::from(node.low), Vec3A::from(node.high))
 }
 
 /// Pairs of siblings from the root's children on; the root itself is not stored.
@@ -64,10 +45,10 @@ impl Binary {
                 let first = primitive_indices.len() as u32;
                 let slots = node.first_index as usize..(node.first_index + node.prim_count) as usize;
                 primitive_indices.extend_from_slice(&from.primitive_indices[slots]);
-                nodes.push(BinaryNode::new(node.aabb(), first, node.prim_count));
+                nodes.push(node_of(node.aabb(), first, node.prim_count));
             } else {
                 open.push((nodes.len(), node.first_index));
-                nodes.push(BinaryNode::new(node.aabb(), 0, INNER));
+                nodes.push(node_of(node.aabb(), 0, INNER));
             }
         };
         match from.nodes.first() {
@@ -116,13 +97,13 @@ impl Binary {
             }
             let first = node.first as usize;
             let fitted = if node.count == INNER {
-                self.nodes[first].aabb().union(&self.nodes[first + 1].aabb())
+                box_of(&self.nodes[first]).union(&box_of(&self.nodes[first + 1]))
             } else {
                 let slots = &self.primitive_indices[first..first + node.count as usize];
                 let boxes = slots.iter().map(|primitive| triangles[*primitive as usize].aabb());
                 boxes.fold(Aabb::empty(), |whole, each| whole.union(&each))
             };
-            self.nodes[index].set_box(&fitted);
+            self.nodes[index] = node_of(&fitted, node.first, node.count);
         }
     }
 
@@ -154,7 +135,7 @@ impl Binary {
                     bounds[index] = bounds[index].union(&triangle.aabb());
                 }
             }
-            let (stored, below) = (node.aabb(), bounds[index]);
+            let (stored, below) = (box_of(node), bounds[index]);
             let bounded = stored.min.cmple(below.min).all() && stored.max.cmpge(below.max).all();
             let meets = stored.min.cmple(below.max).all() && stored.max.cmpge(below.min).all();
             if node.count > 0 && !(if whole { bounded } else { meets }) {

@@ -48,7 +48,6 @@ pub fn description() -> Description {
         queries: &Query::ALL,
         no_refit: None,
         parameters: CpuParameters::describe(),
-        layouts: Vec::new(),
     }
 }
 

@@ -16,7 +16,6 @@ mod cpu;
 mod gpu;
 mod hierarchy;
 mod input;
-mod layouts;
 mod lbvh;
 mod ray_query;
 mod refit;

@@ -16,7 +16,7 @@ use obvhs::aabb::Aabb;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::node::CwBvhNode;
 
-use crate::binary::{BinaryNode, INNER};
+use crate::binary::{BinaryNode, INNER, box_of};
 
 /// Half the surface of a box, squared units; nothing for one that is inside out.
 fn half_area(aabb: &Aabb) -> f64 {
@@ -88,11 +88,11 @@ pub(crate) fn of_binary(nodes: &[BinaryNode]) -> f64 {
     let Some(pair) = nodes.first_chunk::<2>() else { return 0.0 };
     // An empty leaf stands beside a leaf that is the whole hierarchy.
     let filled = |node: &&BinaryNode| node.count > 0;
-    let mut cost = Cost::of_root(&union(pair.iter().filter(filled).map(BinaryNode::aabb)));
+    let mut cost = Cost::of_root(&union(pair.iter().filter(filled).map(box_of)));
     for node in nodes.iter().filter(filled) {
         match node.count {
-            INNER => cost.node(&node.aabb()),
-            triangles => cost.leaf(&node.aabb(), triangles),
+            INNER => cost.node(&box_of(node)),
+            triangles => cost.leaf(&box_of(node), triangles),
         }
     }
     cost.sum()

@@ -1,14 +1,14 @@
 //! What a set of rays touches of a hierarchy, by brute force: what counters of touched nodes and references are held
 //! against.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use obvhs::aabb::Aabb;
 use tracebench_api::{AdapterChoice, Counter, EndPoint, Geometry, Gpu, HitBuffer, Parameters, Query, Ray, RayBuffer};
-use tracebench_api::{Residency, Structure, TraceJob};
+use tracebench_api::{Residency, Structure, TraceJob, Viewpoint};
 
 use std::sync::Arc;
 
-use crate::binary::INNER;
+use crate::binary::{INNER, box_of};
 use crate::gpu::layout::Tree;
 
 /// By how much boxes are shrunk and grown, over the scene's diagonal: more than searches and compressed boxes round by.
@@ -42,6 +42,20 @@ pub(crate) fn scene(gpu: Option<&Gpu>) -> (Geometry, Vec<Ray>) {
     };
     let rays = (0..2000).map(ray).collect();
     (Geometry::new(positions, triangles, gpu).unwrap(), rays)
+}
+
+/// Hierarchies hang on none.
+pub(crate) fn viewpoint() -> Viewpoint {
+    Viewpoint {
+        eye: Vec3::ZERO,
+        forward: Vec3::X,
+        up: Vec3::Y,
+        vertical_fov: 1.0,
+        near: 0.1,
+        far: 100.0,
+        frame: [8, 8],
+        face: 8,
+    }
 }
 
 /// A device of one's own.
@@ -97,7 +111,7 @@ fn by_force(tree: &Tree, rays: &[Ray], scale: f64, grow: f64) -> [usize; 2] {
                 Tree::Binary(binary) => {
                     nodes[index..index + 2].fill(true);
                     for node in
-                        binary.nodes[index..index + 2].iter().filter(|node| meets(&node.aabb(), ray, scale, grow))
+                        binary.nodes[index..index + 2].iter().filter(|node| meets(&box_of(node), ray, scale, grow))
                     {
                         let first = node.first as usize;
                         match node.count {

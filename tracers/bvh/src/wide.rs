@@ -1,9 +1,31 @@
 //! What holds of a CWBVH whoever traverses it.
 
+use std::mem::offset_of;
+
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::CwBvh;
+use obvhs::cwbvh::node::CwBvhNode;
 use obvhs::triangle::Triangle;
 use tracebench_api::TracerError;
+use tracebench_shaders::bvh::WideNode;
+
+// Nodes go to the device as they are. obvhs keeps the exponents and the mask of nodes as four bytes, the planes of an axis as two arrays
+// of eight.
+const _: () = {
+    assert!(size_of::<CwBvhNode>() == size_of::<WideNode>());
+    assert!(offset_of!(CwBvhNode, p) == offset_of!(WideNode, origin));
+    assert!(offset_of!(CwBvhNode, e) == offset_of!(WideNode, exponents_and_nodes));
+    assert!(offset_of!(CwBvhNode, imask) == offset_of!(CwBvhNode, e) + 3);
+    assert!(offset_of!(CwBvhNode, child_base_idx) == offset_of!(WideNode, first_child));
+    assert!(offset_of!(CwBvhNode, primitive_base_idx) == offset_of!(WideNode, first_triangle));
+    assert!(offset_of!(CwBvhNode, child_meta) == offset_of!(WideNode, children));
+    assert!(offset_of!(CwBvhNode, child_min_x) == offset_of!(WideNode, x));
+    assert!(offset_of!(CwBvhNode, child_min_y) == offset_of!(WideNode, y));
+    assert!(offset_of!(CwBvhNode, child_min_z) == offset_of!(WideNode, z));
+    assert!(offset_of!(CwBvhNode, child_max_x) == offset_of!(CwBvhNode, child_min_x) + 8);
+    assert!(offset_of!(CwBvhNode, child_max_y) == offset_of!(CwBvhNode, child_min_y) + 8);
+    assert!(offset_of!(CwBvhNode, child_max_z) == offset_of!(CwBvhNode, child_min_z) + 8);
+};
 
 /// How far a stored box may cut what it bounds, in widths of its node: obvhs rounds outward after a division in f32.
 const BOX_SLACK: f64 = 1.0 / (1 << 22) as f64;

@@ -4,8 +4,6 @@ use tracebench_api::ParameterScope::{Build, Trace};
 use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
 use tracebench_kit::{DrawnBy, Reads, build_parameter, rays_per_lane_parameter, reads_parameter};
 
-use crate::layout::layouts;
-
 choice! {
     /// Pixels along a tile's edge.
     pub(crate) enum TileSize { One = "1", Two = "2", Four = "4", Eight = "8" }
@@ -173,7 +171,6 @@ pub fn description() -> Description {
         queries: &Query::ALL,
         no_refit: Some(NO_REFIT),
         parameters: DirtParameters::describe(),
-        layouts: layouts(),
     }
 }
 

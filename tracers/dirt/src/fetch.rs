@@ -15,7 +15,6 @@
 
 use std::cell::RefCell;
 
-use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{
     self, BindGroup, Buffer, CompareFunction, ComputePipeline, RenderPipeline, TextureFormat, TextureUsages,
     TextureView,
@@ -25,13 +24,15 @@ use tracebench_api::{
 };
 use tracebench_kit::{
     Gather, OnDemand, RasterTargets, ViewUniform, bind_group, compute_pipeline, create_texture, dispatch_linear,
-    raster_pipeline, shader_module, shader_module_testing_early, storage_buffer, uniform_buffer,
+    raster_pipeline, shader_module, shader_module_testing_early, storage_buffer, uniform_buffer, view_uniform,
+    view_uniforms,
 };
 use tracebench_shaders::{Shader, dirt};
 
 use crate::description::Fetching;
 use crate::layout::{Layout, MOST_VIEWS};
 use crate::structure::DirtStructure;
+pub(crate) use tracebench_shaders::dirt::{FetchPass, HitNode, MaskSettings, StoreSettings};
 
 /// As `WORKGROUP_SIZE` in shaders/dirt/store.wgsl.
 const WORKGROUP_SIZE: u32 = 64;
@@ -47,60 +48,6 @@ const STORE: &str = "store settings";
 const STORE_VIEWS: &str = "store views";
 const MASK_SETTINGS: &str = "mask settings";
 const FETCHED: &str = "fetched view";
-
-/// `HitNode` of shaders/dirt/hit_buffer.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct HitNode {
-    /// One more than the index of the next node, 0 at the end.
-    pub next: u32,
-    /// Triangle.
-    pub primitive: u32,
-    /// Weight of its second corner.
-    pub u: f32,
-    /// Weight of its third corner.
-    pub v: f32,
-    /// Where it was hit, scene units.
-    pub position: [f32; 3],
-    /// Where the surface goes, in the lower 29 bits, and the view.
-    pub shading_and_view: u32,
-}
-
-/// `StoreSettings` of shaders/dirt/store.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct StoreSettings {
-    /// Rays.
-    pub ray_count: u32,
-    /// Views.
-    pub view_count: u32,
-    /// Pixels of a view.
-    pub pixels: [u32; 2],
-}
-
-/// `MaskSettings` of shaders/dirt/mask.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct MaskSettings {
-    /// Pixels of a view.
-    pub pixels: [u32; 2],
-    /// Nothing.
-    pub padding: [u32; 2],
-}
-
-/// `FetchPass` of shaders/dirt/fetch.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct FetchPass {
-    /// The view that is drawn, its size in pixels.
-    pub view: ViewUniform,
-    /// Its number.
-    pub view_index: u32,
-    /// The first entry of its list of triangles.
-    pub first_entry: u32,
-    /// Pixels of a view.
-    pub pixels: [u32; 2],
-}
 
 /// The pipelines, each made when it is first needed.
 #[derive(Default)]
@@ -172,7 +119,7 @@ impl Fetch {
         let heads = storage_buffer(gpu, HIT_HEADS, pixel_count(layout) * 4, view_edges)?;
         let nodes = storage_buffer(gpu, HIT_NODES, node_bytes(rays), "--size")?;
         let surfaces = hits.surfaces_on_device(rays)?;
-        let views = ViewUniform::array::<MOST_VIEWS>(layout.views.iter().map(ViewUniform::from));
+        let views = view_uniforms::<MOST_VIEWS>(layout.views.iter().map(view_uniform));
         let settings = StoreSettings { ray_count: rays as u32, view_count: layout.views.len() as u32, pixels: size };
         let bind = |layout: &wgpu::BindGroupLayout, buffers: &[&Buffer]| {
             let resources: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
@@ -198,8 +145,7 @@ impl Fetch {
         let setup = &structure.buffers.setup;
         let of_view = |(index, view): (usize, &tracebench_api::View)| {
             let [first_entry, entries] = setup.room_of(index);
-            let drawn =
-                FetchPass { view: ViewUniform::from(view), view_index: index as u32, first_entry, pixels: size };
+            let drawn = FetchPass { view: view_uniform(view), view_index: index as u32, first_entry, pixels: size };
             let drawn = uniform_buffer(gpu, FETCHED, &drawn)?;
             let scene = [&device.materials, setup.vertices(), setup.drawn()];
             let bindings = bind(&fetch, &[&[&drawn], &scene[..], &[&heads, &nodes, surfaces]].concat());

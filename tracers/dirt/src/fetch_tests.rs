@@ -8,6 +8,7 @@ use tracebench_api::{
     EndPoint, Gpu, Hit, HitBuffer, PhaseClock, PhaseSample, Query, Ray, RayBuffer, Residency, Structure, Surface,
     SurfaceStatus, TraceJob,
 };
+use tracebench_kit::Built;
 use tracebench_tests::{Numbers, gpu, gpu_that_binds, ray, soup};
 
 use super::structure::DirtStructure;
@@ -29,7 +30,7 @@ struct Traced {
     lost: u64,
 }
 
-fn traced(gpu: &Arc<Gpu>, structure: &DirtStructure, query: Query, fetch: &str) -> Traced {
+fn traced(gpu: &Arc<Gpu>, structure: &Built<DirtStructure>, query: Query, fetch: &str) -> Traced {
     let rays = RayBuffer::new(Arc::new(rays()), query, Some(gpu));
     let room = || {
         let mut hits = HitBuffer::for_end(EndPoint::Surface, rays.host.len(), Residency::Device, Some(gpu)).unwrap();
@@ -55,7 +56,7 @@ fn has(surface: &Surface, status: SurfaceStatus) -> bool {
 }
 
 /// Whether a hit lies well within a view, by f64: between near and far, and on a pixel beyond rounding.
-fn well_within_a_view(structure: &DirtStructure, ray: &Ray, hit: &Hit) -> bool {
+fn well_within_a_view(structure: &Built<DirtStructure>, ray: &Ray, hit: &Hit) -> bool {
     let point = Vec3::from(ray.origin).as_dvec3() + Vec3::from(ray.direction).as_dvec3() * f64::from(hit.t);
     structure.layout.views.iter().any(|view| {
         view.project(point).is_some_and(|at| {

@@ -1,14 +1,11 @@
 //! Views, tiles and buffers' sizes, and the uniforms that tell shaders of them.
 
-use bytemuck::{Pod, Zeroable};
-use tracebench_api::{SharedLayout, View, Viewpoint};
-use tracebench_kit::{DrawnBy, MOST_LEVELS, Pyramid, RasterWork, ViewUniform};
+use tracebench_api::{View, Viewpoint};
+use tracebench_kit::{DrawnBy, Pyramid, RasterWork, ViewUniform, view_uniform};
 
 use crate::description::{Centre, DirtParameters, Near, Views};
-use crate::fetch::{FetchPass, HitNode, MaskSettings, StoreSettings};
-use crate::packed::layout::{PackedGrid, PackedSearch};
 use crate::setup::SetupPass;
-use crate::shadow_map::ShadowLookup;
+pub(crate) use tracebench_shaders::dirt::{FillPass, MipmapLevel, TileGrid, TraceSettings};
 
 /// Views at most.
 pub(crate) const MOST_VIEWS: usize = 6;
@@ -18,101 +15,6 @@ const PART_ALIGNMENT: u64 = 256;
 
 /// Near without a near plane, in far distances.
 pub(crate) const NO_NEAR: f64 = 1e-15;
-
-/// `TileGrid` of shaders/dirt/grid.wgsl.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-#[repr(C)]
-pub struct TileGrid {
-    /// Tiles of a view along x and y.
-    pub tiles: [u32; 2],
-    /// Levels of the pyramid.
-    pub levels: u32,
-    /// Depth buckets of a tile.
-    pub buckets: u32,
-    /// Pairs of depth bounds of one view, all levels.
-    pub bounds_stride: u32,
-    /// Heads of one view.
-    pub heads_stride: u32,
-    /// Nodes that there is room for.
-    pub node_capacity: u32,
-    /// Nodes of one buffer, where one binding does not hold all.
-    pub nodes_per_part: u32,
-    /// First pair of depth bounds of each level in a view.
-    pub level_offsets: [u32; MOST_LEVELS],
-}
-
-/// `FillPass` of shaders/dirt/fill.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct FillPass {
-    /// The view that is drawn, its size in tiles.
-    pub view: ViewUniform,
-    /// 1: depths by the triangle's plane.
-    pub by_plane: u32,
-    /// The view's number.
-    pub view_index: u32,
-    /// The first entry of its list of triangles.
-    pub first_entry: u32,
-    /// Nothing.
-    pub padding: u32,
-}
-
-/// `MipmapLevel` of shaders/dirt/mipmap.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct MipmapLevel {
-    /// The level to make, from 1.
-    pub level: u32,
-    /// Number of views whose parts are bound.
-    pub views: u32,
-    /// Nothing.
-    pub padding: [u32; 2],
-}
-
-/// `TraceSettings` of shaders/dirt/trace.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct TraceSettings {
-    /// Rays.
-    pub ray_count: u32,
-    /// Views.
-    pub view_count: u32,
-    /// 1: any hit ends a search.
-    pub any_hit: u32,
-    /// 1: hits count by their distance alone.
-    pub by_distance: u32,
-    /// 1: every bucket of a tile is searched.
-    pub all_buckets: u32,
-    /// Steps after which a ray is given up.
-    pub max_steps: u32,
-    /// The highest level of the pyramid that is walked.
-    pub top_level: u32,
-    /// Rays that a lane answers one after the other, >= 1.
-    pub rays_per_lane: u32,
-}
-
-/// Layouts of all that shaders share with this crate.
-pub(crate) fn layouts() -> Vec<SharedLayout> {
-    tracebench_api::layouts! {
-        TileGrid { tiles, levels, buckets, bounds_stride, heads_stride, node_capacity, nodes_per_part, level_offsets }
-        FillPass { view, by_plane, view_index, first_entry, padding }
-        SetupPass {
-            tiles, triangle_count, view_count, block_count, padding_a, padding_b, padding_c, rooms,
-        }
-        MipmapLevel { level, views, padding }
-        TraceSettings { ray_count, view_count, any_hit, by_distance, all_buckets, max_steps, top_level, rays_per_lane }
-        ShadowLookup { ray_count, bias }
-        HitNode { next, primitive, u, v, position, shading_and_view }
-        StoreSettings { ray_count, view_count, pixels }
-        MaskSettings { pixels, padding }
-        FetchPass { view, view_index, first_entry, pixels }
-        PackedGrid {
-            eye, tiles, triangle_count, part_capacity, node_capacity, levels, cells, slices, order_bits, fixed_slices, fixed_far,
-            fixed_near, padding, level_offsets,
-        }
-        PackedSearch { ray_count, any_hit, max_steps, top_level, rays_per_lane, split, nearest_first, padding }
-    }
-}
 
 /// What is drawn and how it is stored.
 #[derive(Clone, Debug, PartialEq)]
@@ -177,7 +79,7 @@ impl Layout {
     pub(crate) fn uniforms(&self) -> Vec<ViewUniform> {
         let uniform = |view: &View| {
             let size = view.size.map(|edge| edge as f32 / self.tile_size as f32);
-            ViewUniform { size, ..ViewUniform::from(view) }
+            ViewUniform { size, ..view_uniform(view) }
         };
         self.views.iter().map(uniform).collect()
     }

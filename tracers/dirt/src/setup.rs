@@ -4,14 +4,15 @@
 //! before the geometry passes, which read it. The lists stand in for the paper's geometry shader, which emits a triangle into
 //! the views that see it.
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Zeroable;
 use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, ComputePipeline};
 use tracebench_api::{DeviceGeometry, Gpu, Ledger, PhaseClock, TracerError};
 use tracebench_kit::{
-    PrefixSum, PrefixSumPlan, Room, ViewUniform, bind_group_at, dispatch_linear, grow, uniform_buffer,
+    PrefixSum, PrefixSumPlan, Room, bind_group_at, dispatch_linear, grow, uniform_buffer, view_uniforms,
 };
 
 use crate::layout::{Layout, MOST_VIEWS};
+pub(crate) use tracebench_shaders::dirt::SetupPass;
 
 /// As `BLOCK` in shaders/dirt/setup.wgsl: triangles of a block, and lanes of a workgroup.
 pub(crate) const BLOCK: u32 = 64;
@@ -32,28 +33,6 @@ const BLOCKS: &str = "triangle setup: counts of blocks";
 const DRAWN: &str = "triangle setup: views' triangles";
 /// What is turned down where there are too many triangles.
 const TRIANGLES: &str = "the scene's triangle count";
-
-/// `SetupPass` of shaders/dirt/setup.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct SetupPass {
-    /// Tiles of a view along x and y.
-    pub tiles: [u32; 2],
-    /// Triangles.
-    pub triangle_count: u32,
-    /// Views.
-    pub view_count: u32,
-    /// Blocks of triangles.
-    pub block_count: u32,
-    /// Nothing.
-    pub padding_a: u32,
-    /// Nothing.
-    pub padding_b: u32,
-    /// Nothing.
-    pub padding_c: u32,
-    /// Of each view: the first entry of its list, and the entries that there is room for.
-    pub rooms: [[u32; 4]; MOST_VIEWS],
-}
 
 /// The pipelines.
 #[derive(Clone, Debug)]
@@ -160,11 +139,11 @@ impl TriangleSetup {
             block_count: self.triangle_count.div_ceil(BLOCK),
             ..Zeroable::zeroed()
         };
-        for (view, room) in pass.rooms.iter_mut().enumerate() {
+        for (view, room) in pass.rooms.chunks_exact_mut(4).enumerate() {
             room[..2].copy_from_slice(&self.room_of(view));
         }
         let pass = uniform_buffer(gpu, "triangle setup", &pass)?;
-        let views = uniform_buffer(gpu, "views", &ViewUniform::array::<MOST_VIEWS>(layout.uniforms()))?;
+        let views = uniform_buffer(gpu, "views", &view_uniforms::<MOST_VIEWS>(layout.uniforms()))?;
         let Self { vertices, seen, blocks, drawn, .. } = self;
         let all = [&pass, &views, &scene.positions, &scene.indices, &vertices.buffer, &seen.buffer, &blocks.buffer];
         let all: Vec<(u32, BindingResource<'_>)> =

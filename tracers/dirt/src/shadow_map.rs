@@ -4,7 +4,6 @@
 //! Here it is one square view from [`Geometry::outer_light`] that holds the whole scene, as wide as the frame is on its longer edge,
 //! with eye depths by the rasterizer. A ray's start is in shadow where it lies behind the map's surface by more than a bias.
 
-use bytemuck::{Pod, Zeroable};
 use tracebench_api::glam::DVec3;
 use tracebench_api::wgpu::{BindingResource, ComputePipeline};
 use tracebench_api::{
@@ -13,13 +12,14 @@ use tracebench_api::{
 };
 use tracebench_kit::{
     EyeDepthTarget, LayerTarget, NearestLayers, NearestOf, NearestScene, ViewUniform, bind_group, compute_pipeline,
-    dispatch_linear, uniform_buffer,
+    dispatch_linear, uniform_buffer, view_uniform,
 };
 use tracebench_shaders::dirt::SHADOW_MAP;
 
 use crate::description::{DirtParameters, ShadowMap as Wanted};
 use crate::pipelines::Pipelines;
 use crate::structure::Resident;
+pub(crate) use tracebench_shaders::dirt::ShadowLookup;
 
 /// As `WORKGROUP_SIZE` in shaders/dirt/shadow_map.wgsl.
 const WORKGROUP_SIZE: u32 = 64;
@@ -27,16 +27,6 @@ const WORKGROUP_SIZE: u32 = 64;
 const END_SLACK: f64 = 1e-5;
 /// By how much the view is larger than the sphere around the scene's bounds.
 const MARGIN: f64 = 1.01;
-
-/// `ShadowLookup` of shaders/dirt/shadow_map.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct ShadowLookup {
-    /// Rays.
-    pub ray_count: u32,
-    /// Texels of the map, as wide as they are where the ray starts.
-    pub bias: f32,
-}
 
 /// The pipelines.
 pub(crate) struct ShadowMapPipelines {
@@ -167,7 +157,7 @@ impl Pipelines {
         let count = job.rays.host.len();
         let settings = ShadowLookup { ray_count: count as u32, bias: bias_texels as f32 };
         let [light, lookup] =
-            [uniform_buffer(gpu, "light", &ViewUniform::from(&map.view))?, uniform_buffer(gpu, "lookup", &settings)?];
+            [uniform_buffer(gpu, "light", &view_uniform(&map.view))?, uniform_buffer(gpu, "lookup", &settings)?];
         let resources = [
             light.as_entire_binding(),
             lookup.as_entire_binding(),

@@ -7,6 +7,7 @@ use tracebench_api::{
     EndPoint, Geometry, Gpu, Hit, HitBuffer, PhaseClock, Query, Ray, RayBuffer, Residency, Structure, TraceJob, Update,
     View,
 };
+use tracebench_kit::Built;
 use tracebench_tests::{Numbers, gpu, soup};
 
 use super::shadow_map::light_view;
@@ -84,7 +85,7 @@ fn to_light(geometry: &Geometry, triangles: &[[DVec3; 3]]) -> Vec<Ray> {
     (0..4000).map(from).collect()
 }
 
-fn answer(gpu: &Arc<Gpu>, structure: &DirtStructure, rays: &[Ray], query: Query, bias: &str) -> Vec<Hit> {
+fn answer(gpu: &Arc<Gpu>, structure: &Built<DirtStructure>, rays: &[Ray], query: Query, bias: &str) -> Vec<Hit> {
     let rays = RayBuffer::new(Arc::new(rays.to_vec()), query, Some(gpu));
     let mut hits = HitBuffer::new(rays.host.len(), Residency::Device, Some(gpu)).unwrap();
     hits.poison(Some(gpu)).unwrap();

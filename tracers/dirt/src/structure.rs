@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Counter, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection,
-    Sampling, Structure, TraceJob, Tracer, TracerError, Update, View, Viewpoint,
+    Geometry, Gpu, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection, Sampling, Structure,
+    TraceJob, Tracer, TracerError, View, Viewpoint,
 };
 use tracebench_kit::{
-    BuildJob, DeviceStructure, Readable, Reads, SurfaceGeometry, ViewUniform, grow, record_copies, untimed,
+    BuildJob, Built, DeviceStructure, Readable, Reads, SurfaceGeometry, ViewUniform, grow, record_copies, untimed,
 };
 
 use crate::build::{Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, nodes_name};
@@ -73,9 +73,9 @@ impl Tracer for Dirt {
     ) -> Result<Box<dyn Structure>, TracerError> {
         let job = BuildJob { geometry, viewpoint, parameters };
         if DirtParameters::try_from(parameters)?.lists == Lists::Linked {
-            return Ok(Box::new(DirtStructure::build(&self.pipelines, job, None, clock)?));
+            return Ok(Box::new(Built::<DirtStructure>::new(&self.pipelines, job, clock)?));
         }
-        Ok(Box::new(PackedStructure::build(&self.pipelines, job, None, clock)?))
+        Ok(Box::new(Built::<PackedStructure>::new(&self.pipelines, job, clock)?))
     }
 }
 
@@ -167,20 +167,6 @@ impl DeviceStructure for DirtStructure {
         let (pipelines, geometry) = (Arc::clone(pipelines), scene);
         Ok(Self { pipelines, layout, filling, buffers, arrays, geometry, mask_memory, frame, shadow_map })
     }
-}
-
-impl Structure for DirtStructure {
-    fn update(
-        &mut self,
-        update: Update,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        parameters: &Parameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
-        let job = BuildJob { geometry, viewpoint, parameters };
-        self.follow(&Arc::clone(&self.pipelines), update, job, clock)
-    }
 
     fn make_room(&mut self) -> Result<bool, TracerError> {
         let pipelines = Arc::clone(&self.pipelines);
@@ -200,14 +186,6 @@ impl Structure for DirtStructure {
         grow(&[nodes], |room| self.buffers.set_capacity(gpu, room[0]))?;
         self.arrays = self.buffers.arrays(gpu, self.reads(), &self.arrays)?;
         Ok(true)
-    }
-
-    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        self.record(&job, hits, None, clock)
-    }
-
-    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        self.count(&job, hits)
     }
 
     fn memory(&self) -> MemoryReport {
@@ -240,9 +218,9 @@ impl Structure for DirtStructure {
         ledger.report(0).with_surface_geometry(self.geometry.surfaces.bytes)
     }
 
-    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+    fn trace_memory(&self, job: &TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
         let parameters = DirtParameters::try_from(job.parameters)?;
-        if self.shadow_map.as_ref().is_some_and(|map| map.answers(&job)) {
+        if self.shadow_map.as_ref().is_some_and(|map| map.answers(job)) {
             return Ok(lookup_memory());
         }
         let uniforms = [
@@ -251,7 +229,7 @@ impl Structure for DirtStructure {
             ("views", MOST_VIEWS * size_of::<ViewUniform>()),
         ];
         let mut parts = uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec();
-        parts.extend(self.surface_memory(&job, parameters.fetch));
+        parts.extend(self.surface_memory(job, parameters.fetch));
         Ok(parts)
     }
 

@@ -8,7 +8,7 @@ use tracebench_api::{
     AdapterChoice, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Query, Ray, RayBuffer, Residency,
     Structure, TraceJob, TracerError, Update, Viewpoint,
 };
-use tracebench_kit::{DeviceTracer, Reads};
+use tracebench_kit::{Built, DeviceTracer, Reads};
 use tracebench_tests::{Numbers, answers, gpu, gpu_that_binds, ray, soup};
 
 use super::build::NODE_BYTES;
@@ -33,7 +33,7 @@ pub(crate) fn parameters(settings: &[(&str, &str)]) -> Parameters {
     tracebench_tests::parameters(&description().parameters, settings)
 }
 
-pub(crate) fn built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> DirtStructure {
+pub(crate) fn built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> Built<DirtStructure> {
     let tracer = DeviceTracer::<DirtStructure>::new(Arc::clone(gpu)).unwrap();
     let mut clock = PhaseClock::new(Some(gpu));
     let structure = tracer.build_structure(geometry, &viewpoint(), &parameters(settings), &mut clock).unwrap();
@@ -135,7 +135,7 @@ fn both_builds_store_the_same() {
 }
 
 /// Bytes of the nodes that there is room for.
-fn node_bytes(structure: &DirtStructure) -> u64 {
+fn node_bytes(structure: &Built<DirtStructure>) -> u64 {
     u64::from(structure.buffers.node_capacity) * NODE_BYTES
 }
 
@@ -228,7 +228,7 @@ fn a_structure_that_overflows_grows() {
     let all = soup(&hostile(), Some(&gpu));
     let mut structure = built(&gpu, &few, &[]);
     assert!(!structure.make_room().unwrap());
-    let rebuild = |structure: &mut DirtStructure| {
+    let rebuild = |structure: &mut Built<DirtStructure>| {
         let mut clock = PhaseClock::new(Some(&gpu));
         structure.update(Update::Rebuild, &all, &viewpoint(), &parameters(&[]), &mut clock).unwrap();
         clock.finish().unwrap();
@@ -245,10 +245,10 @@ fn a_structure_that_overflows_grows() {
 }
 
 /// What a build without splits counts: parts stored, and additions to the node count.
-fn counted_additions(gpu: &Arc<Gpu>, structure: &DirtStructure) -> [u32; 2] {
+fn counted_additions(gpu: &Arc<Gpu>, structure: &Built<DirtStructure>) -> [u32; 2] {
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
     let counted = gpu.buffer("counted", 8, usage, "nothing").unwrap();
-    let DirtStructure { pipelines, layout, buffers, geometry, filling, .. } = structure;
+    let DirtStructure { pipelines, layout, buffers, geometry, filling, .. } = &**structure;
     let mut clock = PhaseClock::new(Some(gpu));
     pipelines.build_counting(layout, buffers, geometry, *filling, Some(&counted), &mut clock).unwrap();
     clock.finish().unwrap();
@@ -309,13 +309,13 @@ fn memory_is_that_of_table_3() {
     }
 }
 
-pub(crate) fn answer(gpu: &Arc<Gpu>, structure: &DirtStructure, rays: &[Ray]) -> Vec<Hit> {
+pub(crate) fn answer(gpu: &Arc<Gpu>, structure: &Built<DirtStructure>, rays: &[Ray]) -> Vec<Hit> {
     answer_by(gpu, structure, rays, &[])
 }
 
 pub(crate) fn answer_by(
     gpu: &Arc<Gpu>,
-    structure: &DirtStructure,
+    structure: &Built<DirtStructure>,
     rays: &[Ray],
     settings: &[(&str, &str)],
 ) -> Vec<Hit> {

@@ -3,8 +3,8 @@
 use tracebench_api::wgpu::ComputePipeline;
 use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, Query, TraceJob, TracerError};
 use tracebench_kit::{
-    RayCounts, Reads, TouchedBits, ViewUniform, bind_arrays, bind_group, bind_group_at, record_searches,
-    uniform_buffer, untimed,
+    RayCounts, Reads, Search, TouchedBits, bind_arrays, bind_group, bind_group_at, record_searches, uniform_buffer,
+    untimed, view_uniforms,
 };
 use tracebench_shaders::dirt::Trace;
 
@@ -15,7 +15,7 @@ use crate::structure::DirtStructure;
 
 /// The buffers of a trace that counts.
 pub(crate) struct Counting {
-    counts: RayCounts<4>,
+    counts: RayCounts,
     /// A bit a node.
     touched: TouchedBits,
 }
@@ -39,9 +39,12 @@ impl DirtStructure {
             rays_per_lane: parameters.rays_per_lane,
         }
     }
+}
 
-    /// Records a trace, by the counting variant where there is something to count into.
-    pub(crate) fn record(
+impl Search for DirtStructure {
+    type Counting = Counting;
+
+    fn record(
         &self,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
@@ -62,7 +65,7 @@ impl DirtStructure {
         let [grid, search_settings, views] = [
             uniform_buffer(gpu, "grid", &self.buffers.grid(&self.layout))?,
             uniform_buffer(gpu, "search", &search)?,
-            uniform_buffer(gpu, "views", &ViewUniform::array::<MOST_VIEWS>(self.layout.uniforms()))?,
+            uniform_buffer(gpu, "views", &view_uniforms::<MOST_VIEWS>(self.layout.uniforms()))?,
         ];
         let hits_on_device = hits.on_device(job.rays.host.len())?;
         let uniforms = [(0, &grid), (1, &search_settings), (3, &views)];
@@ -88,15 +91,15 @@ impl DirtStructure {
         self.record_surfaces(job, parameters.fetch, hits, clock)
     }
 
-    pub(crate) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
+    fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = &*self.pipelines.gpu;
         let counting = Counting {
-            counts: RayCounts::new(gpu, "counts", job.rays.host.len())?,
+            counts: RayCounts::new(gpu, &COUNTERS, job.rays.host.len())?,
             touched: TouchedBits::new(gpu, "nodes touched", u64::from(self.buffers.node_capacity), "--size")?,
         };
         untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
         // A set that the shadow map answers searches nothing: a texel a ray is looked at.
-        let mut counters = counting.counts.counters(gpu, COUNTERS)?;
+        let mut counters = counting.counts.counters(gpu)?;
         if self.shadow_map.as_ref().is_some_and(|map| map.answers(job)) {
             counters.push(Counter::of_set("shadow_map_texels", job.rays.host.len() as u64));
         }

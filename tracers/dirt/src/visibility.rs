@@ -9,7 +9,7 @@ use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipelin
 use tracebench_api::{Gpu, Ledger, MemoryEntry, PhaseClock, Surface, TracerError, View, Viewpoint};
 use tracebench_kit::{
     DEPTH_TEST_FORMAT, LayerTarget, NearestLayers, NearestOf, NearestScene, PrimitiveTexture, ViewUniform, bind_group,
-    compute_pipeline, create_texture, dispatch_linear,
+    compute_pipeline, create_texture, dispatch_linear, view_uniform,
 };
 use tracebench_shaders::dirt::VISIBILITY;
 
@@ -112,7 +112,7 @@ impl Visibility {
         };
         gpu.check_storage_binding("triangle materials", device.materials.size(), "the scene's triangle count")?;
         let drawn = self.primitives.prepare(gpu, scene, None)?;
-        let uniform = ViewUniform::from(view);
+        let uniform = view_uniform(view);
         let uniform = gpu.buffer_with(VIEW, bytemuck::bytes_of(&uniform), BufferUsages::UNIFORM, "nothing")?;
         let resources = [
             uniform.as_entire_binding(),

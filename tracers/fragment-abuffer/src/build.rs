@@ -7,8 +7,8 @@ use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, BufferUsages, Com
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError, View};
 use tracebench_kit::{
     Canvas, ComputeRaster, DrawnBy, EmptyTarget, PipelinesOnDemand, PrefixSum, RasterWork, TrianglePass,
-    TrianglePipelines, ViewUniform, bind_group, bind_group_at, compute_pipeline, dispatch_indirect, dispatch_linear,
-    every_variant, storage_buffer, uniform_buffer,
+    TrianglePipelines, bind_group, bind_group_at, compute_pipeline, dispatch_indirect, dispatch_linear, every_variant,
+    storage_buffer, uniform_buffer, view_uniform,
 };
 use tracebench_shaders::Variant;
 use tracebench_shaders::fragment_abuffer::{Boxes, Fill, MIPMAP, Reorder, ReorderLong, Trace};
@@ -147,7 +147,7 @@ impl Pipelines {
             for (view, first_pixel) in part.views.clone().zip(&part.first_pixels) {
                 let shape = &layout.views[view];
                 let drawn = DrawnView {
-                    view: ViewUniform::from(shape),
+                    view: view_uniform(shape),
                     first_pixel: *first_pixel,
                     width: shape.size[0],
                     padding: [0; 2],
@@ -211,8 +211,7 @@ impl Pipelines {
         let storage = uniform_buffer(gpu, "storage", &layout.storage(0, 0))?;
         let mut counts = Vec::with_capacity(layout.views.len());
         for (view, shape) in layout.views.iter().enumerate() {
-            let drawn =
-                DrawnView { view: ViewUniform::from(shape), first_pixel: 0, width: shape.size[0], padding: [0; 2] };
+            let drawn = DrawnView { view: view_uniform(shape), first_pixel: 0, width: shape.size[0], padding: [0; 2] };
             let drawn = uniform_buffer(gpu, "drawn view", &drawn)?;
             let image = [layout.image_of(shape)];
             let work = self.raster.prepare_all(gpu, layout.drawn_by, image, device, triangles)?;

@@ -4,8 +4,6 @@ use tracebench_api::ParameterScope::{Build, Trace};
 use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
 use tracebench_kit::{DrawnBy, Reads, build_parameter, rays_per_lane_parameter, reads_parameter};
 
-use crate::layout::layouts;
-
 choice! {
     /// Whether something is done.
     pub(crate) enum Switch { On = "on", Off = "off" }
@@ -170,6 +168,5 @@ pub fn description() -> Description {
         queries: &Query::ALL,
         no_refit: Some(NO_REFIT),
         parameters: FragmentParameters::describe(),
-        layouts: layouts(),
     }
 }

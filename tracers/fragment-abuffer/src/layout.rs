@@ -1,13 +1,13 @@
 //! How fragments are stored: views, words of a pixel, words of a node, and the uniforms that tell shaders of them.
 
-use bytemuck::{Pod, Zeroable};
-use tracebench_api::{SharedLayout, View, Viewpoint};
-use tracebench_kit::{DrawnBy, MOST_LEVELS, Pyramid, RasterImage, ViewUniform};
+use bytemuck::Zeroable;
+use tracebench_api::{View, Viewpoint};
+use tracebench_kit::{DrawnBy, MOST_LEVELS, Pyramid, RasterImage, view_uniform};
 
 use crate::description::{
     Bounds, Centre, Coverage, FragmentParameters, Fragments, Kind, Layers, March, Outline, Switch, Views,
 };
-use crate::trace::MarchSettings;
+pub(crate) use tracebench_shaders::fragment_abuffer::{DrawnView, Storage, TracedView};
 
 /// Views at most: the camera's and six faces.
 pub(crate) const MOST_VIEWS: usize = 7;
@@ -19,100 +19,6 @@ pub(crate) const PAYLOAD_WORDS: u32 = 4;
 /// which data begins with.
 const PLANE_WORDS: u32 = 2;
 const NORMAL_WORDS: u32 = 3;
-
-/// `Storage` of shaders/fragment-abuffer/layout.wgsl.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-#[repr(C)]
-pub struct Storage {
-    /// Depth buckets; 1 where there are none.
-    pub buckets: u32,
-    /// 1: lists are linked both ways.
-    pub double: u32,
-    /// Which word of a pixel the depth bounds begin at; 0 for none.
-    pub bounds_word: u32,
-    /// Words from a node to the next.
-    pub node_words: u32,
-    /// Words from a fragment's data to the next.
-    pub data_words: u32,
-    /// Words before data in there.
-    pub data_offset: u32,
-    /// Nodes that there is room for.
-    pub node_capacity: u32,
-    /// 1: only the nearest fragment of a pixel is kept.
-    pub one_layer: u32,
-    /// Pixels whose words these are: from a word of a pixel to its next.
-    pub pixel_count: u32,
-    /// 1: pieces of the nodes, 0: lists.
-    pub contiguous: u32,
-    /// Which word of a node the words of a plane begin at; 0 where fragments are points.
-    pub plane_word: u32,
-    /// 1: all that a triangle touches counts, 0: pixels whose centres it covers.
-    pub conservative: u32,
-    /// Which word of a node a plane's normal begins at, behind the mask of its outline, if there is one.
-    pub normal_word: u32,
-}
-
-/// `DrawnView` of shaders/fragment-abuffer/layout.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct DrawnView {
-    /// The view.
-    pub view: ViewUniform,
-    /// Its first pixel among those of its buffer.
-    pub first_pixel: u32,
-    /// Pixels of a row.
-    pub width: u32,
-    /// Nothing.
-    pub padding: [u32; 2],
-}
-
-/// `TracedView` of shaders/fragment-abuffer/layout.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct TracedView {
-    /// The view.
-    pub view: ViewUniform,
-    /// Its first pixel among those of its buffer.
-    pub first_pixel: u32,
-    /// Its first node's bit among those that are counted.
-    pub first_node: u32,
-    /// Levels of the pyramid, the pixels being the first; 1 without one.
-    pub levels: u32,
-    /// 1: a cube face.
-    pub is_face: u32,
-    /// Views beyond the right, left, upper and lower side.
-    pub beyond: [u32; 4],
-    /// Pixels in the view's buffer: words from a word of a pixel to its next.
-    pub pixel_count: u32,
-    /// Nodes that there is room for in the view's buffer.
-    pub node_capacity: u32,
-    /// Nothing.
-    pub padding: [u32; 2],
-    /// Words before those of the view's buffers in textures that hold several: of pixels, of nodes, of data.
-    pub begins: [u32; 4],
-    /// First pair of depth bounds of each level from the second on.
-    pub level_offsets: [u32; MOST_LEVELS],
-}
-
-/// Layouts of all that shaders share with this crate.
-pub(crate) fn layouts() -> Vec<SharedLayout> {
-    tracebench_api::layouts! {
-        Storage {
-            buckets, double, bounds_word, node_words, data_words, data_offset, node_capacity, one_layer, pixel_count,
-            contiguous, plane_word, conservative, normal_word,
-        }
-        DrawnView { view, first_pixel, width, padding }
-        TracedView {
-            view, first_pixel, first_node, levels, is_face, beyond, pixel_count, node_capacity, padding, begins,
-            level_offsets,
-        }
-        MarchSettings {
-            ray_count, view_count, march, steps, max_steps, centred, span_by_pixel, binary_search_above, thickness,
-            thickness_in_pixels, start_bias, skip_bounds, skip_buckets, skip_lists, rays_per_lane,
-            unanswered_only, touched_words, padding_a, padding_b, padding_c,
-        }
-    }
-}
 
 /// Where a view lies in the buffers.
 #[derive(Clone, Copy, Debug, Default)]
@@ -320,7 +226,7 @@ impl Layout {
 
     /// A view as its triangles are dealt out.
     pub(crate) fn image_of(&self, view: &View) -> RasterImage {
-        RasterImage::View { view: ViewUniform::from(view), size: view.size, touched: self.conservative }
+        RasterImage::View { view: view_uniform(view), size: view.size, touched: self.conservative }
     }
 
     /// Vertices of a pass over so many triangles: conservative coverage draws a rectangle of each.
@@ -342,7 +248,7 @@ impl Layout {
             });
             let Placed { first_pixel, first_node, pixel_count, node_capacity, begins } = placed[index];
             *slot = TracedView {
-                view: ViewUniform::from(view),
+                view: view_uniform(view),
                 first_pixel,
                 first_node,
                 pixel_count,

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{EndPoint, Hit, Ray, Surface};
+use tracebench_kit::Built;
 use tracebench_tests::{Numbers, gpu, gpu_that_binds, ray, soup};
 
 use super::structure::{FragmentAbuffer, FragmentStructure, check_order};
@@ -194,7 +195,7 @@ fn shell() -> Vec<[[f32; 3]; 3]> {
 
 /// The share of rays whose hits lie where f64 has them; none may be lost.
 fn share_right(
-    structure: &FragmentStructure,
+    structure: &Built<FragmentStructure>,
     triangles: &[[[f32; 3]; 3]],
     rays: &[Ray],
     settings: &[(&str, &str)],

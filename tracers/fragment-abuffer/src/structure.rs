@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Counter, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection,
-    Sampling, Structure, TraceJob, TracerError, Update, View, Viewpoint,
+    Geometry, Gpu, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection, Sampling, TraceJob,
+    TracerError, View,
 };
 use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, Reads, check_limits, grow, untimed};
 use tracebench_shaders::fragment_abuffer::Trace;
@@ -111,20 +111,6 @@ impl DeviceStructure for FragmentStructure {
         let (diagonal, triangle_count) = (geometry.diagonal(), geometry.triangles.len() as u32);
         Ok(Self { pipelines: Arc::clone(pipelines), layout, parts, arrays, diagonal, triangle_count, objects })
     }
-}
-
-impl Structure for FragmentStructure {
-    fn update(
-        &mut self,
-        update: Update,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        parameters: &Parameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
-        let job = BuildJob { geometry, viewpoint, parameters };
-        self.follow(&Arc::clone(&self.pipelines), update, job, clock)
-    }
 
     fn make_room(&mut self) -> Result<bool, TracerError> {
         let gpu = &*self.pipelines.gpu;
@@ -142,15 +128,6 @@ impl Structure for FragmentStructure {
         Ok(true)
     }
 
-    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        // Any hit is the same march: its first hit is its nearest.
-        self.record(&job, hits, None, clock)
-    }
-
-    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        self.count(&job, hits)
-    }
-
     fn memory(&self) -> MemoryReport {
         let mut ledger = Ledger::new();
         // Of a lost device nothing is known to be used.
@@ -166,7 +143,7 @@ impl Structure for FragmentStructure {
         ledger.report(0)
     }
 
-    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+    fn trace_memory(&self, job: &TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
         let FragmentParameters { rays_per_lane, .. } = FragmentParameters::try_from(job.parameters)?;
         // One more for the rays that lanes of several leave.
         let searches = if rays_per_lane > 1 { 2 } else { 1 };

@@ -7,6 +7,7 @@ use tracebench_api::{
     EndPoint, Geometry, Gpu, Hit, Parameters, PhaseClock, Query, Ray, Structure, Surface, TracerError, Update,
     Viewpoint,
 };
+use tracebench_kit::Built;
 use tracebench_tests::{Numbers, answers, gpu, gpu_that_binds, ray, rectangle as rectangle_of, soup};
 
 use tracebench_shaders::constants;
@@ -51,21 +52,21 @@ pub(crate) fn built_by(
     gpu: &Arc<Gpu>,
     geometry: &Geometry,
     settings: &[(&str, &str)],
-) -> FragmentStructure {
+) -> Built<FragmentStructure> {
     let mut clock = PhaseClock::new(Some(gpu));
     let structure = tracer.build_structure(geometry, &viewpoint(), &parameters(settings), &mut clock).unwrap();
     clock.finish().unwrap();
     structure
 }
 
-pub(crate) fn built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> FragmentStructure {
+pub(crate) fn built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> Built<FragmentStructure> {
     built_by(&FragmentAbuffer::new(Arc::clone(gpu)).unwrap(), gpu, geometry, settings)
 }
 
 /// Hits and, where they are asked for, surfaces.
 pub(crate) fn answer(
     gpu: &Arc<Gpu>,
-    structure: &FragmentStructure,
+    structure: &Built<FragmentStructure>,
     rays: &[Ray],
     settings: &[(&str, &str)],
     end: EndPoint,
@@ -255,7 +256,7 @@ fn a_structure_that_overflows_grows() {
         let settings = [("storage", storage)];
         let mut structure = built(&gpu, &few, &settings);
         assert!(!structure.make_room().unwrap());
-        let update = |structure: &mut FragmentStructure| {
+        let update = |structure: &mut Built<FragmentStructure>| {
             let mut clock = PhaseClock::new(Some(&gpu));
             structure.update(Update::Rebuild, &many, &viewpoint(), &parameters(&settings), &mut clock).unwrap();
             clock.finish().unwrap();
@@ -314,7 +315,7 @@ fn a_spoilt_structure_is_noticed() {
     let tracer = FragmentAbuffer::new(Arc::clone(&gpu)).unwrap();
     let aside = hostile().iter().map(|corners| corners.map(|[x, y, z]| [x + 0.5, y, z])).collect::<Vec<_>>();
     let other = soup(&aside, Some(&gpu));
-    let spoils = |settings: &[(&str, &str)], what: &str, spoil: &dyn Fn(&FragmentStructure)| {
+    let spoils = |settings: &[(&str, &str)], what: &str, spoil: &dyn Fn(&Built<FragmentStructure>)| {
         let structure = built_by(&tracer, &gpu, &geometry, settings);
         structure.check(&geometry).unwrap();
         assert!(structure.check(&other).is_err(), "another scene is not noticed");
@@ -325,7 +326,7 @@ fn a_spoilt_structure_is_noticed() {
         gpu.queue.write_buffer(buffer, word as u64 * 4, &value.to_le_bytes());
     };
     // A list of at least three fragments, its first two nodes.
-    let listed = |structure: &FragmentStructure| {
+    let listed = |structure: &Built<FragmentStructure>| {
         let part = &structure.parts.parts[0];
         let read = |buffer: &tracebench_api::wgpu::Buffer| -> Vec<u32> {
             bytemuck::pod_collect_to_vec(&gpu.read(buffer, buffer.size()).unwrap())
@@ -339,7 +340,7 @@ fn a_spoilt_structure_is_noticed() {
         (pixel, first as usize, next(first + 1) as usize - 1)
     };
     // Of a pixel, in images one behind the other.
-    let word = |structure: &FragmentStructure, pixel: usize, word: usize| {
+    let word = |structure: &Built<FragmentStructure>, pixel: usize, word: usize| {
         pixel + word * structure.parts.parts[0].pixel_count as usize
     };
     let dllb: &[(&str, &str)] = &[];

@@ -1,66 +1,21 @@
 //! Tracing on the device.
 
-use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{BindingResource, Buffer};
 use tracebench_api::{Counter, EndPoint, HitBuffer, ImageMarch, MarchSteps, PhaseClock, Ray, TraceJob, TracerError};
 use tracebench_kit::{
-    Reads, Search, TraceCounts, bind_arrays, bind_group, bind_group_at, record_searches, uniform_buffer, untimed,
+    Launch, Reads, Search, TraceCounts, bind_arrays, bind_group, bind_group_at, record_searches, uniform_buffer,
+    untimed,
 };
 use tracebench_shaders::fragment_abuffer::Trace;
 
 use crate::description::{Coverage, FragmentParameters, Fragments, March, Span, Switch, ThicknessUnit};
 use crate::layout::MOST_VIEWS;
 use crate::structure::FragmentStructure;
+pub(crate) use tracebench_shaders::fragment_abuffer::MarchSettings;
 
 /// What is counted of every ray, as `COUNTS` in shaders/fragment-abuffer/trace.wgsl.
 const COUNTERS: [&str; 6] =
     ["pixels_visited", "pixels_opened", "fragments_tested", "views_entered", "views_tested", "lists_visited"];
-
-/// `MarchSettings` of shaders/fragment-abuffer/store.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct MarchSettings {
-    /// Rays.
-    pub ray_count: u32,
-    /// Views.
-    pub view_count: u32,
-    /// 0: a number of steps a view, 1: every pixel, 2: up and down the pyramid.
-    pub march: u32,
-    /// Steps a view.
-    pub steps: u32,
-    /// Steps after which a ray is given up.
-    pub max_steps: u32,
-    /// 1: steps look at their middle.
-    pub centred: u32,
-    /// 1: a step asks for depths within its pixel alone.
-    pub span_by_pixel: u32,
-    /// Fragments beyond which a piece of the s-buffer is searched by halving.
-    pub binary_search_above: u32,
-    /// Scene units; below 0 before a fragment's depth, not behind it.
-    pub thickness: f32,
-    /// Widths of a pixel; so, too.
-    pub thickness_in_pixels: f32,
-    /// Pixels along the major axis.
-    pub start_bias: f32,
-    /// 1: pixels whose depth bounds the ray misses are skipped.
-    pub skip_bounds: u32,
-    /// 1: buckets that the ray does not meet are skipped.
-    pub skip_buckets: u32,
-    /// 1: lists are left where their fragments lie beyond the ray.
-    pub skip_lists: u32,
-    /// Rays that a lane answers.
-    pub rays_per_lane: u32,
-    /// 1: of rays alone that have no answer yet.
-    pub unanswered_only: u32,
-    /// Words of bits a node.
-    pub touched_words: u32,
-    /// Nothing.
-    pub padding_a: u32,
-    /// Nothing.
-    pub padding_b: u32,
-    /// Nothing.
-    pub padding_c: u32,
-}
 
 /// Where in its steps a ray looks at the image: `jitter_of` of shaders/fragment-abuffer/march.wgsl.
 fn jitter_of(ray: &Ray) -> f64 {
@@ -127,14 +82,27 @@ impl FragmentStructure {
         }
     }
 
-    /// Records a trace, by the counting variant where there is something to count into.
-    pub(crate) fn record(
+    /// The buffers of all views but the first, for variants that bind each view's; places of views that do not exist are taken by
+    /// one that does.
+    fn further_views(&self, surfaces: bool) -> Vec<BindingResource<'_>> {
+        let parts = (1..MOST_VIEWS).map(|view| self.parts.of_view(view));
+        let data = parts.clone().filter(|_| surfaces).map(|part| part.data());
+        let all = parts.clone().map(|part| &part.pixels).chain(parts.map(|part| &part.ids)).chain(data);
+        all.map(Buffer::as_entire_binding).collect()
+    }
+}
+
+impl Search for FragmentStructure {
+    type Counting = TraceCounts;
+
+    fn record(
         &self,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
         counting: Option<&TraceCounts>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
+        // Any hit is the same march: its first hit is its nearest.
         let pipelines = &*self.pipelines;
         let gpu = &*pipelines.gpu;
         let (parts, count) = (&self.parts, job.rays.host.len());
@@ -163,13 +131,13 @@ impl FragmentStructure {
         if split {
             shared.push(bind_group(gpu, &pipeline.get_bind_group_layout(2), &self.further_views(surfaces)));
         }
-        let bind = |search: MarchSettings| -> Result<Search, TracerError> {
+        let bind = |search: MarchSettings| -> Result<Launch, TracerError> {
             let settings = uniform_buffer(gpu, "search", &search)?;
             let numbered = bound.iter().copied().chain([(1, &settings)]);
             let numbered: Vec<_> = numbered.map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
             let own = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &numbered);
             let groups = std::iter::once(own).chain(shared.iter().cloned()).collect();
-            Ok(Search { pipeline: pipeline.clone(), groups, rays_per_lane: search.rays_per_lane })
+            Ok(Launch { pipeline: pipeline.clone(), groups, rays_per_lane: search.rays_per_lane })
         };
         let mut searches = vec![bind(search)?];
         // A driver that ends loops after some rounds may leave lanes' last rays without an answer.
@@ -179,16 +147,7 @@ impl FragmentStructure {
         record_searches(&searches, search.ray_count, hit_buffer, clock)
     }
 
-    /// The buffers of all views but the first, for variants that bind each view's; places of views that do not exist are taken by
-    /// one that does.
-    fn further_views(&self, surfaces: bool) -> Vec<BindingResource<'_>> {
-        let parts = (1..MOST_VIEWS).map(|view| self.parts.of_view(view));
-        let data = parts.clone().filter(|_| surfaces).map(|part| part.data());
-        let all = parts.clone().map(|part| &part.pixels).chain(parts.map(|part| &part.ids)).chain(data);
-        all.map(Buffer::as_entire_binding).collect()
-    }
-
-    pub(crate) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
+    fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = &*self.pipelines.gpu;
         // Of nodes and of their data.
         let things = [self.parts.capacity(); 2];

@@ -4,8 +4,6 @@ use tracebench_api::ParameterScope::{Build, Trace};
 use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
 use tracebench_kit::{DrawnBy, Reads, build_parameter, rays_per_lane_parameter, reads_parameter};
 
-use crate::trace::layouts;
-
 choice! {
     /// What the pyramid has of a cell.
     pub(crate) enum Pyramid { MinMax = "min-max", Max = "max" }
@@ -44,6 +42,5 @@ pub fn description() -> Description {
         queries: &Query::ALL,
         no_refit: Some(NO_REFIT),
         parameters: HeightParameters::describe(),
-        layouts: layouts(),
     }
 }

@@ -21,7 +21,6 @@
 
 mod description;
 mod structure;
-mod trace;
 
 pub use description::description;
 pub use structure::HeightField;

@@ -1,94 +1,74 @@
 //! The tracer and its structure.
 
-use std::sync::Arc;
-
-use tracebench_api::{
-    Counter, Geometry, Gpu, HitBuffer, ImageMarch, Layers, MarchSteps, MemoryEntry, MemoryReport, Parameters,
-    PhaseClock, Projection, Sampling, Structure, TraceJob, TracerError, Update, Viewpoint,
-};
+use bytemuck::Zeroable;
+use tracebench_api::{ImageMarch, Layers, MarchSteps, Parameters, Projection, Sampling, TraceJob, TracerError, View};
 use tracebench_kit::{
-    BuildJob, CellDepths, DeviceStructure, DeviceTracer, DrawnView, ImagePipelines, ImageShape, PipelinesOnDemand,
+    CellDepths, DeviceTracer, DrawnView, ImageMethod, ImageShape, ImageStructure, rays_within_rounds,
 };
-use tracebench_shaders::height_field::Trace;
+use tracebench_shaders::height_field::{HeightSettings, Trace};
 
 use crate::description::{HeightParameters, NO_REFIT, Pyramid};
-use crate::trace::HeightSettings;
-
-/// The pipelines.
-pub struct Pipelines {
-    pub(crate) gpu: Arc<Gpu>,
-    pub(crate) images: ImagePipelines,
-    pub(crate) trace: PipelinesOnDemand<Trace>,
-}
 
 /// The tracer.
-pub type HeightField = DeviceTracer<HeightFieldStructure>;
+pub type HeightField = DeviceTracer<ImageStructure<HeightMethod>>;
 
 /// The depth buffer of one view with its pyramid.
-pub struct HeightFieldStructure {
-    pub(crate) pipelines: Arc<Pipelines>,
-    pub(crate) drawn: DrawnView,
+pub struct HeightMethod;
+
+/// Pixels, and cells of the pyramid.
+fn cells(drawn: &DrawnView) -> u64 {
+    drawn.pixels() + drawn.images.pyramid.as_ref().map_or(0, |pyramid| pyramid.shape().cells())
 }
 
-impl DeviceStructure for HeightFieldStructure {
-    type Pipelines = Pipelines;
+impl ImageMethod for HeightMethod {
+    type Variant = Trace;
+    type Settings = HeightSettings;
 
     const NO_REFIT: &'static str = NO_REFIT;
+    const PHASE: &'static str = "search";
 
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Pipelines, TracerError> {
-        Ok(Pipelines { images: ImagePipelines::new(&gpu)?, trace: PipelinesOnDemand::new("trace"), gpu })
-    }
-
-    fn build(
-        pipelines: &Arc<Pipelines>,
-        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
+    fn shape(view: &View, parameters: &Parameters) -> Result<ImageShape, TracerError> {
         let HeightParameters { pyramid, reads, build: drawn_by, .. } = HeightParameters::try_from(parameters)?;
         let pyramid = Some(match pyramid {
             Pyramid::MinMax => CellDepths::NearFar,
             Pyramid::Max => CellDepths::Near,
         });
-        let view = viewpoint.frame_view();
-        let shape = ImageShape { size: view.size, layers: 1, backs: false, separation: 0.0, pyramid, reads, drawn_by };
-        let before = before.map(|before| &before.drawn);
-        let drawn = DrawnView::draw(&pipelines.images, shape, geometry, view, before, clock)?;
-        Ok(Self { pipelines: Arc::clone(pipelines), drawn })
-    }
-}
-
-impl Structure for HeightFieldStructure {
-    fn update(
-        &mut self,
-        update: Update,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        parameters: &Parameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
-        let job = BuildJob { geometry, viewpoint, parameters };
-        self.follow(&Arc::clone(&self.pipelines), update, job, clock)
+        Ok(ImageShape { size: view.size, layers: 1, backs: false, separation: 0.0, pyramid, reads, drawn_by })
     }
 
-    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        // Any hit is the same search: its first hit is its nearest.
-        self.record(&job, hits, None, clock)
+    fn variant(drawn: &DrawnView, surfaces: bool, counters: bool) -> Trace {
+        let min_max = drawn.images.shape.pyramid == Some(CellDepths::NearFar);
+        Trace { textures: drawn.images.copy.is_none(), min_max, surfaces, counters }
     }
 
-    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        self.count(&job, hits)
+    fn settings(drawn: &DrawnView, job: &TraceJob<'_>) -> Result<(HeightSettings, u32), TracerError> {
+        let parameters = HeightParameters::try_from(job.parameters)?;
+        let images = &drawn.images;
+        // A ray crosses no more pixels than a frame has columns and rows, and goes no oftener down than up, but for the first time.
+        let crossed: u64 = images.shape.size.map(u64::from).iter().sum();
+        let levels = images.pyramid.as_ref().map_or(1, |pyramid| u64::from(pyramid.shape().layout().levels));
+        let most_rounds = 2 * crossed + levels + u64::from(parameters.refinement);
+        let rays_per_lane = rays_within_rounds(parameters.rays_per_lane, most_rounds);
+        let settings = HeightSettings {
+            ray_count: job.rays.host.len() as u32,
+            refinement: parameters.refinement,
+            rays_per_lane,
+            row_words: images.copy.as_ref().map_or(0, |copy| copy.row_words()),
+            start_bias: parameters.start_bias as f32,
+            ..Zeroable::zeroed()
+        };
+        Ok((settings, rays_per_lane))
     }
 
-    fn memory(&self) -> MemoryReport {
-        self.drawn.memory()
+    fn counters(_drawn: &DrawnView) -> &'static [&'static str] {
+        &["cells_visited", "depth_samples"]
     }
 
-    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
-        Ok(self.drawn.trace_memory(size_of::<HeightSettings>(), &job))
+    fn touched(drawn: &DrawnView) -> (&'static str, u64) {
+        ("cells_touched", cells(drawn))
     }
 
-    fn samplings(&self, parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+    fn samplings(drawn: &DrawnView, parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
         let HeightParameters { start_bias, refinement, .. } = HeightParameters::try_from(parameters)?;
         let march = Some(ImageMarch {
             steps: MarchSteps::EveryPixel,
@@ -100,13 +80,11 @@ impl Structure for HeightFieldStructure {
             // Few halvings leave it open where in its pixel a hit is.
             anywhere: refinement < 16,
         });
-        Ok(vec![Sampling { march, ..Sampling::new(Projection::Perspective(self.drawn.view), Layers::Nearest) }])
+        Ok(vec![Sampling { march, ..Sampling::new(Projection::Perspective(drawn.view), Layers::Nearest) }])
     }
 
-    fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
-        let covered = self.drawn.validate(&self.pipelines.gpu)?;
-        let pixels: u64 = self.drawn.view.size.map(u64::from).iter().product();
-        let statistics = [("pixels", pixels), ("covered_pixels", covered[0] as u64), ("cells", self.cells())];
-        Ok(statistics.map(|(name, count)| (name, count as f64)).to_vec())
+    fn statistics(drawn: &DrawnView, covered: &[usize]) -> Vec<(&'static str, f64)> {
+        let counts = [("pixels", drawn.pixels()), ("covered_pixels", covered[0] as u64), ("cells", cells(drawn))];
+        counts.map(|(name, count)| (name, count as f64)).to_vec()
     }
 }

@@ -3,15 +3,15 @@
 
 use std::sync::Arc;
 
-use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline};
 use tracebench_api::{DeviceGeometry, Gpu, MemoryEntry, Parameter, ParameterScope, Rasterizer, TracerError, choice};
 use tracebench_shaders::shared::RasterSetup;
 
 use crate::{
     OnDemand, PipelinesOnDemand, PrefixSum, PrefixSumPlan, UnitSpace, ViewUniform, bind_group, bind_group_at,
-    dispatch_linear, rasterizer, storage_buffer, undecided_border, uniform_buffer,
+    dispatch_linear, rasterizer, storage_buffer, undecided_border, uniform_buffer, view_uniform,
 };
+pub use tracebench_shaders::shared::{RasterAxis, RasterPass};
 
 /// `RASTER_LANES` of shaders/shared/raster_work.wgsl, and `WORKGROUP_SIZE` of raster_setup.wgsl.
 const LANES: u32 = 64;
@@ -77,40 +77,6 @@ pub fn build_parameter() -> Parameter<DrawnBy> {
     Parameter::choice(ParameterScope::Build, DrawnBy::Raster).effect(effect)
 }
 
-/// `RasterPass` of shaders/shared/raster_work.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct RasterPass {
-    /// Pixels.
-    pub size: [u32; 2],
-    /// Triangles.
-    pub triangle_count: u32,
-    /// Workgroups whose lanes take a triangle each.
-    pub lane_groups: u32,
-    /// Pixels of a rectangle up to which a triangle in it is small.
-    pub small_pixels: u32,
-    /// 1: pixels that are touched, 0: pixels whose centres are covered.
-    pub touched: u32,
-    /// Nothing.
-    pub padding: [u32; 2],
-}
-
-/// `RasterAxis` of shaders/shared/raster_setup.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct RasterAxis {
-    /// The cube.
-    pub space: UnitSpace,
-    /// The axis along which it is drawn.
-    pub axis: u32,
-    /// Nothing.
-    pub padding_a: u32,
-    /// Nothing.
-    pub padding_b: u32,
-    /// Nothing.
-    pub padding_c: u32,
-}
-
 /// An image that triangles are drawn into.
 #[derive(Clone, Copy, Debug)]
 pub enum RasterImage {
@@ -137,7 +103,7 @@ pub enum RasterImage {
 impl RasterImage {
     /// A view by samples.
     pub fn of_view(view: &tracebench_api::View) -> Self {
-        Self::View { view: ViewUniform::from(view), size: view.size, touched: false }
+        Self::View { view: view_uniform(view), size: view.size, touched: false }
     }
 
     fn size(&self) -> [u32; 2] {

@@ -5,23 +5,24 @@ use tracebench_api::{Counter, Gpu, TracerError};
 
 use crate::{bits_on, storage_buffer};
 
-/// `N` counts a ray on the device, all 0 at first. A shader sees them as an array of u32, or of vectors of `N`.
+/// Numbers of every ray on the device, all 0 at first. A shader sees them as an array of u32, or of vectors of as many as have names.
 #[derive(Debug)]
-pub struct RayCounts<const N: usize> {
+pub struct RayCounts {
     counts: Buffer,
     rays: usize,
+    names: &'static [&'static str],
 }
 
-impl<const N: usize> RayCounts<N> {
-    /// Counts of so many rays.
+impl RayCounts {
+    /// Those of these names, in the order in which the shader has them, of so many rays.
     ///
     /// # Errors
     /// [`TracerError::TooLarge`] if the device cannot hold or bind them; rays are what to have fewer of.
-    pub fn new(gpu: &Gpu, name: &str, rays: usize) -> Result<Self, TracerError> {
-        let bytes = (rays.max(1) * N * 4) as u64;
-        gpu.check_storage_binding(name, bytes, "--size")?;
-        let counts = gpu.buffer(name, bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?;
-        Ok(Self { counts, rays })
+    pub fn new(gpu: &Gpu, names: &'static [&'static str], rays: usize) -> Result<Self, TracerError> {
+        let bytes = (rays.max(1) * names.len() * 4) as u64;
+        gpu.check_storage_binding("counts", bytes, "--size")?;
+        let counts = gpu.buffer("counts", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "--size")?;
+        Ok(Self { counts, rays, names })
     }
 
     /// What is bound.
@@ -29,13 +30,13 @@ impl<const N: usize> RayCounts<N> {
         &self.counts
     }
 
-    /// The counters of these names, in the order in which the shader has them.
+    /// The counters.
     ///
     /// # Errors
     /// [`TracerError::Failed`] if the device fails.
-    pub fn counters(&self, gpu: &Gpu, names: [&'static str; N]) -> Result<Vec<Counter>, TracerError> {
+    pub fn counters(&self, gpu: &Gpu) -> Result<Vec<Counter>, TracerError> {
         let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&self.counts, self.counts.size())?);
-        Ok(counters_of(&counts[..self.rays * N], &names))
+        Ok(counters_of(&counts[..self.rays * self.names.len()], self.names))
     }
 }
 
@@ -105,11 +106,11 @@ mod tests {
         let written = bytemuck::cast_slice(&[1_u32, 10, 2, 20, 4, 40, 9, 9]);
         let counts =
             gpu.buffer_with("counts", written, BufferUsages::STORAGE | BufferUsages::COPY_SRC, "nothing").unwrap();
-        let counts = RayCounts::<2> { counts, rays: 3 };
+        let counts = RayCounts { counts, rays: 3, names: &["a", "b"] };
         let of = |name, values: [u64; 3]| Counter::of(name, values);
-        assert_eq!(counts.counters(&gpu, ["a", "b"]).unwrap(), [of("a", [1, 2, 4]), of("b", [10, 20, 40])]);
-        let none = RayCounts::<1>::new(&gpu, "counts", 0).unwrap();
-        assert_eq!(none.counters(&gpu, ["a"]).unwrap(), [Counter::of("a", [])]);
+        assert_eq!(counts.counters(&gpu).unwrap(), [of("a", [1, 2, 4]), of("b", [10, 20, 40])]);
+        let none = RayCounts::new(&gpu, &["a"], 0).unwrap();
+        assert_eq!(none.counters(&gpu).unwrap(), [Counter::of("a", [])]);
     }
 
     /// Bits come before numbers, each kind of things in whole words, and of both no more is read than there is.

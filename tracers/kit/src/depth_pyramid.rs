@@ -1,6 +1,5 @@
 //! Pyramids over images of eye depth: of every cell the nearest depth below it, and the farthest one too where a search asks for it.
 
-use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{BindGroup, BindingResource, ComputePipeline};
 use tracebench_api::{Gpu, Ledger, PhaseClock, TracerError};
 use tracebench_shaders::shared::DepthPyramid as Variant;
@@ -10,6 +9,8 @@ use crate::{
     EyeDepthTarget, NO_SURFACE, Pyramid, ReadSlot, Readable, Reads, Room, bind_group, compute_pipeline,
     dispatch_linear, record_copies, uniform_buffer,
 };
+pub use tracebench_shaders::shared::PyramidLayout;
+pub(crate) use tracebench_shaders::shared::PyramidLevel;
 
 /// As `WORKGROUP_SIZE` in shaders/shared/depth_pyramid.wgsl.
 const WORKGROUP_SIZE: u32 = 64;
@@ -17,33 +18,6 @@ const WORKGROUP_SIZE: u32 = 64;
 const CELLS: &str = "depth pyramid";
 const COPY: &str = "depth pyramid in a texture";
 const LEVEL: &str = "pyramid level";
-
-/// `PyramidLevel` of shaders/shared/depth_pyramid.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct PyramidLevel {
-    pub size: [u32; 2],
-    pub level: u32,
-    pub image: u32,
-    pub begin: u32,
-    pub begin_below: u32,
-    pub covered_only: u32,
-    pub padding: u32,
-}
-
-/// Where cells lie: `DepthPyramid` of shaders/shared/depth_cells.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct PyramidLayout {
-    /// Pixels along x and y.
-    pub size: [u32; 2],
-    /// Levels, the pixels being the first.
-    pub levels: u32,
-    /// Cells of one image.
-    pub cells: u32,
-    /// First cell of each level in an image.
-    pub level_offsets: [[u32; 4]; 4],
-}
 
 /// What is kept of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,8 +48,7 @@ impl PyramidShape {
 
     /// Where its cells lie.
     pub fn layout(&self) -> PyramidLayout {
-        let (offsets, cells) = self.pyramid().offsets(1, 0);
-        let level_offsets = std::array::from_fn(|row| std::array::from_fn(|column| offsets[4 * row + column]));
+        let (level_offsets, cells) = self.pyramid().offsets(1, 0);
         let levels = self.pyramid().levels() as u32;
         PyramidLayout { size: self.size, levels, cells: cells as u32, level_offsets }
     }
@@ -107,7 +80,7 @@ impl PyramidShape {
 
     fn levels(&self) -> impl Iterator<Item = (PyramidLevel, u32)> {
         let (shape, layout) = (*self, self.layout());
-        let offset = move |level: u32| layout.level_offsets[level as usize / 4][level as usize % 4];
+        let offset = move |level: u32| layout.level_offsets[level as usize];
         (0..shape.images).flat_map(move |image| {
             (1..layout.levels).map(move |level| {
                 let first = image * layout.cells;
@@ -274,7 +247,7 @@ impl DepthPyramid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{DrawnBy, LayerTarget, NearestLayers, NearestScene, Passing};
+    use crate::{DrawnBy, LayerTarget, NearestLayers, NearestScene};
     use tracebench_api::glam::DVec3;
     use tracebench_api::{AdapterChoice, Geometry, View};
 
@@ -306,7 +279,7 @@ mod tests {
         assert_eq!(found[..3], [[2.0, 5.0], [7.0, NO_SURFACE], [2.0, NO_SURFACE]]);
         assert_eq!(found[3..], [[2.0, 5.0], [7.0, 7.0], [2.0, 7.0]]);
         let layout = shape.layout();
-        assert_eq!((layout.levels, layout.cells, layout.level_offsets[0]), (3, 3, [0, 0, 2, 0]));
+        assert_eq!((layout.levels, layout.cells, &layout.level_offsets[..4]), (3, 3, &[0, 0, 2, 0][..]));
         assert_eq!((shape.cells(), shape.build_bytes()), (6, 4 * 32));
         let levels: Vec<_> = shape.levels().map(|(made, cells)| (made.image, made.level, made.begin, cells)).collect();
         assert_eq!(levels, [(0, 1, 0, 2), (0, 2, 2, 1), (1, 1, 3, 2), (1, 2, 5, 1)]);
@@ -368,7 +341,7 @@ mod tests {
             let target = EyeDepthTarget::of_images(&gpu, size, 2).unwrap();
             let geometry = geometry.on_device().unwrap();
             let scene = NearestScene { drawn_by, view: &view, geometry, triangle_count: 40 };
-            let passed = [None, Some((&target.images[0], Passing::behind(0.0)))];
+            let passed = [None, Some((&target.images[0], crate::behind(0.0)))];
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             for ((layer, image), passed) in (0..).zip(&target.images).zip(passed) {
                 let pass = layers.prepare(&gpu, scene, passed).unwrap();

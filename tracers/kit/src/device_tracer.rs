@@ -1,8 +1,13 @@
-//! What tracers on the device have alike: pipelines that are made once, and structures that are rebuilt in the memory of the ones before.
+//! What tracers on the device have alike: pipelines that are made once, structures that are rebuilt in the memory of the ones before, and
+//! searches with a variant that counts.
 
+use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
-use tracebench_api::{Geometry, Gpu, Parameters, PhaseClock, Structure, Tracer, TracerError, Update, Viewpoint};
+use tracebench_api::{
+    Counter, Geometry, Gpu, HitBuffer, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, Structure,
+    TraceJob, Tracer, TracerError, Update, Viewpoint, VoxelGrid,
+};
 
 /// What a build is given.
 #[derive(Clone, Copy)]
@@ -15,18 +20,42 @@ pub struct BuildJob<'a> {
     pub parameters: &'a Parameters,
 }
 
-/// A structure on the device that is built anew in the memory of the one before, and has no shape that could be fitted to moved vertices.
-pub trait DeviceStructure: Structure + Sized + 'static {
+/// How a structure is searched.
+pub trait Search {
+    /// What a variant that counts writes to.
+    type Counting;
+
+    /// Records a trace, by the variant that counts where there is something to count into.
+    ///
+    /// # Errors
+    /// As [`Structure::trace`].
+    fn record(
+        &self,
+        job: &TraceJob<'_>,
+        hits: &HitBuffer,
+        counting: Option<&Self::Counting>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError>;
+
+    /// As [`Structure::trace_counted`].
+    ///
+    /// # Errors
+    /// As [`Structure::trace_counted`].
+    fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError>;
+}
+
+/// A structure on the device that is built anew in the memory of the one before. What is not told here is as in [`Structure`].
+pub trait DeviceStructure: Search + Sized + 'static {
     /// What is made once for all structures of a tracer.
     type Pipelines;
 
-    /// Why there is no refit.
-    const NO_REFIT: &'static str;
+    /// Why there is no refit, where there is none.
+    const NO_REFIT: &'static str = "";
 
     /// Makes the pipelines, or those that every structure needs.
     ///
     /// # Errors
-    /// [`TracerError::Unavailable`] if the device's limits forbid it, [`TracerError::Failed`] if it refuses one.
+    /// [`TracerError::Unavailable`] if the device forbids it, [`TracerError::Failed`] if it refuses one.
     fn pipelines(gpu: Arc<Gpu>) -> Result<Self::Pipelines, TracerError>;
 
     /// Builds, in the memory of the structure before, which has the same parameters, where there is one and its memory serves.
@@ -40,23 +69,136 @@ pub trait DeviceStructure: Structure + Sized + 'static {
         clock: &mut PhaseClock<'_>,
     ) -> Result<Self, TracerError>;
 
-    /// As [`Structure::update`], by the pipelines that the structure was built by.
+    /// Fits the structure to moved vertices of the same triangles.
     ///
     /// # Errors
-    /// As [`Structure::update`].
-    fn follow(
-        &mut self,
-        pipelines: &Arc<Self::Pipelines>,
-        update: Update,
+    /// [`TracerError::Unsupported`] without a shape that could be kept; others as [`Structure::update`].
+    fn refit(&mut self, _geometry: &Geometry, _clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        Err(TracerError::Unsupported(Self::NO_REFIT.to_owned()))
+    }
+
+    /// As [`Structure::make_room`].
+    ///
+    /// # Errors
+    /// As [`Structure::make_room`].
+    fn make_room(&mut self) -> Result<bool, TracerError> {
+        Ok(false)
+    }
+
+    /// As [`Structure::memory`].
+    fn memory(&self) -> MemoryReport;
+
+    /// As [`Structure::trace_memory`].
+    ///
+    /// # Errors
+    /// As [`Structure::trace_memory`].
+    fn trace_memory(&self, job: &TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError>;
+
+    /// As [`Structure::samplings`].
+    ///
+    /// # Errors
+    /// As [`Structure::samplings`].
+    fn samplings(&self, _parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+        Ok(Vec::new())
+    }
+
+    /// As [`Structure::voxels`].
+    ///
+    /// # Errors
+    /// As [`Structure::voxels`].
+    fn voxels(&self, _parameters: &Parameters) -> Result<Option<VoxelGrid>, TracerError> {
+        Ok(None)
+    }
+
+    /// As [`Structure::validate`].
+    ///
+    /// # Errors
+    /// As [`Structure::validate`].
+    fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError>;
+}
+
+/// A structure with the pipelines that it was built by.
+pub struct Built<S: DeviceStructure> {
+    pipelines: Arc<S::Pipelines>,
+    structure: S,
+}
+
+impl<S: DeviceStructure> Built<S> {
+    /// As [`Tracer::build`].
+    ///
+    /// # Errors
+    /// As [`Tracer::build`].
+    pub fn new(
+        pipelines: &Arc<S::Pipelines>,
         job: BuildJob<'_>,
         clock: &mut PhaseClock<'_>,
+    ) -> Result<Self, TracerError> {
+        Ok(Self { structure: S::build(pipelines, job, None, clock)?, pipelines: Arc::clone(pipelines) })
+    }
+}
+
+impl<S: DeviceStructure> Deref for Built<S> {
+    type Target = S;
+
+    fn deref(&self) -> &S {
+        &self.structure
+    }
+}
+
+impl<S: DeviceStructure> DerefMut for Built<S> {
+    fn deref_mut(&mut self) -> &mut S {
+        &mut self.structure
+    }
+}
+
+impl<S: DeviceStructure> Structure for Built<S> {
+    fn update(
+        &mut self,
+        update: Update,
+        geometry: &Geometry,
+        viewpoint: &Viewpoint,
+        parameters: &Parameters,
+        clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
+        let job = BuildJob { geometry, viewpoint, parameters };
         match update {
-            Update::Rebuild => *self = Self::build(pipelines, job, Some(self), clock)?,
-            Update::Refit => return Err(TracerError::Unsupported(Self::NO_REFIT.to_owned())),
+            Update::Rebuild => self.structure = S::build(&self.pipelines, job, Some(&self.structure), clock)?,
+            Update::Refit => self.structure.refit(geometry, clock)?,
             Update::Reuse => {}
         }
         Ok(())
+    }
+
+    fn make_room(&mut self) -> Result<bool, TracerError> {
+        self.structure.make_room()
+    }
+
+    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        self.structure.record(&job, hits, None, clock)
+    }
+
+    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        self.structure.count(&job, hits)
+    }
+
+    fn memory(&self) -> MemoryReport {
+        self.structure.memory()
+    }
+
+    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+        self.structure.trace_memory(&job)
+    }
+
+    fn samplings(&self, parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+        self.structure.samplings(parameters)
+    }
+
+    fn voxels(&self, parameters: &Parameters) -> Result<Option<VoxelGrid>, TracerError> {
+        self.structure.voxels(parameters)
+    }
+
+    fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        self.structure.validate(geometry)
     }
 }
 
@@ -84,8 +226,8 @@ impl<S: DeviceStructure> DeviceTracer<S> {
         viewpoint: &Viewpoint,
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
-    ) -> Result<S, TracerError> {
-        S::build(&self.pipelines, BuildJob { geometry, viewpoint, parameters }, None, clock)
+    ) -> Result<Built<S>, TracerError> {
+        Built::new(&self.pipelines, BuildJob { geometry, viewpoint, parameters }, clock)
     }
 }
 

@@ -1,30 +1,16 @@
 //! Surfaces of hits on the device, gathered from the scene's vertices.
 
-use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{Buffer, BufferUsages, ComputePipeline};
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, HitBuffer, MemoryEntry, PhaseClock, RayBuffer, TracerError};
 use tracebench_shaders::shared;
 
 use crate::{bind_group, compute_pipeline, dispatch_linear};
+pub use tracebench_shaders::shared::GatherSettings;
 
 /// As `WORKGROUP_SIZE` in shaders/shared/gather.wgsl.
 const WORKGROUP_SIZE: u32 = 64;
 
 const SETTINGS: &str = "gather settings";
-
-/// `GatherSettings` of shaders/shared/gather.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct GatherSettings {
-    /// Rays.
-    pub ray_count: u32,
-    /// Nothing.
-    pub padding_a: u32,
-    /// Nothing.
-    pub padding_b: u32,
-    /// Nothing.
-    pub padding_c: u32,
-}
 
 /// What of the scene a structure on the device keeps for surfaces.
 #[derive(Clone, Debug)]

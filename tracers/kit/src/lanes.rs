@@ -96,21 +96,21 @@ impl<V: Variant> SearchPipelines<V> {
         variant: V,
         rays_per_lane: u32,
         bind: impl Fn(&ComputePipeline) -> Vec<BindGroup>,
-    ) -> Result<Vec<Search>, TracerError> {
+    ) -> Result<Vec<Launch>, TracerError> {
         let entries = match rays_per_lane {
             1 => vec![(SearchEntry::OneRay, 1)],
             many => vec![(SearchEntry::InTurns, many), (SearchEntry::Unanswered, 1)],
         };
         let search = |(entry, rays_per_lane)| {
             let pipeline = self.of(gpu, variant, entry)?;
-            Ok(Search { groups: bind(&pipeline), pipeline, rays_per_lane })
+            Ok(Launch { groups: bind(&pipeline), pipeline, rays_per_lane })
         };
         entries.into_iter().map(search).collect()
     }
 }
 
 /// A search with what it binds, group by group, and how many rays a lane of it answers.
-pub struct Search {
+pub struct Launch {
     /// The search.
     pub pipeline: ComputePipeline,
     /// What it binds.
@@ -124,7 +124,7 @@ pub struct Search {
 /// # Errors
 /// As [`PhaseClock::device_phase`].
 pub fn record_searches(
-    searches: &[Search],
+    searches: &[Launch],
     ray_count: u32,
     hits: &Buffer,
     clock: &mut PhaseClock<'_>,
@@ -134,7 +134,7 @@ pub fn record_searches(
             // No status is 0.
             encoder.clear_buffer(hits, 0, None);
         }
-        for Search { pipeline, groups, rays_per_lane } in searches {
+        for Launch { pipeline, groups, rays_per_lane } in searches {
             let groups: Vec<&BindGroup> = groups.iter().collect();
             dispatch_rays(encoder, pipeline, &groups, ray_count, *rays_per_lane);
         }

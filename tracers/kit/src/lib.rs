@@ -16,6 +16,7 @@ mod empty_target;
 mod eye_depth;
 mod fixed_work;
 mod gather;
+mod image_method;
 mod lanes;
 mod means_probe;
 mod nearest_compute;
@@ -44,23 +45,24 @@ pub use compute::{
     PipelinesOnDemand, bind_group, bind_group_at, check_limits, compute_pipeline, dispatch_linear,
     dispatch_linear_groups, every_variant, shader_module, shader_module_testing_early, untimed,
 };
-pub use compute_raster::{ComputeRaster, DrawnBy, RasterAxis, RasterImage, RasterPass, RasterWork, build_parameter};
+pub use compute_raster::{ComputeRaster, DrawnBy, RasterImage, RasterWork, build_parameter};
 pub use counts::{RayCounts, TraceCounts};
 pub use coverage::{SUBPIXELS, covers_centre};
 pub use depth_pyramid::{CellDepths, DepthPyramid, PyramidBuilder, PyramidLayout, PyramidShape};
-pub use device_tracer::{BuildJob, DeviceStructure, DeviceTracer};
+pub use device_tracer::{BuildJob, Built, DeviceStructure, DeviceTracer, Search};
 pub use empty_target::EmptyTarget;
 pub use eye_depth::{DepthCopy, EyeDepthTarget, NO_SURFACE};
 pub use fixed_work::{FixedWork, FixedWorkPlan, fixed_task};
 pub use gather::{Gather, SurfaceGeometry};
+pub use image_method::{ImageMethod, ImageMethodPipelines, ImageStructure};
 pub use lanes::{
-    LANES_OF_WORKGROUP, Search, SearchEntry, SearchPipelines, dispatch_indirect, dispatch_rays,
+    LANES_OF_WORKGROUP, Launch, SearchEntry, SearchPipelines, dispatch_indirect, dispatch_rays,
     rays_per_lane_parameter, rays_within_rounds, record_searches,
 };
 pub use means_probe::{MANY_RAYS, ProbeTimes, probe_means};
-pub use nearest_compute::{NearestImage, NearestOf, ResolvedImage};
+pub use nearest_compute::NearestOf;
 pub use nearest_layers::{LayerTarget, NearestLayers, NearestPass, NearestScene};
-pub use nearest_raster::{DEPTH_TEST_FORMAT, Passing};
+pub use nearest_raster::{DEPTH_TEST_FORMAT, Passing, backs, behind};
 pub use on_demand::OnDemand;
 pub use prefix_sum::{PrefixSum, PrefixSumPlan};
 pub use primitive_texture::PrimitiveTexture;
@@ -74,32 +76,8 @@ pub use seen::{Seen, SeenRaster, SeenView};
 pub use texture::create_texture;
 pub use touched::{TouchedBits, bits_on};
 pub use triangle_pass::{Canvas, TrianglePass, TrianglePipelines};
-pub use unit_space::{Fit, UnitSpace, across_and_down};
+pub use unit_space::{
+    Fit, UnitSpace, across_and_down, samplings_along_axes, to_scene, to_unit, unit_space, voxel_grid,
+};
 pub use view_images::{DrawnView, ImagePipelines, ImageSearch, ImageShape, Images};
-pub use view_uniform::ViewUniform;
-
-use depth_pyramid::PyramidLevel;
-use gather::GatherSettings;
-use means_probe::ProbeSettings;
-use radix_sort::SortPass;
-use tracebench_api::SharedLayout;
-
-/// Layouts of all that shaders share with this crate.
-pub fn layouts() -> Vec<SharedLayout> {
-    tracebench_api::layouts! {
-        ViewUniform as View {
-            eye, tan_half_width, right, tan_half_height, up, near, forward, far, size, padding,
-        }
-        UnitSpace { low, image, scale, grid, begin, padding }
-        Passing { separation, backs_only, padding }
-        NearestImage { row_words, names, padding }
-        ResolvedImage { words, nothing, padding }
-        PyramidLevel { size, level, image, begin, begin_below, covered_only, padding }
-        PyramidLayout as DepthPyramid { size, levels, cells, level_offsets }
-        GatherSettings { ray_count, padding_a, padding_b, padding_c }
-        RasterPass { size, triangle_count, lane_groups, small_pixels, touched, padding }
-        RasterAxis { space, axis, padding_a, padding_b, padding_c }
-        SortPass { count, blocks, shift }
-        ProbeSettings { count, rays_per_lane, last_record, reads }
-    }
-}
+pub use view_uniform::{ViewUniform, view_uniform, view_uniforms};

@@ -1,7 +1,6 @@
 //! What tells how searches should read and be launched on a device: kernels that do of a search what differs between drivers,
 //! timed both ways (shaders/shared/means_probe.wgsl).
 
-use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{BindGroup, Buffer, ComputePipeline};
 use tracebench_api::{Gpu, PhaseClock, Timing, TracerError};
 use tracebench_shaders::shared::MeansProbe as Shader;
@@ -9,20 +8,7 @@ use tracebench_shaders::shared::MeansProbe as Shader;
 use crate::{
     ReadSlot, Readable, Reads, bind_arrays, bind_group, compute_pipeline, dispatch_rays, storage_buffer, uniform_buffer,
 };
-
-/// `ProbeSettings` of shaders/shared/means_probe.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct ProbeSettings {
-    /// Of `gather` lanes, of `search` rays.
-    pub count: u32,
-    /// Rays that a lane answers.
-    pub rays_per_lane: u32,
-    /// Records less 1: there are two to some power.
-    pub last_record: u32,
-    /// Reads of a lane of `gather`.
-    pub reads: u32,
-}
+pub use tracebench_shaders::shared::ProbeSettings;
 
 /// Rays that a persistent lane of the probe answers.
 pub const MANY_RAYS: u32 = 32;

@@ -1,6 +1,5 @@
 //! What is nearest at every pixel of one view, in compute, and drawn into a texture as the rasterizer would.
 
-use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{
     self, BindGroup, BindingResource, Buffer, COPY_BYTES_PER_ROW_ALIGNMENT, CommandEncoder, ComputePipeline,
     TexelCopyBufferInfo, TexelCopyBufferLayout, TexelCopyTextureInfo, TextureView,
@@ -12,9 +11,10 @@ use crate::compute_raster::DealtPass;
 use crate::eye_depth::NO_SURFACE;
 use crate::nearest_raster::{NearestRaster, Passing};
 use crate::{
-    ComputeRaster, OnDemand, PipelinesOnDemand, RasterImage, RasterWork, ViewUniform, bind_group, bind_group_at,
-    compute_pipeline, dispatch_linear, storage_buffer, uniform_buffer,
+    ComputeRaster, OnDemand, PipelinesOnDemand, RasterImage, RasterWork, bind_group, bind_group_at, compute_pipeline,
+    dispatch_linear, storage_buffer, uniform_buffer, view_uniform,
 };
+pub use tracebench_shaders::shared::{NearestImage, ResolvedImage};
 
 /// As `WORKGROUP_SIZE` in shaders/shared/nearest_resolve.wgsl.
 const WORKGROUP_SIZE: u32 = 64;
@@ -24,30 +24,6 @@ const CODES: &str = "nearest depths in words";
 const NAMES: &str = "nearest triangles in words";
 const RESOLVED: &str = "resolved image";
 const TURN_DOWN: &str = "--frame";
-
-/// `NearestImage` of shaders/shared/nearest_compute.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct NearestImage {
-    /// Words from a row to the next.
-    pub row_words: u32,
-    /// 1: triangles are named.
-    pub names: u32,
-    /// Nothing.
-    pub padding: [u32; 2],
-}
-
-/// `ResolvedImage` of shaders/shared/nearest_resolve.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct ResolvedImage {
-    /// Words.
-    pub words: u32,
-    /// The bits of what stands where there is nothing.
-    pub nothing: u32,
-    /// Nothing.
-    pub padding: [u32; 2],
-}
 
 /// What is drawn of the nearest triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,7 +88,7 @@ impl NearestCompute {
         if primitives {
             kept.push(storage_buffer(gpu, NAMES, u64::from(words) * 4, TURN_DOWN)?);
         }
-        let uniform = uniform_buffer(gpu, NearestRaster::UNIFORM.0, &ViewUniform::from(view))?;
+        let uniform = uniform_buffer(gpu, NearestRaster::UNIFORM.0, &view_uniform(view))?;
         let passing = passed.map(|(_, passing)| uniform_buffer(gpu, NearestRaster::PASSING_UNIFORM.0, &passing));
         let passing = passing.transpose()?;
         let pipeline = self.draw.of(gpu, Variant { primitives, behind: passed.is_some() })?;

@@ -1,11 +1,11 @@
 //! What is nearest at every pixel of one view, by the hardware rasterizer; depths by the triangles' planes.
 
-use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{self, BindGroup, BindingResource, Buffer, RenderPipeline, TextureFormat, TextureView};
 use tracebench_api::{DeviceGeometry, Gpu, TracerError, View};
 use tracebench_shaders::shared::NearestRaster as Variant;
 
-use crate::{RasterTargets, ViewUniform, bind_group, raster_pipeline, shader_module, uniform_buffer};
+use crate::{RasterTargets, ViewUniform, bind_group, raster_pipeline, shader_module, uniform_buffer, view_uniform};
+pub use tracebench_shaders::shared::Passing;
 
 /// What depth is tested in.
 pub const DEPTH_TEST_FORMAT: TextureFormat = TextureFormat::Depth32Float;
@@ -13,28 +13,14 @@ pub const DEPTH_TEST_FORMAT: TextureFormat = TextureFormat::Depth32Float;
 const VIEW: &str = "drawn view";
 const PASSING: &str = "passed layer";
 
-/// What lies behind a layer: `Passing` of shaders/shared/passed_layer.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct Passing {
-    /// What is nearer to the layer counts as it, scene units.
-    pub separation: f32,
-    /// 1: faces that turn their back to the eye alone.
-    pub backs_only: u32,
-    /// Nothing.
-    pub padding: [u32; 2],
+/// What lies farther behind a layer than that.
+pub fn behind(separation: f32) -> Passing {
+    Passing { separation, backs_only: 0, padding: [0; 2] }
 }
 
-impl Passing {
-    /// Everything farther behind the layer than that.
-    pub fn behind(separation: f32) -> Self {
-        Self { separation, backs_only: 0, padding: [0; 2] }
-    }
-
-    /// Backs of faces, however near.
-    pub fn backs() -> Self {
-        Self { separation: 0.0, backs_only: 1, padding: [0; 2] }
-    }
+/// Backs of faces behind a layer, however near.
+pub fn backs() -> Passing {
+    Passing { separation: 0.0, backs_only: 1, padding: [0; 2] }
 }
 
 /// A pipeline that draws what is nearest.
@@ -79,7 +65,7 @@ impl NearestRaster {
         for (name, buffer) in [("vertex positions", &geometry.positions), ("vertex indices", &geometry.indices)] {
             gpu.check_storage_binding(name, buffer.size(), "the scene's triangle count")?;
         }
-        let uniform = ViewUniform::from(view);
+        let uniform = view_uniform(view);
         let uniform =
             gpu.buffer_with(VIEW, bytemuck::bytes_of(&uniform), wgpu::BufferUsages::UNIFORM, "the number of views")?;
         let mut resources: Vec<BindingResource<'_>> =

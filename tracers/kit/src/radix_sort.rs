@@ -1,11 +1,11 @@
 //! A stable radix sort of 32-bit keys with 32-bit payloads on the device.
 
-use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{self, Buffer, BufferUsages, CommandEncoder, ComputePipeline};
 use tracebench_api::{Gpu, Ledger, TracerError};
 use tracebench_shaders::shared::RADIX_SORT;
 
 use crate::{PrefixSum, PrefixSumPlan, Room, bind_group, compute_pipeline, dispatch_linear};
+pub use tracebench_shaders::shared::SortPass;
 
 /// `LANES` of shaders/shared/radix_sort.wgsl.
 const LANES: u32 = 32;
@@ -17,18 +17,6 @@ const BLOCK: u32 = LANES * 128;
 
 /// `DIGIT_BITS` there.
 const DIGIT_BITS: u32 = 8;
-
-/// `SortPass` of shaders/shared/radix_sort.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct SortPass {
-    /// Keys.
-    pub count: u32,
-    /// Blocks of keys.
-    pub blocks: u32,
-    /// The digit's lowest bit.
-    pub shift: u32,
-}
 
 /// The pipelines of the sort; see [`RadixSort::plan`].
 #[derive(Debug)]

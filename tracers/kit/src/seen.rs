@@ -5,7 +5,7 @@ use tracebench_api::wgpu::{Buffer, BufferUsages};
 use tracebench_api::{Gpu, HitBuffer, MemoryEntry, PhaseClock, RayBuffer, TracerError, View};
 
 use crate::{
-    DrawnBy, EyeDepthTarget, Gather, LayerTarget, NearestLayers, NearestOf, NearestScene, Passing, PrimitiveTexture,
+    DrawnBy, EyeDepthTarget, Gather, LayerTarget, NearestLayers, NearestOf, NearestScene, PrimitiveTexture,
     SurfaceGeometry,
 };
 
@@ -71,7 +71,7 @@ impl SeenRaster {
         let primitives = PrimitiveTexture::of_layers(gpu, view.size, layers)?;
         let scene = NearestScene { drawn_by, view, geometry: &geometry.device, triangle_count };
         let passes = (0..layers as usize).map(|layer| {
-            let passed = layer.checked_sub(1).map(|before| (&target.images[before], Passing::behind(separation)));
+            let passed = layer.checked_sub(1).map(|before| (&target.images[before], crate::behind(separation)));
             self.layers.prepare(gpu, scene, passed)
         });
         let passes = passes.collect::<Result<Vec<_>, _>>()?;

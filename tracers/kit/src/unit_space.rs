@@ -1,8 +1,8 @@
 //! The unit cube that a scene is mapped into by methods that sample it along its axes.
 
-use bytemuck::{Pod, Zeroable};
 use tracebench_api::glam::{DVec2, DVec3, Vec3};
 use tracebench_api::{Geometry, ImageChoice, Layers, Orthographic, Projection, Sampling, VoxelGrid, choice};
+pub use tracebench_shaders::shared::UnitSpace;
 
 /// Axes, and images.
 const AXES: usize = 3;
@@ -18,92 +18,72 @@ choice! {
     pub enum Fit { Cube = "cube", Box = "box" }
 }
 
-/// `UnitSpace` of shaders/shared/unit_space.wgsl.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct UnitSpace {
-    /// A point of the scene is at (point - low) * scale + begin.
-    pub low: [f32; 3],
-    /// Edge of an image, texels.
-    pub image: u32,
-    /// By axis.
-    pub scale: [f32; 3],
-    /// Edge of the grid, voxels.
-    pub grid: u32,
-    /// Where the least corner of the bounds lies.
-    pub begin: [f32; 3],
-    /// Nothing.
-    pub padding: u32,
+/// The space of a scene's bounds, with images and a grid of such edges.
+pub fn unit_space(geometry: &Geometry, fit: Fit, image: u32, grid: u32) -> UnitSpace {
+    let (low, high) = (geometry.bounds_min.as_dvec3(), geometry.bounds_max.as_dvec3());
+    let extent = high - low;
+    // A scene in one point still has a cube about it.
+    let reach = f64::max(low.abs().max_element(), high.abs().max_element());
+    let least = (reach * f64::from(f32::EPSILON)).max(f64::from(f32::MIN_POSITIVE) * 1e6);
+    let edge = extent.max_element().max(least);
+    let inner = f64::max(1.0 - 2.0 * MARGIN / f64::from(image), 0.5);
+    let scale = match fit {
+        Fit::Cube => DVec3::splat(inner / edge),
+        Fit::Box => inner / extent.max(DVec3::splat(least.max(edge * LEAST_EXTENT))),
+    };
+    let begin = DVec3::splat(0.5) - 0.5 * extent * scale;
+    UnitSpace {
+        low: geometry.bounds_min.into(),
+        image,
+        scale: scale.as_vec3().into(),
+        grid,
+        begin: begin.as_vec3().into(),
+        padding: 0,
+    }
 }
 
-impl UnitSpace {
-    /// The space of a scene's bounds, with images and a grid of such edges.
-    pub fn of(geometry: &Geometry, fit: Fit, image: u32, grid: u32) -> Self {
-        let (low, high) = (geometry.bounds_min.as_dvec3(), geometry.bounds_max.as_dvec3());
-        let extent = high - low;
-        // A scene in one point still has a cube about it.
-        let reach = f64::max(low.abs().max_element(), high.abs().max_element());
-        let least = (reach * f64::from(f32::EPSILON)).max(f64::from(f32::MIN_POSITIVE) * 1e6);
-        let edge = extent.max_element().max(least);
-        let inner = f64::max(1.0 - 2.0 * MARGIN / f64::from(image), 0.5);
-        let scale = match fit {
-            Fit::Cube => DVec3::splat(inner / edge),
-            Fit::Box => inner / extent.max(DVec3::splat(least.max(edge * LEAST_EXTENT))),
-        };
-        let begin = DVec3::splat(0.5) - 0.5 * extent * scale;
-        Self {
-            low: geometry.bounds_min.into(),
-            image,
-            scale: scale.as_vec3().into(),
-            grid,
-            begin: begin.as_vec3().into(),
-            padding: 0,
-        }
-    }
+/// A point of the scene in the cube.
+pub fn to_unit(space: &UnitSpace, point: DVec3) -> DVec3 {
+    let [low, scale, begin] = parts(space);
+    (point - low) * scale + begin
+}
 
-    /// A point of the scene in the cube.
-    pub fn to_unit(self, point: DVec3) -> DVec3 {
-        let [low, scale, begin] = self.parts();
-        (point - low) * scale + begin
-    }
+/// A point of the cube in the scene.
+pub fn to_scene(space: &UnitSpace, point: DVec3) -> DVec3 {
+    let [low, scale, begin] = parts(space);
+    (point - begin) / scale + low
+}
 
-    /// A point of the cube in the scene.
-    pub fn to_scene(self, point: DVec3) -> DVec3 {
-        let [low, scale, begin] = self.parts();
-        (point - begin) / scale + low
-    }
+fn parts(space: &UnitSpace) -> [DVec3; 3] {
+    [space.low, space.scale, space.begin].map(|part| Vec3::from(part).as_dvec3())
+}
 
-    fn parts(self) -> [DVec3; 3] {
-        [self.low, self.scale, self.begin].map(|part| Vec3::from(part).as_dvec3())
-    }
+/// The images along its axes, which keep every layer.
+pub fn samplings_along_axes(space: &UnitSpace) -> Vec<Sampling> {
+    let image = |axis| Projection::Orthographic(image_along(space, axis));
+    (0..AXES).map(|axis| Sampling::new(image(axis), Layers::All)).collect()
+}
 
-    /// The images along its axes, which keep every layer.
-    pub fn samplings(self) -> Vec<Sampling> {
-        let image = |axis| Projection::Orthographic(self.image_along(axis));
-        (0..AXES).map(|axis| Sampling::new(image(axis), Layers::All)).collect()
-    }
+/// Its grid, and how a trace looks into its voxels, which may be not at all.
+pub fn voxel_grid(space: &UnitSpace, images: Option<ImageChoice>) -> VoxelGrid {
+    let edge = f64::from(space.grid);
+    VoxelGrid { low: to_scene(space, DVec3::ZERO), voxel: 1.0 / (parts(space)[1] * edge), size: space.grid, images }
+}
 
-    /// Its grid, and how a trace looks into its voxels, which may be not at all.
-    pub fn voxels(self, images: Option<ImageChoice>) -> VoxelGrid {
-        let edge = f64::from(self.grid);
-        VoxelGrid { low: self.to_scene(DVec3::ZERO), voxel: 1.0 / (self.parts()[1] * edge), size: self.grid, images }
-    }
-
-    fn image_along(self, axis: usize) -> Orthographic {
-        let [across, down] = across_and_down(axis);
-        let edge = f64::from(self.image);
-        let texels = 1.0 / self.parts()[1];
-        let unit = |axis: usize| DVec3::AXES[axis];
-        Orthographic {
-            origin: self.to_scene(DVec3::ZERO),
-            right: unit(across),
-            // Rows count downwards.
-            up: -unit(down),
-            axis: unit(axis),
-            texel: DVec2::new(texels[across], texels[down]) / edge,
-            far: texels[axis],
-            size: [self.image; 2],
-        }
+fn image_along(space: &UnitSpace, axis: usize) -> Orthographic {
+    let [across, down] = across_and_down(axis);
+    let edge = f64::from(space.image);
+    let texels = 1.0 / parts(space)[1];
+    let unit = |axis: usize| DVec3::AXES[axis];
+    Orthographic {
+        origin: to_scene(space, DVec3::ZERO),
+        right: unit(across),
+        // Rows count downwards.
+        up: -unit(down),
+        axis: unit(axis),
+        texel: DVec2::new(texels[across], texels[down]) / edge,
+        far: texels[axis],
+        size: [space.image; 2],
     }
 }
 
@@ -131,18 +111,18 @@ mod tests {
             let positions = [corner, corner + extent, corner].map(|corner| corner.as_vec3().into());
             let geometry = Geometry::new(positions.to_vec(), vec![[0, 1, 2]], None).unwrap();
             for (fit, image) in [(Fit::Cube, 1280), (Fit::Box, 1280), (Fit::Cube, 3)] {
-                let space = UnitSpace::of(&geometry, fit, image, 8);
-                let ends = [geometry.bounds_min, geometry.bounds_max].map(|end| space.to_unit(end.as_dvec3()));
+                let space = unit_space(&geometry, fit, image, 8);
+                let ends = [geometry.bounds_min, geometry.bounds_max].map(|end| to_unit(&space, end.as_dvec3()));
                 let margin = f64::min(1.0 / f64::from(image), 0.25) - 1e-5;
                 assert!(ends[0].min_element() >= margin && ends[1].max_element() <= 1.0 - margin, "{ends:?} {space:?}");
                 assert!((ends[0] + ends[1] - DVec3::ONE).abs().max_element() < 1e-5, "{ends:?}");
                 let scale = Vec3::from(space.scale);
                 assert!(scale.is_finite() && (fit == Fit::Box || scale == Vec3::splat(scale.x)));
-                let there = space.to_scene(DVec3::new(0.25, 0.5, 0.75));
-                assert!((space.to_unit(there) - DVec3::new(0.25, 0.5, 0.75)).length() < 1e-6);
+                let there = to_scene(&space, DVec3::new(0.25, 0.5, 0.75));
+                assert!((to_unit(&space, there) - DVec3::new(0.25, 0.5, 0.75)).length() < 1e-6);
             }
             if extent.min_element() > 1e-8 {
-                let wide = UnitSpace::of(&geometry, Fit::Box, 1280, 8).to_unit(geometry.bounds_max.as_dvec3());
+                let wide = to_unit(&unit_space(&geometry, Fit::Box, 1280, 8), geometry.bounds_max.as_dvec3());
                 assert!(wide.min_element() > 0.99, "{wide}");
             }
         }
@@ -154,11 +134,11 @@ mod tests {
         let positions = vec![[-3.0, 2.0, 7.0], [1.0, 4.0, 8.0], [0.0, 3.0, 7.5]];
         let geometry = Geometry::new(positions, vec![[0, 1, 2]], None).unwrap();
         for fit in [Fit::Cube, Fit::Box] {
-            let space = UnitSpace::of(&geometry, fit, 100, 8);
+            let space = unit_space(&geometry, fit, 100, 8);
             for axis in 0..AXES {
-                let image = space.image_along(axis);
+                let image = image_along(&space, axis);
                 let point = DVec3::new(-0.3, 2.7, 7.6);
-                let (at, unit) = (image.project(point), space.to_unit(point));
+                let (at, unit) = (image.project(point), to_unit(&space, point));
                 let [across, down] = across_and_down(axis);
                 assert!((at.x - unit[across] * 100.0).abs() < 1e-4 && (at.y - unit[down] * 100.0).abs() < 1e-4);
                 assert!((at.depth / image.far - unit[axis]).abs() < 1e-6);

@@ -13,7 +13,7 @@ use tracebench_api::{
 use crate::{
     CellDepths, DepthCopy, DepthPyramid, DrawnBy, EyeDepthTarget, LayerTarget, NO_SURFACE, NearestLayers, NearestOf,
     NearestPass, NearestScene, Passing, PyramidBuilder, PyramidLayout, PyramidShape, Readable, Reads, Seen, SeenRaster,
-    SeenView, SurfaceGeometry, ViewUniform, bind_arrays, bind_group_at, dispatch_rays, uniform_buffer,
+    SeenView, SurfaceGeometry, ViewUniform, bind_arrays, bind_group_at, dispatch_rays, uniform_buffer, view_uniform,
 };
 
 /// The pipelines of builds, and of surfaces.
@@ -160,6 +160,11 @@ impl DrawnView {
         })
     }
 
+    /// Pixels of an image.
+    pub fn pixels(&self) -> u64 {
+        self.images.shape.size.map(u64::from).iter().product()
+    }
+
     /// What it holds.
     pub fn memory(&self) -> MemoryReport {
         let mut ledger = Ledger::new();
@@ -228,7 +233,7 @@ impl DrawnView {
         let ImageSearch { name, pipeline, settings, rays_per_lane, counting } = search;
         let Images { shape, target, copy, pyramid } = &self.images;
         let deep = shape.images() > 1;
-        let view = uniform_buffer(gpu, "view", &ViewUniform::from(&self.view))?;
+        let view = uniform_buffer(gpu, "view", &view_uniform(&self.view))?;
         let settings = uniform_buffer(gpu, "settings", &settings)?;
         let layout = |pyramid: &DepthPyramid| uniform_buffer(gpu, "pyramid layout", &pyramid.shape().layout());
         let layout = pyramid.as_ref().map(layout).transpose()?;
@@ -343,8 +348,8 @@ impl ImagePipelines {
                 }
             })
         };
-        behind("rasterize deeper layers", 1, layers, 1, Passing::behind(separation))?;
-        behind("rasterize back faces", layers, shape.images() as usize, layers, Passing::backs())?;
+        behind("rasterize deeper layers", 1, layers, 1, crate::behind(separation))?;
+        behind("rasterize back faces", layers, shape.images() as usize, layers, crate::backs())?;
         if let Some(copy) = copy {
             clock.device_phase("copy to a buffer", |encoder| copy.record(encoder, target))?;
         }

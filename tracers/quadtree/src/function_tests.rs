@@ -6,7 +6,7 @@ use bytemuck::Zeroable;
 use tracebench_api::glam::{DVec2, DVec3, Vec3};
 use tracebench_api::wgpu::BufferUsages;
 use tracebench_api::{Gpu, View, Viewpoint};
-use tracebench_kit::{ViewUniform, bind_group_at, compute_pipeline, dispatch_linear, uniform_buffer};
+use tracebench_kit::{bind_group_at, compute_pipeline, dispatch_linear, uniform_buffer, view_uniform};
 use tracebench_shaders::test::QUADTREE_FUNCTIONS;
 use tracebench_tests::{Numbers, gpu};
 
@@ -64,7 +64,7 @@ pub(crate) type Answer = (Vec<[f32; 4]>, Vec<[u32; 2]>);
 pub(crate) fn call(gpu: &Arc<Gpu>, call: &Call<'_>) -> Answer {
     let pipeline = compute_pipeline(gpu, QUADTREE_FUNCTIONS, call.entry_point).unwrap();
     let forest = uniform_buffer(gpu, "forest", &call.forest).unwrap();
-    let view = uniform_buffer(gpu, "view", &ViewUniform::from(&view())).unwrap();
+    let view = uniform_buffer(gpu, "view", &view_uniform(&view())).unwrap();
     let input = |bytes: &[u8]| gpu.buffer_with("given", bytes, BufferUsages::STORAGE, "nothing").unwrap();
     let output = |bytes: usize| {
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;

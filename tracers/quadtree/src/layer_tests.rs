@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::glam::{DVec2, DVec3};
-use tracebench_kit::{Fragment, allowed_fragments, undecided_border};
+use tracebench_kit::{Built, Fragment, allowed_fragments, undecided_border};
 use tracebench_tests::{gpu, soup};
 
 use super::images::Images;
@@ -13,7 +13,7 @@ use super::tests::{built_by, hostile, rectangle, viewpoint};
 use super::validate::compare;
 
 /// Complemented depths of all images.
-fn codes(structure: &QuadtreeStructure) -> Vec<u32> {
+fn codes(structure: &Built<QuadtreeStructure>) -> Vec<u32> {
     Images::read(structure.gpu(), &structure.images.codes).unwrap()
 }
 

@@ -1,11 +1,10 @@
 //! Depth layers (WKP15, section 3.1): the passes that catch them and name their triangles.
 
-use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{BindGroup, Buffer, ComputePipeline};
 use tracebench_api::{Geometry, Gpu, PhaseClock, TracerError};
 use tracebench_kit::{
-    Canvas, ComputeRaster, DrawnBy, RasterImage, RasterWork, TrianglePass, TrianglePipelines, ViewUniform,
-    bind_group_at, compute_pipeline, dispatch_linear, uniform_buffer,
+    Canvas, ComputeRaster, DrawnBy, RasterImage, RasterWork, TrianglePass, TrianglePipelines, bind_group_at,
+    compute_pipeline, dispatch_linear, uniform_buffer, view_uniform,
 };
 use tracebench_shaders::quadtree::{Layers, THIN};
 
@@ -13,52 +12,7 @@ use crate::build::WORKGROUP_SIZE;
 use crate::description::Capture;
 use crate::images::Images;
 use crate::layout::Shape;
-
-/// `LayerPass` of shaders/quadtree/layers.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct LayerPass {
-    /// The view that is drawn.
-    pub view: ViewUniform,
-    /// A [`Stage`].
-    pub stage: u32,
-    /// The layer that is peeled.
-    pub layer: u32,
-    /// Layers or slots of a pixel.
-    pub slots: u32,
-    /// 1: what faces away is left out.
-    pub culls: u32,
-    /// Pixels of a layer.
-    pub pixels: u32,
-    /// Pixels of a row.
-    pub width: u32,
-    /// Where the view's layers begin.
-    pub first: u32,
-    /// Least distance between layers, eye depth.
-    pub separation: f32,
-}
-
-/// `ThinPass` of shaders/quadtree/thin.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct ThinPass {
-    /// Pixels of a layer.
-    pub pixels: u32,
-    /// Depths of a pixel that were caught.
-    pub slots: u32,
-    /// Layers of a view.
-    pub layers: u32,
-    /// Where the view's layers begin.
-    pub first: u32,
-    /// Least distance between layers, eye depth.
-    pub separation: f32,
-    /// Nothing.
-    pub padding_a: u32,
-    /// Nothing.
-    pub padding_b: u32,
-    /// Nothing.
-    pub padding_c: u32,
-}
+pub(crate) use tracebench_shaders::quadtree::{LayerPass, ThinPass};
 
 /// What a pass does; codes as in shaders/quadtree/layers.wgsl.
 #[derive(Clone, Copy)]
@@ -134,7 +88,7 @@ impl LayerPipelines {
             let first = number as u32 * shape.layers * pixels;
             let draw = |stage: Stage, layer: u32, slots: u32, first: u32, codes: &Buffer| {
                 let pass = LayerPass {
-                    view: ViewUniform::from(view),
+                    view: view_uniform(view),
                     stage: stage as u32,
                     layer,
                     slots,

@@ -1,88 +1,16 @@
 //! What is built: views, images, levels, and the uniforms that tell shaders of them.
 
-use bytemuck::{Pod, Zeroable};
-use tracebench_api::{SharedLayout, TracerError, View, Viewpoint};
-use tracebench_kit::{DrawnBy, MOST_LEVELS, Pyramid, ViewUniform};
+use bytemuck::Zeroable;
+use tracebench_api::{TracerError, View, Viewpoint};
+use tracebench_kit::{DrawnBy, MOST_LEVELS, Pyramid, ViewUniform, view_uniform, view_uniforms};
 
 use crate::description::{
     BackFaces, Capture, Dilated, DistanceIn, MOST_TREE_LEVELS, Normals, Patches, QuadtreeParameters, Views,
 };
-use crate::layers::{LayerPass, ThinPass};
-use crate::trace::QuadtreeSettings;
+pub(crate) use tracebench_shaders::quadtree::{Forest, TreeView};
 
 /// Views at most: six faces.
 pub(crate) const MOST_VIEWS: usize = 6;
-
-/// `Forest` of shaders/quadtree/forest.wgsl.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct Forest {
-    /// Pixels of an image.
-    pub size: [u32; 2],
-    /// Level of the roots.
-    pub top: u32,
-    /// Layers of a view.
-    pub layers: u32,
-    /// Images.
-    pub image_count: u32,
-    /// Nodes of an image.
-    pub image_nodes: u32,
-    /// z = z_scale / eye depth - z_shift.
-    pub z_scale: f32,
-    /// The same.
-    pub z_shift: f32,
-    /// Height of a pixel at eye depth 1.
-    pub pixel_angle: f32,
-    /// How far planes reach beyond their nodes, pixels.
-    pub dilation: f32,
-    /// Which do.
-    pub dilated: u32,
-    /// From what difference on neighbours lie on different surfaces, pixel heights at their depth.
-    pub discontinuity: f32,
-    /// Most angle of a child's normal with the proxy's, as the length of the difference between both.
-    pub gamma_norm: f32,
-    /// Most distance of a child's corners from the proxy plane.
-    pub gamma_dist: f32,
-    /// 1: that is in pixel heights.
-    pub gamma_in_pixels: u32,
-    /// By how many times themselves both grow up to far.
-    pub growth: f32,
-    /// 1: normals are the triangles'.
-    pub normals_of_geometry: u32,
-    /// 1 / far.
-    pub inverse_far: f32,
-    /// Nothing.
-    pub padding: [u32; 2],
-    /// First node of each level in an image.
-    pub level_offsets: [u32; MOST_LEVELS],
-}
-
-/// `TreeView` of shaders/quadtree/store.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct TreeView {
-    /// The view.
-    pub view: ViewUniform,
-    /// Views beyond the right, left, upper and lower side.
-    pub beyond: [u32; 4],
-}
-
-/// Layouts of all that shaders share with this crate.
-pub(crate) fn layouts() -> Vec<SharedLayout> {
-    tracebench_api::layouts! {
-        Forest {
-            size, top, layers, image_count, image_nodes, z_scale, z_shift, pixel_angle, dilation, dilated, discontinuity,
-            gamma_norm, gamma_dist, gamma_in_pixels, growth, normals_of_geometry, inverse_far, padding, level_offsets,
-        }
-        TreeView { view, beyond }
-        LayerPass { view, stage, layer, slots, culls, pixels, width, first, separation }
-        ThinPass { pixels, slots, layers, first, separation, padding_a, padding_b, padding_c }
-        QuadtreeSettings {
-            ray_count, rays_per_lane, unanswered_only, view_count, has_faces, next_layer, any_hit, inpaints, max_steps,
-            start_bias, occlusion_bias, samples, jitter, inverse_sigma, touched_words, padding,
-        }
-    }
-}
 
 /// What is drawn and built.
 #[derive(Clone, Debug, PartialEq)]
@@ -242,14 +170,14 @@ impl Shape {
                 let found = self.views.iter().position(is_beyond).filter(|_| self.has_faces);
                 found.unwrap_or(self.views.len()) as u32
             });
-            *slot = TreeView { view: ViewUniform::from(view), beyond };
+            *slot = TreeView { view: view_uniform(view), beyond };
         }
         all
     }
 
     /// The views alone, unused ones zero.
     pub(crate) fn view_uniforms(&self) -> [ViewUniform; MOST_VIEWS] {
-        ViewUniform::array(self.views.iter().map(ViewUniform::from))
+        view_uniforms(self.views.iter().map(view_uniform))
     }
 }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::{EndPoint, Hit, HitBuffer, PhaseClock, Query, Ray, RayBuffer, Residency, TraceJob};
+use tracebench_kit::Built;
 use tracebench_tests::{gpu, soup};
 
 use super::reference::{Reference, Samples};
@@ -11,7 +12,11 @@ use super::tests::{LOSSLESS, built_by, hostile, parameters};
 use super::trace_tests::{PUBLISHED, Stage, rays};
 
 /// Hits and, with samples, their weights; that a trace says what it takes for them.
-fn weighed(structure: &QuadtreeStructure, rays: &[Ray], settings: &[(&str, &str)]) -> (Vec<Hit>, Option<Vec<f32>>) {
+fn weighed(
+    structure: &Built<QuadtreeStructure>,
+    rays: &[Ray],
+    settings: &[(&str, &str)],
+) -> (Vec<Hit>, Option<Vec<f32>>) {
     let gpu = structure.gpu();
     let rays = RayBuffer::new(Arc::new(rays.to_vec()), Query::Closest, Some(gpu));
     let hits = HitBuffer::new(rays.host.len(), Residency::Device, Some(gpu)).unwrap();

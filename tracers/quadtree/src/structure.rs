@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Counter, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection,
-    Sampling, Structure, TraceJob, TracerError, Update, Viewpoint,
+    Geometry, Gpu, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection, Sampling, TraceJob,
+    TracerError,
 };
 use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer};
 
@@ -51,28 +51,6 @@ impl DeviceStructure for QuadtreeStructure {
         let triangle_count = geometry.triangles.len() as u32;
         Ok(Self { pipelines: Arc::clone(pipelines), shape, images, triangle_count })
     }
-}
-
-impl Structure for QuadtreeStructure {
-    fn update(
-        &mut self,
-        update: Update,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        parameters: &Parameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
-        let job = BuildJob { geometry, viewpoint, parameters };
-        self.follow(&Arc::clone(&self.pipelines), update, job, clock)
-    }
-
-    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        self.record(&job, hits, None, clock)
-    }
-
-    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        self.count(&job, hits)
-    }
 
     fn memory(&self) -> MemoryReport {
         let mut ledger = Ledger::new();
@@ -82,8 +60,8 @@ impl Structure for QuadtreeStructure {
         ledger.report(0)
     }
 
-    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
-        self.memory_of_trace(&job)
+    fn trace_memory(&self, job: &TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+        self.memory_of_trace(job)
     }
 
     fn samplings(&self, _parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {

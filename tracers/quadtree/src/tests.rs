@@ -7,6 +7,7 @@ use tracebench_api::{
     AdapterChoice, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Preset, Query, Ray, RayBuffer,
     Residency, Structure, Surface, TraceJob, TracerError, Update, Viewpoint, wgpu,
 };
+use tracebench_kit::Built;
 use tracebench_tests::{Numbers, gpu, rectangle as rectangle_of, soup};
 
 use super::description;
@@ -45,7 +46,7 @@ pub(crate) fn try_built(
     geometry: &Geometry,
     viewpoint: &Viewpoint,
     settings: &[(&str, &str)],
-) -> Result<QuadtreeStructure, TracerError> {
+) -> Result<Built<QuadtreeStructure>, TracerError> {
     let mut clock = PhaseClock::new(Some(gpu));
     let structure = tracer.build_structure(geometry, viewpoint, &parameters(settings), &mut clock)?;
     clock.finish().map(|_| structure)
@@ -56,14 +57,14 @@ pub(crate) fn built_by(
     gpu: &Arc<Gpu>,
     geometry: &Geometry,
     settings: &[(&str, &str)],
-) -> QuadtreeStructure {
+) -> Built<QuadtreeStructure> {
     try_built(tracer, gpu, geometry, &viewpoint(), settings).unwrap()
 }
 
 /// Hits and, where they are asked for, surfaces.
 pub(crate) fn answer(
     gpu: &Arc<Gpu>,
-    structure: &QuadtreeStructure,
+    structure: &Built<QuadtreeStructure>,
     rays: &[Ray],
     settings: &[(&str, &str)],
     end: EndPoint,
@@ -318,23 +319,24 @@ fn a_spoilt_structure_is_noticed() {
     assert!(structure().check(&other).is_err(), "another scene is not noticed");
     let read =
         |buffer: &wgpu::Buffer| -> Vec<u32> { bytemuck::pod_collect_to_vec(&gpu.read(buffer, buffer.size()).unwrap()) };
-    let spoils = |what: &str, spoil: &dyn Fn(&QuadtreeStructure) -> (wgpu::Buffer, usize, u32)| {
+    let spoils = |what: &str, spoil: &dyn Fn(&Built<QuadtreeStructure>) -> (wgpu::Buffer, usize, u32)| {
         let structure = structure();
         let (buffer, word, value) = spoil(&structure);
         gpu.queue.write_buffer(&buffer, word as u64 * 4, &value.to_le_bytes());
         assert!(structure.check(&geometry).is_err(), "{what} is not noticed");
     };
     // A word of a node of a level and kind, above the pixels or of them.
-    let node_where = |structure: &QuadtreeStructure, range: std::ops::Range<usize>, is: &dyn Fn([u32; 2]) -> bool| {
-        let nodes = read(&structure.images.nodes.buffer);
-        let found = range.into_iter().find(|node| is([nodes[2 * node], nodes[2 * node + 1]])).unwrap();
-        (2 * found, [nodes[2 * found], nodes[2 * found + 1]])
-    };
+    let node_where =
+        |structure: &Built<QuadtreeStructure>, range: std::ops::Range<usize>, is: &dyn Fn([u32; 2]) -> bool| {
+            let nodes = read(&structure.images.nodes.buffer);
+            let found = range.into_iter().find(|node| is([nodes[2 * node], nodes[2 * node + 1]])).unwrap();
+            (2 * found, [nodes[2 * found], nodes[2 * found + 1]])
+        };
     let pixels = 63 * 41;
     let whole = pixels + 32 * 21 + 16 * 11 + 8 * 6 + 4 * 3 + 2 * 2 + 1;
     let is_plane = |words: [u32; 2]| words[0] >> 31 == 1;
     let is_box = |words: [u32; 2]| words[0] >> 31 == 0 && words != NOTHING;
-    let nodes = |structure: &QuadtreeStructure| structure.images.nodes.buffer.clone();
+    let nodes = |structure: &Built<QuadtreeStructure>| structure.images.nodes.buffer.clone();
     spoils("a pixel's depth", &|structure| {
         let (word, words) = node_where(structure, 0..pixels, &is_plane);
         (nodes(structure), word, words[0] + (1 << 14))

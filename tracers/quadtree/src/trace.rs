@@ -1,16 +1,16 @@
 //! Tracing on the device.
 
-use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{Buffer, BufferUsages};
 use tracebench_api::{Counter, EndPoint, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
 use tracebench_kit::{
-    Reads, Search, TraceCounts, bind_arrays, bind_group_at, record_searches, uniform_buffer, untimed,
+    Launch, Reads, Search, TraceCounts, bind_arrays, bind_group_at, record_searches, uniform_buffer, untimed,
 };
 use tracebench_shaders::quadtree::Trace;
 
 use crate::description::{Inpainting, QuadtreeParameters, Traversal};
 use crate::layout::{Forest, MOST_VIEWS, TreeView};
 use crate::structure::QuadtreeStructure;
+pub(crate) use tracebench_shaders::quadtree::QuadtreeSettings;
 
 /// Name of the secondary samples' weights, a number a ray.
 const WEIGHTS: &str = "weights of secondary samples";
@@ -29,44 +29,6 @@ const COUNTERS: [&str; 8] = [
 
 /// Those that a structure of one layer has none of.
 const OF_FURTHER_LAYERS: [&str; 2] = ["rays_asking_layer_2", "hits_behind_layer_1"];
-
-/// `QuadtreeSettings` of shaders/quadtree/store.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct QuadtreeSettings {
-    /// Rays.
-    pub ray_count: u32,
-    /// Rays that a lane answers.
-    pub rays_per_lane: u32,
-    /// 1: of rays alone that have no answer yet.
-    pub unanswered_only: u32,
-    /// Views.
-    pub view_count: u32,
-    /// 1: they are faces.
-    pub has_faces: u32,
-    /// When the next layer is asked.
-    pub next_layer: u32,
-    /// 1: any hit will do.
-    pub any_hit: u32,
-    /// 1: rays end at the last layer's occlusion volumes.
-    pub inpaints: u32,
-    /// Nodes after which a ray is given up.
-    pub max_steps: u32,
-    /// Pixel heights.
-    pub start_bias: f32,
-    /// Pixel heights.
-    pub occlusion_bias: f32,
-    /// Samples beside every ray.
-    pub samples: u32,
-    /// Pixels.
-    pub jitter: f32,
-    /// Of z in the unit cube.
-    pub inverse_sigma: f32,
-    /// Words of bits a node.
-    pub touched_words: u32,
-    /// Nothing.
-    pub padding: u32,
-}
 
 impl QuadtreeStructure {
     /// Whether rays end at the last layer's occlusion volumes.
@@ -102,17 +64,6 @@ impl QuadtreeStructure {
             touched_words: counting.map_or(0, |counting| counting.bit_words[0]),
             padding: 0,
         }
-    }
-
-    /// Records a trace, by the counting variant where there is something to count into.
-    pub(crate) fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&TraceCounts>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
-        self.record_weighing(job, hits, counting, clock).map(drop)
     }
 
     /// The same; gives the weights of the secondary samples, where there are any, which are complete when the clock has been
@@ -156,13 +107,13 @@ impl QuadtreeStructure {
         bound.extend(counting.map(|counting| (6, &counting.buffer)));
         bound.extend(weights.as_ref().map(|weights| (7, weights)));
         let arrays = bind_arrays(gpu, &pipeline, self.images.bound(surfaces));
-        let bind = |search: QuadtreeSettings| -> Result<Search, TracerError> {
+        let bind = |search: QuadtreeSettings| -> Result<Launch, TracerError> {
             let settings = uniform_buffer(gpu, "search", &search)?;
             let numbered = bound.iter().copied().chain([(1, &settings)]);
             let numbered: Vec<_> = numbered.map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
             let own = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &numbered);
             let (pipeline, groups) = (pipeline.clone(), vec![own, arrays.clone()]);
-            Ok(Search { pipeline, groups, rays_per_lane: search.rays_per_lane })
+            Ok(Launch { pipeline, groups, rays_per_lane: search.rays_per_lane })
         };
         let mut searches = vec![bind(settings)?];
         // A driver that ends loops after some rounds may leave lanes' last rays without an answer.
@@ -171,19 +122,6 @@ impl QuadtreeStructure {
         }
         record_searches(&searches, settings.ray_count, hit_buffer, clock)?;
         Ok(weights)
-    }
-
-    pub(crate) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        let gpu = self.gpu();
-        // Of nodes and, no more than these, of pixels.
-        let things = [self.shape.level_offsets().1 * self.shape.images(); 2];
-        let names = if self.shape.is_joined { &COUNTERS[..] } else { &COUNTERS[..COUNTERS.len() - 1] };
-        let counting = TraceCounts::new(gpu, things, names, job.rays.host.len(), "--size, --face or --frame")?;
-        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
-        let mut counters = counting.counters(gpu, ["nodes_touched", "payloads_touched"])?;
-        counters.retain(|counter| self.shape.layers > 1 || !OF_FURTHER_LAYERS.contains(&counter.name));
-        counters.retain(|counter| job.end == EndPoint::Surface || counter.name != "payloads_touched");
-        Ok(counters)
     }
 
     pub(crate) fn memory_of_trace(&self, job: &TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
@@ -199,5 +137,32 @@ impl QuadtreeStructure {
             parts.push((WEIGHTS, job.rays.host.len().max(1) as u64 * 4));
         }
         Ok(parts.into_iter().map(|(name, bytes)| MemoryEntry::whole(name, bytes)).collect())
+    }
+}
+
+impl Search for QuadtreeStructure {
+    type Counting = TraceCounts;
+
+    fn record(
+        &self,
+        job: &TraceJob<'_>,
+        hits: &HitBuffer,
+        counting: Option<&TraceCounts>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        self.record_weighing(job, hits, counting, clock).map(drop)
+    }
+
+    fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        let gpu = self.gpu();
+        // Of nodes and, no more than these, of pixels.
+        let things = [self.shape.level_offsets().1 * self.shape.images(); 2];
+        let names = if self.shape.is_joined { &COUNTERS[..] } else { &COUNTERS[..COUNTERS.len() - 1] };
+        let counting = TraceCounts::new(gpu, things, names, job.rays.host.len(), "--size, --face or --frame")?;
+        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
+        let mut counters = counting.counters(gpu, ["nodes_touched", "payloads_touched"])?;
+        counters.retain(|counter| self.shape.layers > 1 || !OF_FURTHER_LAYERS.contains(&counter.name));
+        counters.retain(|counter| job.end == EndPoint::Surface || counter.name != "payloads_touched");
+        Ok(counters)
     }
 }

@@ -6,6 +6,7 @@ use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{
     Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, Query, Ray, RayBuffer, Residency, Status, Structure, TraceJob,
 };
+use tracebench_kit::Built;
 use tracebench_tests::{Numbers, gpu, ray, soup};
 
 use super::description::NextLayer;
@@ -228,7 +229,7 @@ impl Stage {
         Self { tracer: Quadtree::new(Arc::clone(&gpu)).unwrap(), gpu, geometry, eye }
     }
 
-    pub(crate) fn built(&self, settings: &[(&str, &str)]) -> QuadtreeStructure {
+    pub(crate) fn built(&self, settings: &[(&str, &str)]) -> Built<QuadtreeStructure> {
         built_by(&self.tracer, &self.gpu, &self.geometry, settings)
     }
 
@@ -354,7 +355,7 @@ fn faces_answer_every_direction() {
 /// Counters of a trace to hits.
 pub(crate) fn counted(
     gpu: &Arc<Gpu>,
-    structure: &QuadtreeStructure,
+    structure: &Built<QuadtreeStructure>,
     rays: &[Ray],
     settings: &[(&str, &str)],
 ) -> Vec<Counter> {

@@ -4,8 +4,6 @@ use tracebench_api::ParameterScope::{Build, Trace};
 use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
 use tracebench_kit::{DrawnBy, Reads, build_parameter, rays_per_lane_parameter, reads_parameter};
 
-use crate::trace::layouts;
-
 choice! {
     /// Where in its step a hit is placed; in the order of the shader's codes.
     pub(crate) enum HitPoint { Step = "step", Depth = "depth" }
@@ -77,6 +75,5 @@ pub fn description() -> Description {
         queries: &Query::ALL,
         no_refit: Some(NO_REFIT),
         parameters: DdaParameters::describe(),
-        layouts: layouts(),
     }
 }

@@ -32,7 +32,6 @@
 
 mod description;
 mod structure;
-mod trace;
 
 pub use description::description;
 pub use structure::ScreenDda;

@@ -1,53 +1,29 @@
 //! The tracer and its structure.
 
-use std::sync::Arc;
-
-use tracebench_api::{
-    Counter, Geometry, Gpu, HitBuffer, ImageMarch, Layers, MarchSteps, MemoryEntry, MemoryReport, Parameters,
-    PhaseClock, Projection, Sampling, Structure, TraceJob, TracerError, Update, Viewpoint,
-};
+use tracebench_api::{ImageMarch, Layers, MarchSteps, Parameters, Projection, Sampling, TraceJob, TracerError, View};
 use tracebench_kit::{
-    BuildJob, CellDepths, DeviceStructure, DeviceTracer, DrawnView, ImagePipelines, ImageShape, Images,
-    PipelinesOnDemand,
+    CellDepths, DeviceTracer, DrawnView, ImageMethod, ImageShape, ImageStructure, Images, rays_within_rounds,
 };
-use tracebench_shaders::screen_dda::Trace;
+use tracebench_shaders::screen_dda::{Settings, Trace};
 
 use crate::description::{DdaParameters, HitPoint, March, NO_REFIT, ThicknessFrom};
-use crate::trace::Settings;
-
-/// The pipelines.
-pub struct Pipelines {
-    pub(crate) gpu: Arc<Gpu>,
-    pub(crate) images: ImagePipelines,
-    pub(crate) trace: PipelinesOnDemand<Trace>,
-}
 
 /// The tracer.
-pub type ScreenDda = DeviceTracer<ScreenDdaStructure>;
+pub type ScreenDda = DeviceTracer<ImageStructure<DdaMethod>>;
 
 /// The depth layers of one view.
-pub struct ScreenDdaStructure {
-    pub(crate) pipelines: Arc<Pipelines>,
-    pub(crate) drawn: DrawnView,
-}
+pub struct DdaMethod;
 
-impl DeviceStructure for ScreenDdaStructure {
-    type Pipelines = Pipelines;
+impl ImageMethod for DdaMethod {
+    type Variant = Trace;
+    type Settings = Settings;
 
     const NO_REFIT: &'static str = NO_REFIT;
+    const PHASE: &'static str = "march";
 
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Pipelines, TracerError> {
-        Ok(Pipelines { images: ImagePipelines::new(&gpu)?, trace: PipelinesOnDemand::new("trace"), gpu })
-    }
-
-    fn build(
-        pipelines: &Arc<Pipelines>,
-        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
-        let (parameters, view) = (DdaParameters::try_from(parameters)?, viewpoint.frame_view());
-        let shape = ImageShape {
+    fn shape(view: &View, parameters: &Parameters) -> Result<ImageShape, TracerError> {
+        let parameters = DdaParameters::try_from(parameters)?;
+        Ok(ImageShape {
             size: view.size,
             layers: parameters.layers,
             backs: parameters.thickness_from == ThicknessFrom::BackFaces,
@@ -55,46 +31,55 @@ impl DeviceStructure for ScreenDdaStructure {
             pyramid: (parameters.march == March::HiZ).then_some(CellDepths::NearFar),
             reads: parameters.reads,
             drawn_by: parameters.build,
+        })
+    }
+
+    fn variant(drawn: &DrawnView, surfaces: bool, counters: bool) -> Trace {
+        let Images { shape, copy, pyramid, .. } = &drawn.images;
+        Trace { textures: copy.is_none(), deep: shape.images() > 1, hi_z: pyramid.is_some(), surfaces, counters }
+    }
+
+    fn settings(drawn: &DrawnView, job: &TraceJob<'_>) -> Result<(Settings, u32), TracerError> {
+        let parameters = DdaParameters::try_from(job.parameters)?;
+        let DrawnView { view, images, diagonal, .. } = drawn;
+        // A walk along the major axis, and the turn itself.
+        let longest = view.size.into_iter().max().unwrap_or(1).div_ceil(parameters.stride) + 3;
+        let samples = u64::from(longest.min(parameters.max_steps) + 1);
+        let hi_z = images.pyramid.is_some();
+        // Of a pyramid cells are asked, too: a ray goes up after a sample or a skip alone, and no oftener down than up.
+        let turns = if hi_z { 2 * samples } else { samples };
+        let over_layers = if hi_z || images.shape.images() > 1 { u64::from(images.shape.layers) } else { 0 };
+        let copy = images.copy.as_ref();
+        let rays_per_lane = rays_within_rounds(parameters.rays_per_lane, turns * (1 + over_layers));
+        let settings = Settings {
+            ray_count: job.rays.host.len() as u32,
+            max_steps: parameters.max_steps,
+            hit_point: parameters.hit_point as u32,
+            stride: parameters.stride as f32,
+            thickness: (parameters.thickness * diagonal) as f32,
+            start_bias: parameters.start_bias as f32,
+            rays_per_lane,
+            row_words: copy.map_or(0, |copy| copy.row_words()),
+            image_words: copy.map_or(0, |copy| copy.image_words()),
+            layers: images.shape.layers,
+            backs: u32::from(images.shape.backs),
+            padding: 0,
         };
-        let before = before.map(|before| &before.drawn);
-        let drawn = DrawnView::draw(&pipelines.images, shape, geometry, view, before, clock)?;
-        Ok(Self { pipelines: Arc::clone(pipelines), drawn })
-    }
-}
-
-impl Structure for ScreenDdaStructure {
-    fn update(
-        &mut self,
-        update: Update,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        parameters: &Parameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
-        let job = BuildJob { geometry, viewpoint, parameters };
-        self.follow(&Arc::clone(&self.pipelines), update, job, clock)
+        Ok((settings, rays_per_lane))
     }
 
-    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        // Any hit is the same walk: its first hit is its nearest.
-        self.record(&job, hits, None, clock)
+    fn counters(drawn: &DrawnView) -> &'static [&'static str] {
+        let all = &["depth_samples", "cells_visited"];
+        if drawn.images.pyramid.is_some() { all } else { &all[..1] }
     }
 
-    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        self.count(&job, hits)
+    fn touched(drawn: &DrawnView) -> (&'static str, u64) {
+        ("pixels_touched", drawn.pixels())
     }
 
-    fn memory(&self) -> MemoryReport {
-        self.drawn.memory()
-    }
-
-    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
-        Ok(self.drawn.trace_memory(size_of::<Settings>(), &job))
-    }
-
-    fn samplings(&self, parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+    fn samplings(drawn: &DrawnView, parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
         let DdaParameters { stride, thickness, start_bias, hit_point, .. } = DdaParameters::try_from(parameters)?;
-        let DrawnView { view, images, diagonal, .. } = &self.drawn;
+        let DrawnView { view, images, diagonal, .. } = drawn;
         let shape = &images.shape;
         let march = Some(ImageMarch {
             steps: MarchSteps::Stride(f64::from(stride)),
@@ -108,12 +93,10 @@ impl Structure for ScreenDdaStructure {
         Ok(vec![Sampling { march, ..Sampling::new(Projection::Perspective(*view), layers) }])
     }
 
-    fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
-        let covered = self.drawn.validate(&self.pipelines.gpu)?;
-        let Images { shape, pyramid, .. } = &self.drawn.images;
+    fn statistics(drawn: &DrawnView, covered: &[usize]) -> Vec<(&'static str, f64)> {
+        let Images { shape, pyramid, .. } = &drawn.images;
         let layers = shape.layers as usize;
-        let pixels: u64 = shape.size.map(u64::from).iter().product();
-        let mut told = vec![("pixels", pixels as f64), ("covered_pixels", covered[0] as f64)];
+        let mut told = vec![("pixels", drawn.pixels() as f64), ("covered_pixels", covered[0] as f64)];
         let deeper = ["covered_pixels_of_layer_2", "covered_pixels_of_layer_3", "covered_pixels_of_layer_4"];
         told.extend(deeper.into_iter().zip(&covered[1..layers]).map(|(name, count)| (name, *count as f64)));
         if shape.backs {
@@ -122,6 +105,6 @@ impl Structure for ScreenDdaStructure {
         if let Some(pyramid) = pyramid {
             told.push(("pyramid_cells", pyramid.shape().cells() as f64));
         }
-        Ok(told)
+        told
     }
 }

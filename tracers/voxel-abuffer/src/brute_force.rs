@@ -2,6 +2,7 @@
 
 use tracebench_api::Geometry;
 use tracebench_api::glam::{DVec2, DVec3, Vec3};
+use tracebench_kit::to_unit;
 
 use crate::layout::{AXES, UnitSpace, across_and_down};
 
@@ -64,7 +65,7 @@ pub(crate) struct Placed {
 }
 
 pub(crate) fn place(space: UnitSpace, corners: [DVec3; 3]) -> Placed {
-    let corners = corners.map(|corner| space.to_unit(corner));
+    let corners = corners.map(|corner| to_unit(&space, corner));
     // As the device does, by the two shorter edges.
     let mut edges: [DVec3; 3] = std::array::from_fn(|edge| corners[(edge + 1) % 3] - corners[edge]);
     let longest = (0..3).max_by(|a, b| edges[*a].length().total_cmp(&edges[*b].length())).unwrap_or_default();

@@ -4,8 +4,6 @@ use tracebench_api::ParameterScope::{Build, Trace};
 use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
 use tracebench_kit::{DrawnBy, Fit, Reads, build_parameter, rays_per_lane_parameter, reads_parameter};
 
-use crate::layout::layouts;
-
 choice! {
     /// What there is beside the grid.
     pub(crate) enum Held { TwoLevel = "two-level", VoxelsOnly = "voxels-only" }
@@ -137,6 +135,5 @@ pub fn description() -> Description {
         queries: &Query::ALL,
         no_refit: Some(NO_REFIT),
         parameters: VoxelParameters::describe(),
-        layouts: layouts(),
     }
 }

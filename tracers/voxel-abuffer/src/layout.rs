@@ -1,12 +1,11 @@
 //! Where the scene lies in the unit cube, how fine its grid and images are, and the uniforms that tell shaders of it.
 
-use bytemuck::{Pod, Zeroable};
-use tracebench_api::{Geometry, ImageChoice, Sampling, SharedLayout, Viewpoint, VoxelGrid};
+use tracebench_api::{Geometry, ImageChoice, Sampling, Viewpoint, VoxelGrid};
 use tracebench_kit::DrawnBy;
-pub(crate) use tracebench_kit::{UnitSpace, across_and_down};
+pub(crate) use tracebench_kit::{UnitSpace, across_and_down, samplings_along_axes, unit_space, voxel_grid};
 
 use crate::description::{Averaged, Crossing, Fed, Fragments, Held, InTexel, VoxelParameters};
-use crate::search::VoxelSearch;
+pub(crate) use tracebench_shaders::voxel_abuffer::{AveragedGrid, DrawnAxis};
 
 /// Axes, and images.
 pub(crate) const AXES: usize = 3;
@@ -16,56 +15,6 @@ pub(crate) const AXIS_NAMES: [&str; AXES] = ["x", "y", "z"];
 
 /// Words from the heads of an axis to those of the next are whole multiples of it, as devices ask of where a binding begins.
 const HEAD_ALIGNMENT: u32 = 64;
-
-/// `DrawnAxis` of shaders/voxel-abuffer/space.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct DrawnAxis {
-    /// The cube.
-    pub space: UnitSpace,
-    /// The axis along which it is drawn.
-    pub axis: u32,
-    /// Nodes that there is room for.
-    pub capacity: u32,
-    /// How many of them have their data in its first half.
-    pub half_nodes: u32,
-    /// 0: all fragments feed the averages, 1: those by a triangle's dominant axis.
-    pub fed_by: u32,
-    /// 1: normals are averaged as lines.
-    pub as_lines: u32,
-    /// Nothing.
-    pub padding_a: u32,
-    /// Nothing.
-    pub padding_b: u32,
-    /// Nothing.
-    pub padding_c: u32,
-}
-
-/// `AveragedGrid` of shaders/voxel-abuffer/average.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct AveragedGrid {
-    /// Voxels of the grid.
-    pub voxels: u32,
-    /// Length below which an average says nothing.
-    pub least_length: f32,
-    /// Fragments that sums of 32 bits are sure to hold.
-    pub most_fragments: u32,
-    /// Nothing.
-    pub padding: u32,
-}
-
-/// Layouts of all that shaders share with this crate.
-pub(crate) fn layouts() -> Vec<SharedLayout> {
-    tracebench_api::layouts! {
-        DrawnAxis { space, axis, capacity, half_nodes, fed_by, as_lines, padding_a, padding_b, padding_c }
-        AveragedGrid { voxels, least_length, most_fragments, padding }
-        VoxelSearch {
-            space, ray_count, rays_per_lane, points, binary_steps, nesting, by_change, start_bias, head_stride, touched_words, half_nodes,
-            at_exits, any_hit, first_nodes, first_bits, first_data, first_further_data,
-        }
-    }
-}
 
 /// How much a normal of length 1 adds to its voxel's sums: as in shaders/voxel-abuffer/fill.wgsl.
 pub(crate) const NORMAL_UNIT: f64 = 256.0;
@@ -111,7 +60,7 @@ impl Layout {
         // A bit a voxel is set where a sample of its own lies in it.
         let image = if voxels_only { grid } else { image };
         Self {
-            space: UnitSpace::of(geometry, parameters.fit, image, grid),
+            space: unit_space(geometry, parameters.fit, image, grid),
             voxels_only,
             planes,
             fed: parameters.average_from,
@@ -172,7 +121,7 @@ impl Layout {
 
     /// The images that the scene is seen through.
     pub(crate) fn samplings(&self) -> Vec<Sampling> {
-        self.space.samplings()
+        samplings_along_axes(&self.space)
     }
 
     /// The grid, and how a trace by these parameters looks into its voxels.
@@ -186,7 +135,7 @@ impl Layout {
             from_start: parameters.crossing == Crossing::State,
             start_texels: parameters.start_bias,
         };
-        self.space.voxels((!self.voxels_only).then_some(images))
+        voxel_grid(&self.space, (!self.voxels_only).then_some(images))
     }
 }
 

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, Structure,
-    TraceJob, TracerError, Update, Viewpoint, VoxelGrid,
+    Geometry, Gpu, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, TraceJob, TracerError,
+    VoxelGrid,
 };
 use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, grow};
 
@@ -61,20 +61,6 @@ impl DeviceStructure for VoxelStructure {
         let triangle_count = geometry.triangles.len() as u32;
         Ok(Self { pipelines: Arc::clone(pipelines), layout, buffers, arrays, triangle_count })
     }
-}
-
-impl Structure for VoxelStructure {
-    fn update(
-        &mut self,
-        update: Update,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        parameters: &Parameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
-        let job = BuildJob { geometry, viewpoint, parameters };
-        self.follow(&Arc::clone(&self.pipelines), update, job, clock)
-    }
 
     fn make_room(&mut self) -> Result<bool, TracerError> {
         let gpu = &*self.pipelines.gpu;
@@ -95,14 +81,6 @@ impl Structure for VoxelStructure {
         Ok(true)
     }
 
-    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        self.record(&job, hits, None, clock)
-    }
-
-    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        self.count(&job, hits)
-    }
-
     fn memory(&self) -> MemoryReport {
         let mut ledger = Ledger::new();
         // Of a lost device nothing is known to be used.
@@ -114,7 +92,7 @@ impl Structure for VoxelStructure {
         ledger.report(0)
     }
 
-    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+    fn trace_memory(&self, job: &TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
         VoxelParameters::try_from(job.parameters)?;
         Ok(vec![MemoryEntry::whole("search", size_of::<VoxelSearch>() as u64)])
     }

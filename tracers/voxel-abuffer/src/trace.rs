@@ -3,7 +3,7 @@
 use tracebench_api::wgpu::{BindingResource, Buffer, ComputePipeline};
 use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, TraceJob, TracerError};
 use tracebench_kit::{
-    RayCounts, Reads, TraceCounts, bind_arrays, bind_group, bind_group_at, dispatch_rays, rays_within_rounds,
+    RayCounts, Reads, Search, TraceCounts, bind_arrays, bind_group, bind_group_at, dispatch_rays, rays_within_rounds,
     record_searches, uniform_buffer, untimed,
 };
 use tracebench_shaders::voxel_abuffer::{Trace, Voxels};
@@ -11,7 +11,7 @@ use tracebench_shaders::voxel_abuffer::{Trace, Voxels};
 use crate::buffers::Lists;
 use crate::description::{Depths, VoxelParameters};
 use crate::layout::AXES;
-use crate::search::VoxelSearch;
+use crate::search::{VoxelSearch, voxel_search};
 use crate::structure::VoxelStructure;
 
 /// What is counted of every ray, as `COUNTS` in shaders/voxel-abuffer/store.wgsl.
@@ -29,7 +29,7 @@ impl VoxelStructure {
         parameters: &VoxelParameters,
         counting: Option<&TraceCounts>,
     ) -> Result<VoxelSearch, TracerError> {
-        let mut search = VoxelSearch::of(&self.layout, job, parameters);
+        let mut search = voxel_search(&self.layout, job, parameters);
         search.touched_words = counting.map_or(0, |counting| counting.bit_words[0]);
         let Some(lists) = &self.buffers.lists else { return Ok(search) };
         search.half_nodes = lists.nodes.half_nodes;
@@ -47,8 +47,40 @@ impl VoxelStructure {
         end == EndPoint::Surface || self.layout.planes || parameters.depths == Depths::Plane
     }
 
-    /// Records a trace, by the counting variant where there is something to count into.
-    pub(crate) fn record(
+    /// The same through voxels alone.
+    fn record_voxels(
+        &self,
+        job: &TraceJob<'_>,
+        hits: &HitBuffer,
+        counts: Option<&Buffer>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        if job.end == EndPoint::Surface {
+            return Err(TracerError::Unsupported(NO_SURFACES.to_owned()));
+        }
+        let gpu = &*self.pipelines.gpu;
+        let mut search = self.search(job, &VoxelParameters::try_from(job.parameters)?, None)?;
+        // Through the grid along every axis, and the turn itself.
+        let most_rounds = u64::from(3 * search.space.grid + 2);
+        search.rays_per_lane = rays_within_rounds(search.rays_per_lane, most_rounds);
+        let textures = self.arrays.reads() == Reads::Texture;
+        let pipeline = self.pipelines.voxels.of(gpu, Voxels { textures, counters: counts.is_some() })?;
+        let settings = uniform_buffer(gpu, "search", &search)?;
+        let mut bound = vec![(0, &settings), (1, job.rays.on_device()?), (2, hits.on_device(job.rays.host.len())?)];
+        bound.extend(counts.map(|counts| (4, counts)));
+        let bound: Vec<_> = bound.into_iter().map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
+        let own = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &bound);
+        let arrays = bind_arrays(gpu, &pipeline, &self.arrays.bound(false));
+        clock.device_phase("trace", |encoder| {
+            dispatch_rays(encoder, &pipeline, &[&own, &arrays], search.ray_count, search.rays_per_lane);
+        })
+    }
+}
+
+impl Search for VoxelStructure {
+    type Counting = TraceCounts;
+
+    fn record(
         &self,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
@@ -92,42 +124,13 @@ impl VoxelStructure {
         record_searches(&searches, search.ray_count, hit_buffer, clock)
     }
 
-    /// The same through voxels alone.
-    fn record_voxels(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counts: Option<&Buffer>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
-        if job.end == EndPoint::Surface {
-            return Err(TracerError::Unsupported(NO_SURFACES.to_owned()));
-        }
-        let gpu = &*self.pipelines.gpu;
-        let mut search = self.search(job, &VoxelParameters::try_from(job.parameters)?, None)?;
-        // Through the grid along every axis, and the turn itself.
-        let most_rounds = u64::from(3 * search.space.grid + 2);
-        search.rays_per_lane = rays_within_rounds(search.rays_per_lane, most_rounds);
-        let textures = self.arrays.reads() == Reads::Texture;
-        let pipeline = self.pipelines.voxels.of(gpu, Voxels { textures, counters: counts.is_some() })?;
-        let settings = uniform_buffer(gpu, "search", &search)?;
-        let mut bound = vec![(0, &settings), (1, job.rays.on_device()?), (2, hits.on_device(job.rays.host.len())?)];
-        bound.extend(counts.map(|counts| (4, counts)));
-        let bound: Vec<_> = bound.into_iter().map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
-        let own = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &bound);
-        let arrays = bind_arrays(gpu, &pipeline, &self.arrays.bound(false));
-        clock.device_phase("trace", |encoder| {
-            dispatch_rays(encoder, &pipeline, &[&own, &arrays], search.ray_count, search.rays_per_lane);
-        })
-    }
-
-    pub(crate) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
+    fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = &*self.pipelines.gpu;
         let count = job.rays.host.len();
         let Some(lists) = &self.buffers.lists else {
-            let counts = RayCounts::new(gpu, "counts", count)?;
+            let counts = RayCounts::new(gpu, &["voxels_stepped"], count)?;
             untimed(gpu, |clock| self.record_voxels(job, hits, Some(counts.buffer()), clock))?;
-            return counts.counters(gpu, ["voxels_stepped"]);
+            return counts.counters(gpu);
         };
         // Of nodes and of their data.
         let things = [u64::from(lists.nodes.capacity()); 2];

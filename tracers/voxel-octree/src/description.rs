@@ -4,7 +4,7 @@ use tracebench_api::ParameterScope::{Build, Trace};
 use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Residency, choice, parameters};
 use tracebench_kit::{Reads, rays_per_lane_parameter, reads_parameter};
 
-use crate::layout::{MOST_LEVELS, layouts};
+use crate::layout::MOST_LEVELS;
 
 choice! {
     /// How the node that holds the next voxel is found.
@@ -50,6 +50,5 @@ pub fn description() -> Description {
         queries: &Query::ALL,
         no_refit: Some(NO_REFIT),
         parameters: OctreeParameters::describe(),
-        layouts: layouts(),
     }
 }

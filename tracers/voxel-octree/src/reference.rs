@@ -2,6 +2,7 @@
 
 use tracebench_api::Geometry;
 use tracebench_api::glam::{DVec3, Vec3};
+use tracebench_kit::to_unit;
 
 use crate::layout::Layout;
 
@@ -34,7 +35,7 @@ impl Triangle {
         let [a, b, c] = scene;
         let across = (b - a).normalize_or_zero().cross((c - a).normalize_or_zero());
         Self {
-            corners: scene.map(|corner| layout.space.to_unit(corner) * f64::from(layout.edge())),
+            corners: scene.map(|corner| to_unit(&layout.space, corner) * f64::from(layout.edge())),
             normal: across.normalize_or_zero(),
             thin: across.length() < THIN,
         }

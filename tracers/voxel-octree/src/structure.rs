@@ -3,10 +3,13 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, Structure,
-    TraceJob, TracerError, Update, Viewpoint, VoxelGrid,
+    Geometry, Gpu, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, TraceJob, TracerError,
+    VoxelGrid,
 };
-use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, ReadSlot, Readable, Reads, grow, record_copies};
+use tracebench_kit::{
+    BuildJob, DeviceStructure, DeviceTracer, ReadSlot, Readable, Reads, grow, record_copies, samplings_along_axes,
+    voxel_grid,
+};
 
 use crate::build::{LEAF_BYTES, LEAVES, NODE_BYTES, NODES, Scene, TAKEN, Tree};
 use crate::counts::{Counts, Taken};
@@ -74,20 +77,6 @@ impl DeviceStructure for OctreeStructure {
         record_copies(&arrays, clock)?;
         Ok(Self { kernels: Arc::clone(pipelines), layout, scene, tree, arrays, scratch_bytes })
     }
-}
-
-impl Structure for OctreeStructure {
-    fn update(
-        &mut self,
-        update: Update,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        parameters: &Parameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
-        let job = BuildJob { geometry, viewpoint, parameters };
-        self.follow(&Arc::clone(&self.kernels), update, job, clock)
-    }
 
     fn make_room(&mut self) -> Result<bool, TracerError> {
         let taken = Taken::read(&self.kernels.gpu, &self.tree.taken)?;
@@ -108,14 +97,6 @@ impl Structure for OctreeStructure {
         Ok(true)
     }
 
-    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        self.record(&job, hits, None, clock)
-    }
-
-    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        self.count(&job, hits)
-    }
-
     fn memory(&self) -> MemoryReport {
         let mut ledger = Ledger::new();
         let levels = self.layout.levels;
@@ -134,19 +115,19 @@ impl Structure for OctreeStructure {
         ledger.report(0)
     }
 
-    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+    fn trace_memory(&self, job: &TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
         OctreeParameters::try_from(job.parameters)?;
         Ok(vec![MemoryEntry::whole("search", size_of::<OctreeSearch>() as u64)])
     }
 
     fn samplings(&self, _parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
         // A voxel is a texel of the images along all three axes.
-        Ok(self.layout.space.samplings())
+        Ok(samplings_along_axes(&self.layout.space))
     }
 
     fn voxels(&self, parameters: &Parameters) -> Result<Option<VoxelGrid>, TracerError> {
         OctreeParameters::try_from(parameters)?;
-        Ok(Some(self.layout.space.voxels(None)))
+        Ok(Some(voxel_grid(&self.layout.space, None)))
     }
 
     fn validate(&self, geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {

@@ -2,7 +2,7 @@
 
 use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, TraceJob, TracerError};
 use tracebench_kit::{
-    Reads, TraceCounts, bind_arrays, bind_group_at, dispatch_rays, rays_within_rounds, uniform_buffer, untimed,
+    Reads, Search, TraceCounts, bind_arrays, bind_group_at, dispatch_rays, rays_within_rounds, uniform_buffer, untimed,
 };
 use tracebench_shaders::voxel_octree::Trace;
 
@@ -25,9 +25,10 @@ fn most_rounds(layout: &Layout, traversal: Traversal) -> u64 {
     }
 }
 
-impl OctreeStructure {
-    /// Records a trace, by the counting variant where there is something to count into.
-    pub(crate) fn record(
+impl Search for OctreeStructure {
+    type Counting = TraceCounts;
+
+    fn record(
         &self,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
@@ -66,7 +67,7 @@ impl OctreeStructure {
         })
     }
 
-    pub(crate) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
+    fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = &*self.kernels.gpu;
         let (room, levels) = (&self.tree.room, self.layout.levels);
         let things = [room.nodes_before(levels), room.leaves(levels)].map(u64::from);

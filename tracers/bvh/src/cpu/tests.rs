@@ -5,6 +5,7 @@ use tracebench_api::{Choice, Preset};
 
 use super::*;
 use crate::gpu::layout::Tree;
+use crate::touched::viewpoint;
 use crate::touched::{assert_touched, scene};
 
 /// A grid of triangles that a wave runs through: at another time other triangles lie close together.
@@ -36,16 +37,7 @@ fn built(geometry: &Geometry, parameters: &Parameters) -> BvhCpuStructure {
 
 /// Refits, and gives the names of the phases.
 fn refit(structure: &mut BvhCpuStructure, geometry: &Geometry, parameters: &Parameters) -> Vec<String> {
-    let view = Viewpoint {
-        eye: Vec3::ZERO,
-        forward: Vec3::X,
-        up: Vec3::Y,
-        vertical_fov: 1.0,
-        near: 0.1,
-        far: 100.0,
-        frame: [8, 8],
-        face: 8,
-    };
+    let view = viewpoint();
     let mut clock = PhaseClock::new(None);
     structure.update(Update::Refit, geometry, &view, parameters, &mut clock).unwrap();
     clock.finish().unwrap().phases.into_iter().map(|phase| phase.name).collect()

@@ -6,8 +6,6 @@ use tracebench_api::{
 use tracebench_kit::{Reads, rays_per_lane_parameter, reads_parameter};
 
 use crate::input::{BuildPreset, build_parameter};
-use crate::layouts::layouts;
-
 choice! {
     /// The two kinds of node.
     pub(crate) enum NodeKind { Wide = "cwbvh", Binary = "bvh2" }
@@ -37,7 +35,6 @@ pub fn description() -> Description {
         queries: &Query::ALL,
         no_refit: None,
         parameters: GpuParameters::describe(),
-        layouts: layouts(),
     }
 }
 

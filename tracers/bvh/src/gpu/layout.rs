@@ -1,6 +1,5 @@
 //! Hierarchies as they are built, fitted and checked on the host, and as the device has them.
 
-use bytemuck::{Pod, Zeroable};
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::CwBvh;
@@ -14,41 +13,16 @@ use crate::wide::{check_boxes, check_references, depth};
 use crate::{hierarchy, refit, sah};
 
 use super::description::{GpuParameters, NodeKind};
+pub(crate) use tracebench_shaders::bvh::Triangle as DeviceTriangle;
 
-/// `Triangle` of shaders/bvh/triangle.wgsl.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct DeviceTriangle {
-    /// A corner, units of the hierarchy.
-    pub first: [f32; 3],
-    /// The triangle's index in the scene.
-    pub primitive: u32,
-    /// A corner.
-    pub second: [f32; 3],
-    /// Nothing.
-    pub after_second: u32,
-    /// A corner.
-    pub third: [f32; 3],
-    /// Nothing.
-    pub after_third: u32,
+fn device_triangle(triangle: &Triangle, primitive: u32) -> DeviceTriangle {
+    let [first, second, third] = [triangle.v0, triangle.v1, triangle.v2].map(|corner| corner.to_array());
+    DeviceTriangle { first, primitive, second, after_second: 0, third, after_third: 0 }
 }
 
-impl DeviceTriangle {
-    fn new(triangle: &Triangle, primitive: u32) -> Self {
-        Self {
-            first: triangle.v0.to_array(),
-            primitive,
-            second: triangle.v1.to_array(),
-            after_second: 0,
-            third: triangle.v2.to_array(),
-            after_third: 0,
-        }
-    }
-
-    fn corners(&self) -> Triangle {
-        let [v0, v1, v2] = [self.first, self.second, self.third].map(Vec3A::from);
-        Triangle { v0, v1, v2 }
-    }
+fn corners(triangle: &DeviceTriangle) -> Triangle {
+    let [v0, v1, v2] = [triangle.first, triangle.second, triangle.third].map(Vec3A::from);
+    Triangle { v0, v1, v2 }
 }
 
 impl NodeKind {
@@ -175,7 +149,7 @@ impl Tree {
 
     /// The triangles in the order of the slots.
     pub(crate) fn order(&self, triangles: &[Triangle]) -> Vec<DeviceTriangle> {
-        let of = |primitive: &u32| DeviceTriangle::new(&triangles[*primitive as usize], *primitive);
+        let of = |primitive: &u32| device_triangle(&triangles[*primitive as usize], *primitive);
         self.primitive_indices().par_iter().map(of).collect()
     }
 
@@ -188,7 +162,7 @@ impl Tree {
         fitted: bool,
     ) -> Result<(), TracerError> {
         check_references(self.primitive_indices(), triangle_count, self.with_splits())?;
-        let corners: Vec<Triangle> = ordered.iter().map(DeviceTriangle::corners).collect();
+        let corners: Vec<Triangle> = ordered.iter().map(corners).collect();
         let whole = fitted || !self.with_splits();
         match self {
             Self::Wide(wide) => depth(wide).and_then(|_| check_boxes(wide, &corners, whole)),

@@ -15,39 +15,25 @@ use std::sync::Arc;
 
 use obvhs::triangle::Triangle;
 use tracebench_api::{
-    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
-    Tracer, TracerError, Update, Viewpoint,
+    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, PhaseClock, TraceJob, TracerError,
 };
 
-use tracebench_kit::{Reads, SurfaceGeometry};
+use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, Reads, Search, SurfaceGeometry};
 
 use description::GpuParameters;
 pub use description::description;
-pub use layout::DeviceTriangle;
-pub use search::{BINARY_STACK, SearchSettings, WIDE_STACK};
+pub use search::{BINARY_STACK, WIDE_STACK};
 
 use crate::input::{check_fits, gather, scale_for};
 use layout::Tree;
 use resident::Resident;
-use search::{Searched, Searches};
+use search::{Counting, Searched, Searches};
 
 /// The tracer.
-pub struct BvhGpu {
-    searches: Arc<Searches>,
-}
-
-impl BvhGpu {
-    /// Creates the pipelines.
-    ///
-    /// # Errors
-    /// [`TracerError::Failed`] if the device refuses one.
-    pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        Ok(Self { searches: Arc::new(Searches::new(gpu)?) })
-    }
-}
+pub type BvhGpu = DeviceTracer<BvhGpuStructure>;
 
 /// A hierarchy on the device.
-struct BvhGpuStructure {
+pub struct BvhGpuStructure {
     searches: Arc<Searches>,
     /// Factor from scene units to those of the hierarchy, a power of two.
     scale: f32,
@@ -59,71 +45,10 @@ struct BvhGpuStructure {
     fitted: Option<Tree>,
 }
 
-impl Tracer for BvhGpu {
-    fn build(
-        &self,
-        geometry: &Geometry,
-        _viewpoint: &Viewpoint,
-        parameters: &Parameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Box<dyn Structure>, TracerError> {
-        let parameters = GpuParameters::try_from(parameters)?;
-        Ok(Box::new(BvhGpuStructure::build(&self.searches, geometry, &parameters, None, clock)?))
-    }
-}
-
 impl BvhGpuStructure {
     fn searched(&self, job: &TraceJob<'_>) -> Result<Searched<'_>, TracerError> {
         let GpuParameters { rays_per_lane, .. } = GpuParameters::try_from(job.parameters)?;
         Ok(Searched { resident: &self.resident, geometry: &self.geometry, scale: self.scale, rays_per_lane })
-    }
-
-    /// Builds, into the buffers or textures of `there` where these are large enough.
-    fn build(
-        searches: &Arc<Searches>,
-        geometry: &Geometry,
-        parameters: &GpuParameters,
-        there: Option<&Resident>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
-        // Rays and hits are on the device, and so must the scene be, though the build reads it in host memory.
-        let surfaces = SurfaceGeometry::of(geometry)?;
-        let scale = scale_for(geometry.diagonal());
-        let triangles = gather(geometry, scale, clock);
-        let mut ledger = Ledger::new();
-        ledger.borrow_transient(size_of_val(triangles.as_slice()) as u64);
-        let tree = Tree::build(&triangles, parameters, &mut ledger, clock);
-        ledger.borrow_transient((tree.node_bytes().len() + size_of_val(tree.primitive_indices())) as u64);
-        let resident = place(&searches.gpu, parameters.reads, &tree, &triangles, there, &mut ledger, clock)?;
-        Ok(Self {
-            searches: Arc::clone(searches),
-            scale,
-            resident,
-            memory: ledger.report(0).with_surface_geometry(surfaces.bytes),
-            geometry: surfaces,
-            triangle_count: triangles.len(),
-            fitted: None,
-        })
-    }
-
-    /// Boxes and triangles follow the vertices. Triangles that the build split keep several boxes, each now of the whole
-    /// triangle.
-    fn refit(&mut self, geometry: &Geometry, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        check_fits(self.triangle_count, geometry)?;
-        let gpu = Arc::clone(&self.searches.gpu);
-        let surfaces = SurfaceGeometry::of(geometry)?;
-        let mut tree = match self.fitted.take() {
-            Some(tree) => tree,
-            None => clock.host_phase("read the hierarchy back", || self.resident.read(&gpu))?.0,
-        };
-        let scale = scale_for(geometry.diagonal());
-        let triangles = gather(geometry, scale, clock);
-        clock.host_phase("refit boxes", || tree.refit(&triangles));
-        let (reads, there) = (self.resident.reads(), Some(&self.resident));
-        self.resident = place(&gpu, reads, &tree, &triangles, there, &mut Ledger::new(), clock)?;
-        (self.scale, self.geometry) = (scale, surfaces);
-        self.fitted = Some(tree);
-        Ok(())
     }
 }
 
@@ -146,32 +71,77 @@ fn place(
     Ok(resident)
 }
 
-impl Structure for BvhGpuStructure {
-    fn update(
-        &mut self,
-        update: Update,
-        geometry: &Geometry,
-        _viewpoint: &Viewpoint,
-        parameters: &Parameters,
+impl Search for BvhGpuStructure {
+    type Counting = Counting;
+
+    fn record(
+        &self,
+        job: &TraceJob<'_>,
+        hits: &HitBuffer,
+        counting: Option<&Counting>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        match update {
-            Update::Rebuild => {
-                let parameters = GpuParameters::try_from(parameters)?;
-                *self = Self::build(&self.searches, geometry, &parameters, Some(&self.resident), clock)?;
-            }
-            Update::Refit => self.refit(geometry, clock)?,
-            Update::Reuse => {}
-        }
+        self.searches.record(self.searched(job)?, job, hits, counting, clock)
+    }
+
+    fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        self.searches.count(self.searched(job)?, job, hits)
+    }
+}
+
+impl DeviceStructure for BvhGpuStructure {
+    type Pipelines = Searches;
+
+    fn pipelines(gpu: Arc<Gpu>) -> Result<Searches, TracerError> {
+        Searches::new(gpu)
+    }
+
+    fn build(
+        searches: &Arc<Searches>,
+        BuildJob { geometry, parameters, .. }: BuildJob<'_>,
+        before: Option<&Self>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Self, TracerError> {
+        let parameters = &GpuParameters::try_from(parameters)?;
+        let there = before.map(|before| &before.resident);
+        // Rays and hits are on the device, and so must the scene be, though the build reads it in host memory.
+        let surfaces = SurfaceGeometry::of(geometry)?;
+        let scale = scale_for(geometry.diagonal());
+        let triangles = gather(geometry, scale, clock);
+        let mut ledger = Ledger::new();
+        ledger.borrow_transient(size_of_val(triangles.as_slice()) as u64);
+        let tree = Tree::build(&triangles, parameters, &mut ledger, clock);
+        ledger.borrow_transient((tree.node_bytes().len() + size_of_val(tree.primitive_indices())) as u64);
+        let resident = place(&searches.gpu, parameters.reads, &tree, &triangles, there, &mut ledger, clock)?;
+        Ok(Self {
+            searches: Arc::clone(searches),
+            scale,
+            resident,
+            memory: ledger.report(0).with_surface_geometry(surfaces.bytes),
+            geometry: surfaces,
+            triangle_count: triangles.len(),
+            fitted: None,
+        })
+    }
+
+    // Boxes and triangles follow the vertices. Triangles that the build split keep several boxes, each now of the whole
+    // triangle.
+    fn refit(&mut self, geometry: &Geometry, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        check_fits(self.triangle_count, geometry)?;
+        let gpu = Arc::clone(&self.searches.gpu);
+        let surfaces = SurfaceGeometry::of(geometry)?;
+        let mut tree = match self.fitted.take() {
+            Some(tree) => tree,
+            None => clock.host_phase("read the hierarchy back", || self.resident.read(&gpu))?.0,
+        };
+        let scale = scale_for(geometry.diagonal());
+        let triangles = gather(geometry, scale, clock);
+        clock.host_phase("refit boxes", || tree.refit(&triangles));
+        let (reads, there) = (self.resident.reads(), Some(&self.resident));
+        self.resident = place(&gpu, reads, &tree, &triangles, there, &mut Ledger::new(), clock)?;
+        (self.scale, self.geometry) = (scale, surfaces);
+        self.fitted = Some(tree);
         Ok(())
-    }
-
-    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        self.searches.record(self.searched(&job)?, &job, hits, None, clock)
-    }
-
-    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        self.searches.count(self.searched(&job)?, &job, hits)
     }
 
     fn memory(&self) -> MemoryReport {
@@ -185,8 +155,8 @@ impl Structure for BvhGpuStructure {
         report
     }
 
-    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
-        Ok(search::trace_memory(&self.resident, &job))
+    fn trace_memory(&self, job: &TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+        Ok(search::trace_memory(&self.resident, job))
     }
 
     fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::Buffer;
 use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
 use tracebench_kit::{
@@ -13,6 +12,7 @@ use tracebench_shaders::bvh::{Binary, Cwbvh};
 
 use super::description::NodeKind;
 use super::resident::Resident;
+pub(crate) use tracebench_shaders::bvh::SearchSettings;
 
 /// Entries of a lane's private stack over CWBVH nodes: `PRIVATE_STACK` in shaders/bvh/cwbvh.wgsl. A search of a hierarchy
 /// of that many levels at most fits; deeper ones are searched with stacks in device memory, a ray a lane: Mesa's software
@@ -38,54 +38,30 @@ pub(crate) fn stack_entry_bytes(kind: NodeKind) -> u64 {
     }
 }
 
-/// `SearchSettings` of shaders/bvh/search.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct SearchSettings {
-    /// The first ray of the dispatch.
-    pub first_ray: u32,
-    /// Rays of the dispatch.
-    pub ray_count: u32,
-    /// Rays that a lane answers one after the other, >= 1.
-    pub rays_per_lane: u32,
-    /// 1: any hit ends a search; 0: the closest is asked for.
-    pub any_hit: u32,
-    /// Entries of a lane's stack in device memory; 0 where stacks are private.
-    pub stack_entries: u32,
-    /// From scene units to those of the hierarchy, a power of two.
-    pub scale: f32,
-    /// Back.
-    pub unscale: f32,
-    /// The largest t, scene units, that the scale keeps finite.
-    pub greatest_t: f32,
-}
-
-impl SearchSettings {
-    /// What each dispatch is told. Private stacks take one dispatch; stacks in device memory take as many as there are
-    /// rays for all of them, a ray a lane.
-    fn of_dispatches(job: &TraceJob<'_>, searched: Searched<'_>) -> Vec<Self> {
-        let Searched { resident, scale, rays_per_lane, .. } = searched;
-        let all_rays = job.rays.host.len() as u32;
-        let all = Self {
-            first_ray: 0,
-            ray_count: all_rays,
-            rays_per_lane,
-            any_hit: u32::from(job.rays.query == Query::Any),
-            stack_entries: 0,
-            scale,
-            unscale: 1.0 / scale,
-            greatest_t: (f64::from(f32::MAX) / 2.0 / f64::from(scale)).min(f64::from(f32::MAX)) as f32,
-        };
-        let Some((_, lanes)) = resident.stacks() else { return vec![all] };
-        let of = |first_ray| Self {
-            first_ray,
-            ray_count: (all_rays - first_ray).min(lanes),
-            rays_per_lane: 1,
-            stack_entries: resident.depth as u32,
-            ..all
-        };
-        (0..all_rays).step_by(lanes as usize).map(of).collect()
-    }
+/// What each dispatch is told. Private stacks take one dispatch; stacks in device memory take as many as there are
+/// rays for all of them, a ray a lane.
+fn settings_of_dispatches(job: &TraceJob<'_>, searched: Searched<'_>) -> Vec<SearchSettings> {
+    let Searched { resident, scale, rays_per_lane, .. } = searched;
+    let all_rays = job.rays.host.len() as u32;
+    let all = SearchSettings {
+        first_ray: 0,
+        ray_count: all_rays,
+        rays_per_lane,
+        any_hit: u32::from(job.rays.query == Query::Any),
+        stack_entries: 0,
+        scale,
+        unscale: 1.0 / scale,
+        greatest_t: (f64::from(f32::MAX) / 2.0 / f64::from(scale)).min(f64::from(f32::MAX)) as f32,
+    };
+    let Some((_, lanes)) = resident.stacks() else { return vec![all] };
+    let of = |first_ray| SearchSettings {
+        first_ray,
+        ray_count: (all_rays - first_ray).min(lanes),
+        rays_per_lane: 1,
+        stack_entries: resident.depth as u32,
+        ..all
+    };
+    (0..all_rays).step_by(lanes as usize).map(of).collect()
 }
 
 /// What the dispatches of a trace are told their settings by, and what gathering surfaces takes.
@@ -100,8 +76,8 @@ pub(crate) fn trace_memory(resident: &Resident, job: &TraceJob<'_>) -> Vec<Memor
 const SETTINGS: &str = "settings";
 
 /// The buffers of a trace that counts.
-pub(crate) struct Counting {
-    counts: RayCounts<3>,
+pub struct Counting {
+    counts: RayCounts,
     /// A bit a node.
     nodes: TouchedBits,
     /// A bit a slot of the leaves.
@@ -111,7 +87,7 @@ pub(crate) struct Counting {
 impl Counting {
     fn new(gpu: &Gpu, resident: &Resident, rays: usize) -> Result<Self, TracerError> {
         Ok(Self {
-            counts: RayCounts::new(gpu, "counts", rays)?,
+            counts: RayCounts::new(gpu, &["nodes_visited", "triangle_tests", "search_rounds"], rays)?,
             nodes: TouchedBits::new(gpu, "nodes touched", resident.node_room(), "the scene's triangle count")?,
             references: TouchedBits::new(
                 gpu,
@@ -137,7 +113,7 @@ pub(crate) struct Searched<'a> {
 }
 
 /// The device with the pipelines, each made when it is first asked for.
-pub(crate) struct Searches {
+pub struct Searches {
     pub(crate) gpu: Arc<Gpu>,
     gather: Gather,
     wide: PipelinesOnDemand<Cwbvh>,
@@ -174,7 +150,7 @@ impl Searches {
         };
         let arrays = bind_arrays(gpu, &pipeline, resident.arrays());
         let mut dispatches = Vec::new();
-        for settings in SearchSettings::of_dispatches(job, searched) {
+        for settings in settings_of_dispatches(job, searched) {
             let uniform = uniform_buffer(gpu, SETTINGS, &settings)?;
             let mut resources = vec![
                 uniform.as_entire_binding(),
@@ -209,7 +185,7 @@ impl Searches {
         let gpu = &self.gpu;
         let counting = Counting::new(gpu, searched.resident, job.rays.host.len())?;
         untimed(gpu, |clock| self.record(searched, job, hits, Some(&counting), clock))?;
-        let mut counters = counting.counts.counters(gpu, ["nodes_visited", "triangle_tests", "search_rounds"])?;
+        let mut counters = counting.counts.counters(gpu)?;
         counters.push(Counter::of_set("nodes_touched", counting.nodes.count(gpu)?));
         counters.push(Counter::of_set("references_touched", counting.references.count(gpu)?));
         Ok(counters)

@@ -9,7 +9,7 @@ use tracebench_api::{Ledger, Parameters, PhaseClock, Preset};
 
 use super::description::GpuParameters;
 use super::layout::{DeviceTriangle, Tree};
-use super::{BvhGpu, BvhGpuStructure, description};
+use super::{BvhGpu, description};
 use crate::binary::{Binary, INNER};
 use crate::hierarchy;
 use crate::input::BuildPreset;
@@ -133,9 +133,9 @@ fn touched_is_what_rays_meet() {
     for node in ["cwbvh", "bvh2"] {
         let mut parameters = Parameters::preset(&described, Preset::Published);
         parameters.set(&described, "node", node).unwrap();
-        let told = GpuParameters::try_from(&parameters).unwrap();
         let mut clock = PhaseClock::new(Some(&gpu));
-        let structure = BvhGpuStructure::build(&tracer.searches, &geometry, &told, None, &mut clock).unwrap();
+        let structure =
+            tracer.build_structure(&geometry, &crate::touched::viewpoint(), &parameters, &mut clock).unwrap();
         clock.finish().unwrap();
         let (tree, _) = structure.resident.read(&gpu).unwrap();
         let units = (structure.scale, &parameters);

@@ -5,8 +5,6 @@ use tracebench_api::{Description, EndPoint, Invalidation, Parameter, Query, Resi
 use tracebench_kit::{Reads, rays_per_lane_parameter, reads_parameter};
 
 use crate::gpu::description::{NodeKind, node_parameter};
-use crate::layouts::layouts;
-
 /// Most neighbours on each side. One workgroup merges the last clusters, 8 a lane, and Mesa's software driver ends a lane's
 /// loops after 65,535 rounds in all: with these it gets through 256 iterations, twice as many as the deepest scene takes.
 const MOST_NEIGHBOURS: u32 = 16;
@@ -42,6 +40,5 @@ pub fn description() -> Description {
         queries: &Query::ALL,
         no_refit: None,
         parameters: LbvhParameters::describe(),
-        layouts: layouts(),
     }
 }

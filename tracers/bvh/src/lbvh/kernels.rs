@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
-use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::ComputePipeline;
 use tracebench_api::{Geometry, Gpu, TracerError};
 use tracebench_kit::{RadixSort, compute_pipeline};
+pub(crate) use tracebench_shaders::bvh::{
+    BuildSettings, Iteration as ClusterIteration, Level as ConversionLevel, Stage as RefitStage,
+};
 use tracebench_shaders::bvh::{CONVERT, Cluster, LEAVES, Refit};
 
 /// As `WORKGROUP_SIZE` in shaders/bvh.
@@ -35,64 +37,17 @@ pub(super) const CROWDED: usize = 257;
 /// `LEVELS` there.
 pub(super) const LEVELS: usize = 258;
 
-/// `BuildSettings` of shaders/bvh/build.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct BuildSettings {
-    /// Least corner of the scene, units of the hierarchy.
-    pub low: [f32; 3],
-    /// Triangles.
-    pub triangle_count: u32,
-    /// Cells of the Morton grid per unit; 0 along an axis without extent.
-    pub cells_per_unit: [f32; 3],
-    /// From scene units to those of the hierarchy, a power of two.
-    pub scale: f32,
-}
-
-impl BuildSettings {
-    pub(super) fn new(geometry: &Geometry, scale: f32) -> Self {
-        let extent = (geometry.bounds_max.as_dvec3() - geometry.bounds_min.as_dvec3()) * f64::from(scale);
-        // More cells than f32 can tell apart, as for a scene that is flat but for rounding, are as good as none.
-        let cells = |extent: f64| if extent > 1e-30 { (CELLS / extent) as f32 } else { 0.0 };
-        Self {
-            low: (geometry.bounds_min * scale).to_array(),
-            triangle_count: geometry.triangles.len() as u32,
-            cells_per_unit: extent.to_array().map(cells),
-            scale,
-        }
+/// What builds are told of a scene.
+pub(super) fn build_settings(geometry: &Geometry, scale: f32) -> BuildSettings {
+    let extent = (geometry.bounds_max.as_dvec3() - geometry.bounds_min.as_dvec3()) * f64::from(scale);
+    // More cells than f32 can tell apart, as for a scene that is flat but for rounding, are as good as none.
+    let cells = |extent: f64| if extent > 1e-30 { (CELLS / extent) as f32 } else { 0.0 };
+    BuildSettings {
+        low: (geometry.bounds_min * scale).to_array(),
+        triangle_count: geometry.triangles.len() as u32,
+        cells_per_unit: extent.to_array().map(cells),
+        scale,
     }
-}
-
-/// `Iteration` of shaders/bvh/cluster.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct ClusterIteration {
-    /// The number of the iteration, from 0 on; of the last clusters' iterations that of those before.
-    pub index: u32,
-    /// Of more clusters than these, neighbours are paired without a search.
-    pub allowed: u32,
-    /// Neighbours on each side that are searched, >= 1.
-    pub search_radius: u32,
-}
-
-/// `Level` of shaders/bvh/convert.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct ConversionLevel {
-    /// The level's number, from the root's on.
-    pub index: u32,
-    /// Most levels of binary nodes below a child of this level.
-    pub tallest: u32,
-}
-
-/// `Stage` of shaders/bvh/refit.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct RefitStage {
-    /// The number of the iteration or of the level.
-    pub index: u32,
-    /// Triangles.
-    pub triangle_count: u32,
 }
 
 /// The kernels of clustering for one kind of node.

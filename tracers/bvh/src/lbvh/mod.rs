@@ -36,45 +36,35 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 
 use tracebench_api::{
-    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Structure, TraceJob,
-    Tracer, TracerError, Update, Viewpoint,
+    Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, PhaseClock, TraceJob, TracerError,
 };
 
-use tracebench_kit::SurfaceGeometry;
+use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, Search, SurfaceGeometry};
 
 use description::LbvhParameters;
 pub use description::description;
-pub use kernels::{BuildSettings, ClusterIteration, ConversionLevel, RefitStage};
 
 use crate::gpu::description::NodeKind;
 use crate::gpu::layout::{DeviceTriangle, Tree};
 use crate::gpu::resident::Resident;
-use crate::gpu::search::{Searched, Searches, private_stack, trace_memory};
+use crate::gpu::search::{Counting, Searched, Searches, private_stack, trace_memory};
 use crate::input::{check_fits, scale_for};
 use kernels::{CROWDED, FINISHED, Kernels, LEVELS, TAKEN_SLOTS};
 use plan::Plan;
 use rooms::WIDE_NODE_BYTES;
 
 /// The tracer.
-pub struct LbvhGpu {
-    kernels: Arc<Kernels>,
-    searches: Arc<Searches>,
-}
+pub type LbvhGpu = DeviceTracer<LbvhStructure>;
 
-impl LbvhGpu {
-    /// Creates the pipelines.
-    ///
-    /// # Errors
-    /// [`TracerError::Failed`] if the device refuses one.
-    pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        Ok(Self { kernels: Arc::new(Kernels::new(Arc::clone(&gpu))?), searches: Arc::new(Searches::new(gpu)?) })
-    }
+/// The pipelines of builds and of searches.
+pub struct Pipelines {
+    kernels: Kernels,
+    searches: Searches,
 }
 
 /// A hierarchy on the device, with what it takes to build it again.
-struct LbvhStructure {
-    kernels: Arc<Kernels>,
-    searches: Arc<Searches>,
+pub struct LbvhStructure {
+    pipelines: Arc<Pipelines>,
     plan: Plan,
     resident: Resident,
     geometry: SurfaceGeometry,
@@ -84,18 +74,6 @@ struct LbvhStructure {
     crowded: OnceCell<bool>,
 }
 
-impl Tracer for LbvhGpu {
-    fn build(
-        &self,
-        geometry: &Geometry,
-        _viewpoint: &Viewpoint,
-        parameters: &Parameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Box<dyn Structure>, TracerError> {
-        Ok(Box::new(LbvhStructure::build(&self.kernels, &self.searches, geometry, parameters, None, clock)?))
-    }
-}
-
 impl LbvhStructure {
     fn searched(&self, job: &TraceJob<'_>) -> Result<Searched<'_>, TracerError> {
         let parameters = LbvhParameters::try_from(job.parameters)?;
@@ -103,38 +81,10 @@ impl LbvhStructure {
         Ok(Searched { resident: &self.resident, geometry: &self.geometry, scale: self.scale, rays_per_lane })
     }
 
-    /// Builds, in the buffers of `there` where these are large enough.
-    fn build(
-        kernels: &Arc<Kernels>,
-        searches: &Arc<Searches>,
-        geometry: &Geometry,
-        parameters: &Parameters,
-        there: Option<&Plan>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
-        let parameters = LbvhParameters::try_from(parameters)?;
-        let LbvhParameters { node: kind, reads, search_radius, early_search_radius, .. } = parameters;
-        let radii = [search_radius, early_search_radius];
-        let plan = Plan::new(kernels, kind, reads, geometry.triangles.len() as u32, radii, there)?;
-        let scale = scale_for(geometry.diagonal());
-        plan.build(kernels, geometry, scale, clock)?;
-        // Neither kind of node has more levels than a private stack serves.
-        let resident = Resident::of_arrays(kind, private_stack(kind), plan.arrays.clone());
-        Ok(Self {
-            kernels: Arc::clone(kernels),
-            searches: Arc::clone(searches),
-            plan,
-            resident,
-            geometry: SurfaceGeometry::of(geometry)?,
-            scale,
-            crowded: OnceCell::new(),
-        })
-    }
-
     /// How far the last build came, word by word; known once its clock has been finished.
     fn progress(&self) -> Result<Vec<u32>, TracerError> {
         let room = &self.plan.rooms.progress;
-        Ok(bytemuck::pod_collect_to_vec(&self.kernels.gpu.read(&room.buffer, room.used_bytes)?))
+        Ok(bytemuck::pod_collect_to_vec(&self.pipelines.kernels.gpu.read(&room.buffer, room.used_bytes)?))
     }
 
     fn wide_nodes(&self) -> Result<u64, TracerError> {
@@ -160,40 +110,67 @@ impl LbvhStructure {
             NodeKind::Wide => self.wide_nodes()? * WIDE_NODE_BYTES,
             NodeKind::Binary => self.plan.arrays[0].used(),
         };
-        self.resident.read_first(&self.kernels.gpu, node_bytes)
+        self.resident.read_first(&self.pipelines.kernels.gpu, node_bytes)
     }
 }
 
-impl Structure for LbvhStructure {
-    fn update(
-        &mut self,
-        update: Update,
-        geometry: &Geometry,
-        _viewpoint: &Viewpoint,
-        parameters: &Parameters,
+impl Search for LbvhStructure {
+    type Counting = Counting;
+
+    fn record(
+        &self,
+        job: &TraceJob<'_>,
+        hits: &HitBuffer,
+        counting: Option<&Counting>,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        match update {
-            Update::Rebuild => {
-                *self = Self::build(&self.kernels, &self.searches, geometry, parameters, Some(&self.plan), clock)?;
-            }
-            Update::Refit => {
-                check_fits(self.plan.triangle_count as usize, geometry)?;
-                let scale = scale_for(geometry.diagonal());
-                self.plan.refit(&self.kernels, geometry, scale, clock)?;
-                (self.scale, self.geometry) = (scale, SurfaceGeometry::of(geometry)?);
-            }
-            Update::Reuse => {}
-        }
+        self.pipelines.searches.record(self.searched(job)?, job, hits, counting, clock)
+    }
+
+    fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        self.pipelines.searches.count(self.searched(job)?, job, hits)
+    }
+}
+
+impl DeviceStructure for LbvhStructure {
+    type Pipelines = Pipelines;
+
+    fn pipelines(gpu: Arc<Gpu>) -> Result<Pipelines, TracerError> {
+        Ok(Pipelines { kernels: Kernels::new(Arc::clone(&gpu))?, searches: Searches::new(gpu)? })
+    }
+
+    fn build(
+        pipelines: &Arc<Pipelines>,
+        BuildJob { geometry, parameters, .. }: BuildJob<'_>,
+        before: Option<&Self>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Self, TracerError> {
+        let kernels = &pipelines.kernels;
+        let LbvhParameters { node: kind, reads, search_radius, early_search_radius, .. } =
+            LbvhParameters::try_from(parameters)?;
+        let radii = [search_radius, early_search_radius];
+        let plan =
+            Plan::new(kernels, kind, reads, geometry.triangles.len() as u32, radii, before.map(|before| &before.plan))?;
+        let scale = scale_for(geometry.diagonal());
+        plan.build(kernels, geometry, scale, clock)?;
+        // Neither kind of node has more levels than a private stack serves.
+        let resident = Resident::of_arrays(kind, private_stack(kind), plan.arrays.clone());
+        Ok(Self {
+            pipelines: Arc::clone(pipelines),
+            plan,
+            resident,
+            geometry: SurfaceGeometry::of(geometry)?,
+            scale,
+            crowded: OnceCell::new(),
+        })
+    }
+
+    fn refit(&mut self, geometry: &Geometry, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
+        check_fits(self.plan.triangle_count as usize, geometry)?;
+        let scale = scale_for(geometry.diagonal());
+        self.plan.refit(&self.pipelines.kernels, geometry, scale, clock)?;
+        (self.scale, self.geometry) = (scale, SurfaceGeometry::of(geometry)?);
         Ok(())
-    }
-
-    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        self.searches.record(self.searched(&job)?, &job, hits, None, clock)
-    }
-
-    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        self.searches.count(self.searched(&job)?, &job, hits)
     }
 
     fn memory(&self) -> MemoryReport {
@@ -206,8 +183,8 @@ impl Structure for LbvhStructure {
         ledger.report(0).with_surface_geometry(self.geometry.bytes)
     }
 
-    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
-        Ok(trace_memory(&self.resident, &job))
+    fn trace_memory(&self, job: &TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+        Ok(trace_memory(&self.resident, job))
     }
 
     fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {

@@ -7,6 +7,7 @@ use tracebench_kit::{RadixSortPlan, ReadSlot, Readable, Reads, Room, bind_group_
 use super::iterations::{Bound, bounds};
 use super::kernels::{
     BuildSettings, CODE_BITS, ClusterIteration, ConversionLevel, Kernels, RUN, RefitStage, SEARCHED, WORKGROUP_SIZE,
+    build_settings,
 };
 use super::rooms::{Rooms, TURN_DOWN};
 use crate::gpu::WIDE_STACK;
@@ -115,7 +116,7 @@ impl Plan {
     ) -> Result<(), TracerError> {
         let gpu = &*kernels.gpu;
         let scene = scene(gpu, geometry)?;
-        let settings = uniform(gpu, "build settings", &BuildSettings::new(geometry, scale))?;
+        let settings = uniform(gpu, "build settings", &build_settings(geometry, scale))?;
         let Rooms { triangles, binary, progress, codes, order, clusters, .. } = &self.rooms;
         let count = self.triangle_count;
         let (positions, indices) = (&scene.positions, &scene.indices);
@@ -230,7 +231,7 @@ impl Plan {
     ) -> Result<(), TracerError> {
         let gpu = &*kernels.gpu;
         let scene = scene(gpu, geometry)?;
-        let settings = uniform(gpu, "build settings", &BuildSettings::new(geometry, scale))?;
+        let settings = uniform(gpu, "build settings", &build_settings(geometry, scale))?;
         let Rooms { triangles, binary, progress, clusters, wide, .. } = &self.rooms;
         let triangle_count = self.triangle_count;
         let fill = [(0, &settings), (1, &scene.positions), (2, &scene.indices), (7, &triangles.buffer)];

@@ -6,7 +6,7 @@ use tracebench_api::{AdapterChoice, Geometry, Gpu, Parameters, PhaseClock, Prese
 
 use super::iterations::{LAST_CLUSTERS, bounds};
 use super::plan::EARLY_ITERATIONS;
-use super::{LbvhGpu, LbvhStructure, description};
+use super::{LbvhGpu, description};
 use crate::binary::{BinaryNode, INNER};
 use crate::gpu::BINARY_STACK;
 use crate::gpu::layout::Tree;
@@ -119,8 +119,7 @@ fn compare(
     parameters.set(&described, "node", "bvh2").unwrap();
     let mut clock = PhaseClock::new(Some(gpu));
     let geometry = geometry(positions, gpu);
-    let structure =
-        LbvhStructure::build(&tracer.kernels, &tracer.searches, &geometry, &parameters, None, &mut clock).unwrap();
+    let structure = tracer.build_structure(&geometry, &crate::touched::viewpoint(), &parameters, &mut clock).unwrap();
     clock.finish().unwrap();
     let (Tree::Binary(tree), _) = structure.read().unwrap() else { panic!("not binary") };
     let mut leaves: Vec<BinaryNode> = tree.nodes.iter().filter(|node| node.count != INNER).copied().collect();

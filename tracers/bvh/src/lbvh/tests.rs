@@ -8,7 +8,7 @@ use tracebench_shaders::bvh::{CONVERT, Cluster, LEAVES};
 
 use super::iterations::LAST_CLUSTERS;
 use super::kernels::{CROWDED, FINISHED, LEVELS, RUN, SEARCHED, TAKEN_SLOTS};
-use super::{LbvhGpu, LbvhStructure, description};
+use super::{LbvhGpu, description};
 use crate::gpu::BINARY_STACK;
 use crate::gpu::tests::{assert_unsound_ones_are_noticed, field};
 use crate::touched::{self, assert_touched};
@@ -27,8 +27,7 @@ fn unsound_hierarchies_are_noticed() {
         let mut parameters = Parameters::preset(&described, Preset::Published);
         parameters.set(&described, "node", node).unwrap();
         let mut clock = PhaseClock::new(Some(&gpu));
-        let structure =
-            LbvhStructure::build(&tracer.kernels, &tracer.searches, &geometry, &parameters, None, &mut clock).unwrap();
+        let structure = tracer.build_structure(&geometry, &touched::viewpoint(), &parameters, &mut clock).unwrap();
         clock.finish().unwrap();
         assert_unsound_ones_are_noticed(node, &|| structure.read().unwrap());
     }
@@ -69,8 +68,7 @@ fn touched_is_what_rays_meet() {
         let mut parameters = Parameters::preset(&described, Preset::Published);
         parameters.set(&described, "node", node).unwrap();
         let mut clock = PhaseClock::new(Some(&gpu));
-        let structure =
-            LbvhStructure::build(&tracer.kernels, &tracer.searches, &geometry, &parameters, None, &mut clock).unwrap();
+        let structure = tracer.build_structure(&geometry, &touched::viewpoint(), &parameters, &mut clock).unwrap();
         clock.finish().unwrap();
         let (tree, _) = structure.read().unwrap();
         let units = (structure.scale, &parameters);

@@ -4,8 +4,6 @@ use tracebench_api::{
     Description, EndPoint, Invalidation, Parameter, ParameterScope, Query, Residency, choice, parameters,
 };
 
-use crate::layouts::layouts;
-
 choice! {
     /// What the driver favours.
     pub(crate) enum Preference { FastTrace = "fast_trace", FastBuild = "fast_build" }
@@ -44,6 +42,5 @@ pub fn description() -> Description {
         queries: &Query::ALL,
         no_refit: Some(NO_REFIT),
         parameters: QueryParameters::describe(),
-        layouts: layouts(),
     }
 }

@@ -30,8 +30,7 @@ use tracebench_kit::{Gather, RayCounts, SurfaceGeometry, TouchedBits, untimed};
 use acceleration::Acceleration;
 pub use description::description;
 use description::{EqualT, NO_REFIT, QueryParameters};
-pub use search::QuerySettings;
-use search::{Queries, Question};
+use search::{Queries, QuerySettings, Question};
 
 /// The tracer.
 pub struct RayQuery {
@@ -171,7 +170,7 @@ impl Structure for RayQueryStructure {
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let lowest_of_equal = wants_lowest(&job)?;
         let gpu = &self.queries.gpu;
-        let counts = RayCounts::new(gpu, "counts", job.rays.host.len())?;
+        let counts = RayCounts::new(gpu, &["proceed_calls"], job.rays.host.len())?;
         let triangles = self.triangle_count as u64;
         let offered = TouchedBits::new(gpu, "triangles offered", triangles, "the scene's triangle count")?;
         let question = Question::TraceCounted { lowest_of_equal, counts: counts.buffer(), offered: offered.buffer() };
@@ -179,7 +178,7 @@ impl Structure for RayQueryStructure {
             self.queries.record(question, &self.acceleration, job.rays, hits, clock)?;
             self.gather(&job, hits, clock)
         })?;
-        let mut counters = counts.counters(gpu, ["proceed_calls"])?;
+        let mut counters = counts.counters(gpu)?;
         // Of the nodes and triangles that it touches the driver tells nothing.
         counters.push(Counter::of_set("triangles_offered", offered.count(gpu)?));
         Ok(counters)

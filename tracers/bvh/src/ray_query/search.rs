@@ -2,34 +2,16 @@
 
 use std::sync::Arc;
 
-use bytemuck::{Pod, Zeroable};
 use tracebench_api::wgpu::{Buffer, ComputePipeline};
 use tracebench_api::{Gpu, HitBuffer, PhaseClock, Query, RayBuffer, TracerError};
 use tracebench_kit::{Gather, bind_group, compute_pipeline, dispatch_linear, uniform_buffer};
 use tracebench_shaders::bvh::RAY_QUERY;
 
 use super::acceleration::Acceleration;
+pub(crate) use tracebench_shaders::bvh::QuerySettings;
 
 /// As `WORKGROUP_SIZE` in shaders/bvh/ray_query.wgsl.
 const WORKGROUP_SIZE: u32 = 64;
-
-/// `QuerySettings` of shaders/bvh/ray_query.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct QuerySettings {
-    /// Rays of the dispatch.
-    pub ray_count: u32,
-    /// 1: any hit ends a query; 0: the closest is asked for.
-    pub any_hit: u32,
-    /// 1: of hits at equal t the lower primitive is given.
-    pub lowest_of_equal: u32,
-    /// From scene units to those of the acceleration structure, a power of two.
-    pub scale: f32,
-    /// Back.
-    pub unscale: f32,
-    /// The largest t, scene units, that the scale keeps finite.
-    pub greatest_t: f32,
-}
 
 /// What is asked of the acceleration structure.
 #[derive(Clone, Copy)]

@@ -1,10 +1,10 @@
 //! How the packed forms are laid out, and the uniforms that tell shaders of it.
 
-use bytemuck::{Pod, Zeroable};
 use tracebench_api::Viewpoint;
-use tracebench_kit::{MOST_LEVELS, Pyramid};
+use tracebench_kit::Pyramid;
 
 use crate::description::{DirtParameters, Lists, Spacing};
+pub(crate) use tracebench_shaders::dirt::{PackedGrid, PackedSearch};
 
 /// Views: faces of a cube round the eye.
 pub(super) const FACES: u32 = 6;
@@ -16,62 +16,6 @@ pub(super) const MISPLACED: u32 = 6;
 const SLICE_BITS: u32 = 6;
 /// Bits of a part's place along a tile's curve, where there is room for all.
 const ORDER_BITS: u32 = 17;
-
-/// `PackedGrid` of shaders/dirt/packed_grid.wgsl.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct PackedGrid {
-    /// The faces' centre, scene units.
-    pub eye: [f32; 3],
-    /// Tiles along a face's edge.
-    pub tiles: u32,
-    /// Triangles.
-    pub triangle_count: u32,
-    /// Parts that there is room for.
-    pub part_capacity: u32,
-    /// Nodes, or lists, that there is room for.
-    pub node_capacity: u32,
-    /// Levels of the pyramid.
-    pub levels: u32,
-    /// Cells of a face, all levels.
-    pub cells: u32,
-    /// Depth slices of a tile.
-    pub slices: u32,
-    /// Bits of a key below its tile.
-    pub order_bits: u32,
-    /// 1: slices span what follows.
-    pub fixed_slices: u32,
-    /// Bits of one over the depth at their far end.
-    pub fixed_far: u32,
-    /// The same at their near end.
-    pub fixed_near: u32,
-    /// Nothing.
-    pub padding: [u32; 2],
-    /// First cell of each level in a face.
-    pub level_offsets: [u32; MOST_LEVELS],
-}
-
-/// `PackedSearch` of shaders/dirt/packed_ray.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct PackedSearch {
-    /// Rays.
-    pub ray_count: u32,
-    /// 1: any hit ends a search.
-    pub any_hit: u32,
-    /// Steps after which a ray is given up.
-    pub max_steps: u32,
-    /// The highest level of the pyramid that is walked.
-    pub top_level: u32,
-    /// Rays that a lane answers one after the other, >= 1.
-    pub rays_per_lane: u32,
-    /// 1: what lies near the eye is searched apart.
-    pub split: u32,
-    /// 1: nodes and parts are taken nearest first.
-    pub nearest_first: u32,
-    /// Nothing.
-    pub padding: u32,
-}
 
 /// What is stored and how.
 #[derive(Clone, Debug, PartialEq)]

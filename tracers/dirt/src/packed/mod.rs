@@ -26,8 +26,8 @@ mod trace_tests;
 use std::sync::Arc;
 
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Gpu, HitBuffer, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock,
-    Projection, Sampling, Structure, TraceJob, TracerError, Update, View, Viewpoint,
+    EndPoint, Geometry, Gpu, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection, Sampling,
+    TraceJob, TracerError, View,
 };
 use tracebench_kit::{BuildJob, DeviceStructure, Gather, Readable, Reads, record_copies, untimed};
 
@@ -132,20 +132,6 @@ impl DeviceStructure for PackedStructure {
         let shadow_map = pipelines.draw_shadow_map(geometry, viewpoint, parameters, &scene, shadow_map, clock)?;
         Ok(Self { pipelines: Arc::clone(pipelines), layout, geometry: scene, rooms, arrays, frame, shadow_map })
     }
-}
-
-impl Structure for PackedStructure {
-    fn update(
-        &mut self,
-        update: Update,
-        geometry: &Geometry,
-        viewpoint: &Viewpoint,
-        parameters: &Parameters,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
-        let job = BuildJob { geometry, viewpoint, parameters };
-        self.follow(&Arc::clone(&self.pipelines), update, job, clock)
-    }
 
     fn make_room(&mut self) -> Result<bool, TracerError> {
         let pipelines = Arc::clone(&self.pipelines);
@@ -169,14 +155,6 @@ impl Structure for PackedStructure {
         Ok(true)
     }
 
-    fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        self.record(&job, hits, None, clock)
-    }
-
-    fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
-        self.count(&job, hits)
-    }
-
     fn memory(&self) -> MemoryReport {
         let mut ledger = Ledger::new();
         let used = self.rooms.needed(&self.pipelines.gpu).unwrap_or(self.rooms.capacities);
@@ -192,9 +170,9 @@ impl Structure for PackedStructure {
         ledger.report(0).with_surface_geometry(self.geometry.surfaces.bytes)
     }
 
-    fn trace_memory(&self, job: TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+    fn trace_memory(&self, job: &TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
         DirtParameters::try_from(job.parameters)?;
-        if self.shadow_map.as_ref().is_some_and(|map| map.answers(&job)) {
+        if self.shadow_map.as_ref().is_some_and(|map| map.answers(job)) {
             return Ok(lookup_memory());
         }
         let mut parts = trace::memory();

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use tracebench_api::glam::Vec3;
 use tracebench_api::{Geometry, Gpu, PhaseClock, Structure, TracerError, Update, Viewpoint};
-use tracebench_kit::DeviceTracer;
+use tracebench_kit::{Built, DeviceTracer};
 use tracebench_shaders::constants;
 use tracebench_tests::{Numbers, gpu, gpu_that_binds, soup};
 
@@ -65,7 +65,7 @@ pub(super) fn built_at(
     geometry: &Geometry,
     viewpoint: &Viewpoint,
     settings: &[(&str, &str)],
-) -> Result<PackedStructure, TracerError> {
+) -> Result<Built<PackedStructure>, TracerError> {
     let tracer = tracer(gpu)?;
     let mut clock = PhaseClock::new(Some(gpu));
     let structure = tracer.build_structure(geometry, viewpoint, &parameters(settings), &mut clock)?;
@@ -73,7 +73,7 @@ pub(super) fn built_at(
     Ok(structure)
 }
 
-pub(super) fn built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> PackedStructure {
+pub(super) fn built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> Built<PackedStructure> {
     built_at(gpu, geometry, &viewpoint(), settings).unwrap()
 }
 
@@ -207,7 +207,7 @@ fn a_structure_that_overflows_grows() {
     for settings in [FORMS[0], FORMS[3], FORMS[5]] {
         let mut structure = built(&gpu, &few, settings);
         assert!(!structure.make_room().unwrap());
-        let rebuild = |structure: &mut PackedStructure| {
+        let rebuild = |structure: &mut Built<PackedStructure>| {
             let mut clock = PhaseClock::new(Some(&gpu));
             structure.update(Update::Rebuild, &all, &viewpoint(), &parameters(settings), &mut clock).unwrap();
             clock.finish().unwrap();
@@ -227,7 +227,7 @@ fn builds_are_the_same_bit_for_bit() {
     let gpu = gpu();
     let geometry = soup(&[triangles(), vec![triangles()[7]; 300]].concat(), Some(&gpu));
     for settings in [FORMS[0], FORMS[3]] {
-        let words = |structure: &PackedStructure| {
+        let words = |structure: &Built<PackedStructure>| {
             let rooms = &structure.rooms;
             let head = u64::from(FIRST_NEAR + rooms.triangle_count) as usize * 4;
             let references = gpu.read(&rooms.words.buffer, rooms.words.used_bytes).unwrap();

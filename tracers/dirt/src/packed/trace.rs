@@ -3,7 +3,7 @@
 use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline};
 use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
 use tracebench_kit::{
-    RayCounts, Reads, SearchEntry, TouchedBits, bind_arrays, bind_group_at, dispatch_indirect, dispatch_rays,
+    RayCounts, Reads, Search, SearchEntry, TouchedBits, bind_arrays, bind_group_at, dispatch_indirect, dispatch_rays,
     uniform_buffer, untimed,
 };
 use tracebench_shaders::dirt::PackedTrace;
@@ -13,8 +13,8 @@ use super::layout::{PackedGrid, PackedSearch};
 use crate::description::{CentreRays, DirtParameters, Lists, March, Order};
 
 /// The buffers of a trace that counts.
-pub(super) struct Counting {
-    counts: RayCounts<5>,
+pub(crate) struct Counting {
+    counts: RayCounts,
     /// A bit a reference.
     touched: TouchedBits,
 }
@@ -63,9 +63,12 @@ impl PackedStructure {
             Lists::Packed | Lists::Linked => PackedTrace::Plain { textures, counters },
         }
     }
+}
 
-    /// Records a trace, by the counting variant where there is something to count into.
-    pub(super) fn record(
+impl Search for PackedStructure {
+    type Counting = Counting;
+
+    fn record(
         &self,
         job: &TraceJob<'_>,
         hits: &HitBuffer,
@@ -118,15 +121,15 @@ impl PackedStructure {
         }
     }
 
-    pub(super) fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
+    fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
         let gpu = &*self.pipelines.gpu;
         let counting = Counting {
-            counts: RayCounts::new(gpu, "counts", job.rays.host.len())?,
+            counts: RayCounts::new(gpu, &COUNTERS, job.rays.host.len())?,
             touched: TouchedBits::new(gpu, "references touched", u64::from(self.rooms.capacities[0]), "--size")?,
         };
         untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
         // A set that the shadow map answers searches nothing: a texel a ray is looked at.
-        let mut counters = counting.counts.counters(gpu, COUNTERS)?;
+        let mut counters = counting.counts.counters(gpu)?;
         counters.retain(|counter| counter.name != ROUNDS || self.layout.lists == Lists::Trees);
         if self.shadow_map.as_ref().is_some_and(|map| map.answers(job)) {
             counters.push(Counter::of_set("shadow_map_texels", job.rays.host.len() as u64));

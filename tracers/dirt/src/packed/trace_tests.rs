@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use tracebench_api::glam::{DVec3, Vec3};
 use tracebench_api::{Counter, EndPoint, Gpu, Hit, Query, Ray, Status};
+use tracebench_kit::Built;
 use tracebench_tests::{Numbers, answers, counted, gpu, ray, soup, total};
 
 use super::PackedStructure;
@@ -13,7 +14,7 @@ use crate::tests::{parameters, viewpoint};
 /// Hits and counters, by variants that must agree.
 fn answer(
     gpu: &Arc<Gpu>,
-    structure: &PackedStructure,
+    structure: &Built<PackedStructure>,
     rays: &[Ray],
     query: Query,
     settings: &[(&str, &str)],

@@ -19,7 +19,7 @@ fn every_variant_gives_the_same_bits() {
     let gpu = gpu();
     let shape = [("abuffer", "80"), ("grid", "16")];
     let geometry = soup(&hostile(), Some(&gpu));
-    let lists = built(&gpu, &geometry, &shape).buffers.lists.unwrap();
+    let lists = built(&gpu, &geometry, &shape).buffers.lists.clone().unwrap();
     let most = lists.nodes.capacities.into_iter().max().unwrap();
     // Just the nodes of an axis, and half of its data; and all heads.
     let small = gpu_that_binds((u64::from(most) * 8).max(lists.heads.size()));

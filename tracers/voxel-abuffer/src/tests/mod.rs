@@ -13,6 +13,7 @@ use tracebench_api::{
     Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, Parameters, PhaseClock, Query, Ray, RayBuffer, Residency,
     Structure, Surface, TraceJob, TracerError, Viewpoint,
 };
+use tracebench_kit::Built;
 use tracebench_tests::{Numbers, answers, gpu, gpu_that_binds, ray, rectangle as rectangle_of, soup, total};
 
 use super::description;
@@ -36,7 +37,11 @@ fn parameters(settings: &[(&str, &str)]) -> Parameters {
     tracebench_tests::parameters(&description().parameters, settings)
 }
 
-fn try_built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> Result<VoxelStructure, TracerError> {
+fn try_built(
+    gpu: &Arc<Gpu>,
+    geometry: &Geometry,
+    settings: &[(&str, &str)],
+) -> Result<Built<VoxelStructure>, TracerError> {
     let tracer = VoxelAbuffer::new(Arc::clone(gpu))?;
     let mut clock = PhaseClock::new(Some(gpu));
     let structure = tracer.build_structure(geometry, &viewpoint(), &parameters(settings), &mut clock)?;
@@ -44,14 +49,14 @@ fn try_built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> 
     Ok(structure)
 }
 
-fn built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> VoxelStructure {
+fn built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> Built<VoxelStructure> {
     try_built(gpu, geometry, settings).unwrap_or_else(|error| panic!("{settings:?}: {error}"))
 }
 
 /// Hits and, where they are asked for, surfaces.
 fn answer(
     gpu: &Arc<Gpu>,
-    structure: &VoxelStructure,
+    structure: &Built<VoxelStructure>,
     rays: &[Ray],
     query: Query,
     settings: &[(&str, &str)],
@@ -60,14 +65,14 @@ fn answer(
     answers(gpu, structure, rays, query, &parameters(settings), end)
 }
 
-fn closest(gpu: &Arc<Gpu>, structure: &VoxelStructure, rays: &[Ray], settings: &[(&str, &str)]) -> Vec<Hit> {
+fn closest(gpu: &Arc<Gpu>, structure: &Built<VoxelStructure>, rays: &[Ray], settings: &[(&str, &str)]) -> Vec<Hit> {
     answer(gpu, structure, rays, Query::Closest, settings, EndPoint::Hit).0
 }
 
 /// Hits and counters by the variant that counts.
 fn counted(
     gpu: &Arc<Gpu>,
-    structure: &VoxelStructure,
+    structure: &Built<VoxelStructure>,
     rays: &[Ray],
     query: Query,
     settings: &[(&str, &str)],

@@ -4,6 +4,7 @@ use super::true_hits::{corners, distance_to, fault, true_hit};
 use super::*;
 use tracebench_api::wgpu::Buffer;
 use tracebench_api::{SurfaceStatus, Update};
+use tracebench_kit::Built;
 
 const PLANES: (&str, &str) = ("fragments", "planes");
 
@@ -13,14 +14,20 @@ fn planes(settings: &[(&'static str, &'static str)]) -> Vec<(&'static str, &'sta
 }
 
 /// Edge of the largest texel, in the scene.
-fn texel(structure: &VoxelStructure) -> f64 {
+fn texel(structure: &Built<VoxelStructure>) -> f64 {
     let space = structure.layout.space;
     let least = space.scale.into_iter().fold(f32::INFINITY, f32::min);
     1.0 / (f64::from(least) * f64::from(space.image))
 }
 
 /// Holds hits against the triangles, within `near` texels; how many rays truly meet one.
-fn check_hits(structure: &VoxelStructure, triangles: &[[[f32; 3]; 3]], rays: &[Ray], hits: &[Hit], near: f64) -> usize {
+fn check_hits(
+    structure: &Built<VoxelStructure>,
+    triangles: &[[[f32; 3]; 3]],
+    rays: &[Ray],
+    hits: &[Hit],
+    near: f64,
+) -> usize {
     let near = near * texel(structure);
     let mut true_hits = 0;
     for (index, (ray, hit)) in rays.iter().zip(hits).enumerate() {
@@ -54,7 +61,7 @@ fn ball(divided: u32, radius: f64) -> Vec<[[f32; 3]; 3]> {
 }
 
 /// All fragments of an axis with their texels, in an order of their own.
-fn fragments(gpu: &Gpu, structure: &VoxelStructure) -> Vec<(usize, u32, [u32; 4])> {
+fn fragments(gpu: &Gpu, structure: &Built<VoxelStructure>) -> Vec<(usize, u32, [u32; 4])> {
     let lists = structure.buffers.lists.as_ref().unwrap();
     let read =
         |buffer: &Buffer| -> Vec<u32> { bytemuck::pod_collect_to_vec(&gpu.read(buffer, buffer.size()).unwrap()) };
@@ -301,7 +308,7 @@ fn planes_give_the_same_bits_by_every_variant() {
     // Copies of other materials lie where they do.
     let triangles = [hostile(), hostile()].concat();
     let geometry = soup(&triangles, Some(&gpu));
-    let lists = built(&gpu, &geometry, &planes(&shape)).buffers.lists.unwrap();
+    let lists = built(&gpu, &geometry, &planes(&shape)).buffers.lists.clone().unwrap();
     let most = lists.nodes.capacities.into_iter().max().unwrap();
     let small = gpu_that_binds((u64::from(most) * 8).max(lists.heads.size()));
     let of_small = soup(&triangles, Some(&small));
@@ -368,7 +375,7 @@ fn planes_are_counted_and_grow() {
     let (rays, settings) = (rays(600), planes(&[]));
     let mut structure = built(&gpu, &few, &settings);
     assert!(!structure.make_room().unwrap());
-    let update = |structure: &mut VoxelStructure| {
+    let update = |structure: &mut Built<VoxelStructure>| {
         let mut clock = PhaseClock::new(Some(&gpu));
         structure.update(Update::Rebuild, &many, &viewpoint(), &parameters(&settings), &mut clock).unwrap();
         clock.finish().unwrap();
@@ -379,7 +386,9 @@ fn planes_are_counted_and_grow() {
     update(&mut structure);
     assert!(!structure.make_room().unwrap());
     structure.validate_against(&many).unwrap();
-    let of = |structure: &VoxelStructure| answer(&gpu, structure, &rays, Query::Closest, &settings, EndPoint::Surface);
+    let of = |structure: &Built<VoxelStructure>| {
+        answer(&gpu, structure, &rays, Query::Closest, &settings, EndPoint::Surface)
+    };
     assert_eq!(of(&structure), of(&built(&gpu, &many, &settings)));
     let (hits, counters) = counted(&gpu, &structure, &rays, Query::Closest, &settings);
     let (_, of_any) = counted(&gpu, &structure, &rays, Query::Any, &settings);
@@ -406,7 +415,7 @@ fn spoilt_planes_are_noticed() {
     let settings = planes(&[]);
     let read =
         |buffer: &Buffer| -> Vec<u32> { bytemuck::pod_collect_to_vec(&gpu.read(buffer, buffer.size()).unwrap()) };
-    let spoil = |what: &str, buffer: &dyn Fn(&VoxelStructure) -> Buffer, change: &dyn Fn(usize, u32) -> u32| {
+    let spoil = |what: &str, buffer: &dyn Fn(&Built<VoxelStructure>) -> Buffer, change: &dyn Fn(usize, u32) -> u32| {
         let structure = built(&gpu, &geometry, &settings);
         structure.validate_against(&geometry).unwrap();
         assert!(structure.validate_against(&other).is_err(), "another scene is not noticed");
@@ -415,10 +424,12 @@ fn spoilt_planes_are_noticed() {
         gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&words));
         assert!(structure.validate_against(&geometry).is_err(), "{what} is not noticed");
     };
-    let nodes = |structure: &VoxelStructure| structure.buffers.lists.as_ref().unwrap().nodes.buffers()[0][0].clone();
-    let data = |structure: &VoxelStructure| structure.buffers.lists.as_ref().unwrap().nodes.buffers()[1][0].clone();
-    let heads = |structure: &VoxelStructure| structure.buffers.lists.as_ref().unwrap().heads.clone();
-    let cells = |structure: &VoxelStructure| structure.buffers.cells.clone();
+    let nodes =
+        |structure: &Built<VoxelStructure>| structure.buffers.lists.as_ref().unwrap().nodes.buffers()[0][0].clone();
+    let data =
+        |structure: &Built<VoxelStructure>| structure.buffers.lists.as_ref().unwrap().nodes.buffers()[1][0].clone();
+    let heads = |structure: &Built<VoxelStructure>| structure.buffers.lists.as_ref().unwrap().heads.clone();
+    let cells = |structure: &Built<VoxelStructure>| structure.buffers.cells.clone();
     let depth = |by: f32| {
         move |at: usize, word: u32| if at.is_multiple_of(2) { (f32::from_bits(word) + by).to_bits() } else { word }
     };

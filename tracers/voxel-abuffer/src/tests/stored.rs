@@ -9,8 +9,9 @@ use crate::layout::NORMAL_UNIT;
 use crate::structure::check;
 use tracebench_api::Update;
 use tracebench_api::glam::Vec3;
+use tracebench_kit::Built;
 
-fn summed(structure: &VoxelStructure) -> &Summed {
+fn summed(structure: &Built<VoxelStructure>) -> &Summed {
     structure.buffers.lists.as_ref().unwrap().summed.as_ref().unwrap()
 }
 
@@ -88,12 +89,12 @@ fn a_structure_that_overflows_grows() {
     let rays = rays(400);
     let mut structure = built(&gpu, &few, &[]);
     assert!(!structure.make_room().unwrap());
-    let update = |structure: &mut VoxelStructure| {
+    let update = |structure: &mut Built<VoxelStructure>| {
         let mut clock = PhaseClock::new(Some(&gpu));
         structure.update(Update::Rebuild, &many, &viewpoint(), &parameters(&[]), &mut clock).unwrap();
         clock.finish().unwrap();
     };
-    let of = |structure: &VoxelStructure| answer(&gpu, structure, &rays, Query::Closest, &[], EndPoint::Surface);
+    let of = |structure: &Built<VoxelStructure>| answer(&gpu, structure, &rays, Query::Closest, &[], EndPoint::Surface);
     update(&mut structure);
     // Before it has grown it is whole as far as it goes.
     of(&structure);
@@ -161,7 +162,7 @@ fn an_axis_of_few_fragments_needs_no_second_half() {
         })
         .collect();
     let geometry = soup(&plates, Some(&gpu));
-    let capacities = built(&gpu, &geometry, &[]).buffers.lists.unwrap().nodes.capacities;
+    let capacities = built(&gpu, &geometry, &[]).buffers.lists.clone().unwrap().nodes.capacities;
     assert!(capacities[0] * 2 < capacities[2] && capacities[1] * 2 < capacities[2], "{capacities:?}");
     let small = gpu_that_binds(u64::from(capacities[2]) * 8);
     let of_small = soup(&plates, Some(&small));
@@ -206,7 +207,7 @@ fn a_spoilt_structure_is_noticed() {
     let write = |buffer: &Buffer, word: usize, value: u32| {
         gpu.queue.write_buffer(buffer, word as u64 * 4, &value.to_le_bytes());
     };
-    let noticed = |settings: &[(&str, &str)], what: &str, spoil: &dyn Fn(&VoxelStructure)| {
+    let noticed = |settings: &[(&str, &str)], what: &str, spoil: &dyn Fn(&Built<VoxelStructure>)| {
         let structure = built(&gpu, &geometry, settings);
         structure.validate_against(&geometry).unwrap();
         assert!(structure.validate_against(&other).is_err(), "another scene is not noticed");
@@ -214,7 +215,7 @@ fn a_spoilt_structure_is_noticed() {
         assert!(structure.validate_against(&geometry).is_err(), "{what} is not noticed");
     };
     // The x axis' first list of at least three layers: its texel, and its first two nodes.
-    let listed = |structure: &VoxelStructure| {
+    let listed = |structure: &Built<VoxelStructure>| {
         let lists = structure.buffers.lists.as_ref().unwrap();
         let (heads, nodes) = (read(&lists.heads), read(lists.nodes.buffers()[0][0]));
         let next = |link: u32| nodes[(link as usize - 1) * 2 + 1];
@@ -223,7 +224,8 @@ fn a_spoilt_structure_is_noticed() {
         let first = heads[texel];
         (texel, first as usize - 1, next(first) as usize - 1)
     };
-    let nodes = |structure: &VoxelStructure| structure.buffers.lists.as_ref().unwrap().nodes.buffers()[0][0].clone();
+    let nodes =
+        |structure: &Built<VoxelStructure>| structure.buffers.lists.as_ref().unwrap().nodes.buffers()[0][0].clone();
     noticed(&[], "a depth out of order", &|structure| {
         let (_, _, second) = listed(structure);
         write(&nodes(structure), second * 2, 0.99_f32.to_bits());
@@ -252,7 +254,7 @@ fn a_spoilt_structure_is_noticed() {
         let data = structure.buffers.lists.as_ref().unwrap().nodes.buffers()[1][0].clone();
         gpu.queue.write_buffer(&data, 0, &vec![0x3f; data.size() as usize]);
     });
-    let occupied = |structure: &VoxelStructure| {
+    let occupied = |structure: &Built<VoxelStructure>| {
         let codes = structure.voxel_codes().unwrap();
         codes.iter().position(|code| (1..=3).contains(code)).unwrap()
     };
@@ -284,7 +286,7 @@ fn a_spoilt_structure_is_noticed() {
     });
     for (settings, bits) in [(&[][..], 4), (&[("structure", "voxels-only"), ("grid", "40")], 1)] {
         let per_word = 32 / bits;
-        let change = |structure: &VoxelStructure, voxel: usize, code: u32| {
+        let change = |structure: &Built<VoxelStructure>, voxel: usize, code: u32| {
             let (word, shift) = (voxel / per_word, voxel % per_word * bits);
             let old = read(&structure.buffers.cells)[word];
             let mask = ((1_u64 << bits) - 1) as u32;

@@ -13,6 +13,7 @@ use tracebench_api::{
     Counter, EndPoint, Geometry, Gpu, Hit, Parameters, PhaseClock, Preset, Query, Ray, Structure, Surface, TracerError,
     Viewpoint,
 };
+use tracebench_kit::Built;
 use tracebench_tests::{Numbers, answers, counted, gpu, gpu_that_binds, ray, rectangle, soup, total};
 
 use super::description;
@@ -27,7 +28,11 @@ fn parameters(settings: &[(&str, &str)]) -> Parameters {
     tracebench_tests::parameters(&description().parameters, settings)
 }
 
-fn try_built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> Result<OctreeStructure, TracerError> {
+fn try_built(
+    gpu: &Arc<Gpu>,
+    geometry: &Geometry,
+    settings: &[(&str, &str)],
+) -> Result<Built<OctreeStructure>, TracerError> {
     let tracer = VoxelOctree::new(Arc::clone(gpu))?;
     let mut clock = PhaseClock::new(Some(gpu));
     let structure = tracer.build_structure(geometry, &viewpoint(), &parameters(settings), &mut clock)?;
@@ -35,13 +40,13 @@ fn try_built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> 
     Ok(structure)
 }
 
-fn built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> OctreeStructure {
+fn built(gpu: &Arc<Gpu>, geometry: &Geometry, settings: &[(&str, &str)]) -> Built<OctreeStructure> {
     try_built(gpu, geometry, settings).unwrap_or_else(|error| panic!("{settings:?}: {error}"))
 }
 
 /// Hits, surfaces where they are asked for, and counters where the variant that counts is.
 fn answer(
-    structure: &OctreeStructure,
+    structure: &Built<OctreeStructure>,
     rays: &[Ray],
     query: Query,
     settings: &[(&str, &str)],
@@ -56,7 +61,7 @@ fn answer(
     (hits, surfaces, Vec::new())
 }
 
-fn closest(structure: &OctreeStructure, rays: &[Ray], settings: &[(&str, &str)]) -> Vec<Hit> {
+fn closest(structure: &Built<OctreeStructure>, rays: &[Ray], settings: &[(&str, &str)]) -> Vec<Hit> {
     answer(structure, rays, Query::Closest, settings, EndPoint::Hit, false).0
 }
 

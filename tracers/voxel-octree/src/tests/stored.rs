@@ -3,6 +3,7 @@
 use super::*;
 use crate::validate::{Stored, unpacked_normal};
 use tracebench_api::Update;
+use tracebench_kit::Built;
 
 /// Trees of every kind of scene and of one to ten levels hold the voxels that their triangles touch, as f64 has it, with their normals
 /// and materials: hostile triangles, one, flat ones, all of them in one voxel, none with an area.
@@ -43,7 +44,7 @@ fn trees_are_those_of_f64() {
 #[test]
 fn builds_are_repeatable_and_grow() {
     let gpu = gpu();
-    let bytes = |structure: &OctreeStructure| {
+    let bytes = |structure: &Built<OctreeStructure>| {
         let Stored { counts, leaves, .. } = structure.read().unwrap();
         (structure.read().unwrap().keys().unwrap(), leaves[..counts[5] as usize].to_vec())
     };
@@ -60,7 +61,7 @@ fn builds_are_repeatable_and_grow() {
     let small = soup(&shrunk, Some(&gpu));
     let mut structure = built(&gpu, &small, &[]);
     let before = structure.tree.room;
-    let rebuild = |structure: &mut OctreeStructure| {
+    let rebuild = |structure: &mut Built<OctreeStructure>| {
         let mut clock = PhaseClock::new(Some(&gpu));
         structure.update(Update::Rebuild, &large, &viewpoint(), &parameters(&[]), &mut clock).unwrap();
         clock.finish().unwrap();

@@ -2,18 +2,19 @@
 
 use super::*;
 use crate::reference::Place;
+use tracebench_kit::{Built, to_scene, to_unit};
 
 /// Within which distance of a voxel's side f32 may take a ray for in or out, voxels.
 const BORDER: f64 = 1e-2;
 
 /// The voxels of a tree, and rays through them in voxels.
 struct March<'a> {
-    structure: &'a OctreeStructure,
+    structure: &'a Built<OctreeStructure>,
     voxels: Vec<DVec3>,
 }
 
 impl<'a> March<'a> {
-    fn of(structure: &'a OctreeStructure) -> Self {
+    fn of(structure: &'a Built<OctreeStructure>) -> Self {
         let levels = structure.layout.levels;
         let keys = structure.read().unwrap().keys().unwrap();
         let voxel = |key: u32| DVec3::from(Place { depth: levels, key }.cell().map(f64::from));
@@ -42,7 +43,7 @@ impl<'a> March<'a> {
     /// start are left first: all that the ray goes through until it is in none.
     fn wrong(&self, ray: &Ray, hit: &Hit) -> Option<String> {
         let (layout, edge) = (&self.structure.layout, f64::from(self.structure.layout.edge()));
-        let origin = layout.space.to_unit(Vec3::from(ray.origin).as_dvec3()) * edge;
+        let origin = to_unit(&layout.space, Vec3::from(ray.origin).as_dvec3()) * edge;
         let direction = Vec3::from(ray.direction).as_dvec3() * f64::from(layout.space.scale[0]) * edge;
         let whole = [f64::from(ray.t_min), f64::from(ray.t_max)];
         let of = |by: f64| -> Vec<[f64; 2]> {
@@ -81,12 +82,12 @@ impl<'a> March<'a> {
 
 /// Rays of every kind that is hard: along axes, along voxels' sides and edges and through their corners, from within voxels and from outside,
 /// bounded, and with zeros of either sign.
-fn rays(structure: &OctreeStructure) -> Vec<Ray> {
+fn rays(structure: &Built<OctreeStructure>) -> Vec<Ray> {
     let mut numbers = Numbers::new(4);
     let space = structure.layout.space;
     let edge = f64::from(structure.layout.edge());
-    let corner = |numbers: &mut Numbers| space.to_scene((numbers.point() * 0.5 + 0.5) * edge / edge);
-    let snapped = |numbers: &mut Numbers| space.to_scene(((numbers.point() * 0.5 + 0.5) * edge).round() / edge);
+    let corner = |numbers: &mut Numbers| to_scene(&space, (numbers.point() * 0.5 + 0.5) * edge / edge);
+    let snapped = |numbers: &mut Numbers| to_scene(&space, ((numbers.point() * 0.5 + 0.5) * edge).round() / edge);
     let axes = [DVec3::X, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z];
     let diagonals = [DVec3::new(1.0, 1.0, 0.0), DVec3::new(1.0, -1.0, 1.0), DVec3::new(0.0, -1.0, -1.0)];
     let one = |index: usize, numbers: &mut Numbers| match index % 8 {

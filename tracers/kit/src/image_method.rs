@@ -1,0 +1,144 @@
+//! Methods that march over the depths of one view: their structure and its searches.
+
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+use bytemuck::NoUninit;
+use tracebench_api::{
+    Counter, EndPoint, Geometry, Gpu, HitBuffer, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, TraceJob,
+    TracerError, View,
+};
+use tracebench_shaders::Variant;
+
+use crate::{
+    BuildJob, DeviceStructure, DrawnView, ImagePipelines, ImageSearch, ImageShape, PipelinesOnDemand, RayCounts,
+    Search, TouchedBits, untimed,
+};
+
+/// What a method has of its own.
+pub trait ImageMethod: 'static {
+    /// Its shader's variants.
+    type Variant: Variant;
+    /// What a search is told.
+    type Settings: NoUninit;
+
+    /// Why there is no refit.
+    const NO_REFIT: &'static str;
+    /// The name of a search's phase.
+    const PHASE: &'static str;
+
+    /// What is drawn of a view.
+    ///
+    /// # Errors
+    /// [`TracerError::Parameter`] for other parameters than the method's.
+    fn shape(view: &View, parameters: &Parameters) -> Result<ImageShape, TracerError>;
+
+    /// The variant that ends at surfaces or hits, and counts or does not.
+    fn variant(drawn: &DrawnView, surfaces: bool, counters: bool) -> Self::Variant;
+
+    /// What a search is told, and the rays that a lane of it answers.
+    ///
+    /// # Errors
+    /// As [`ImageMethod::shape`].
+    fn settings(drawn: &DrawnView, job: &TraceJob<'_>) -> Result<(Self::Settings, u32), TracerError>;
+
+    /// The names of the numbers that are counted of every ray, in the order in which the shader has them.
+    fn counters(drawn: &DrawnView) -> &'static [&'static str];
+
+    /// The name and number of things that each have a bit where a search counts.
+    fn touched(drawn: &DrawnView) -> (&'static str, u64);
+
+    /// As [`Structure::samplings`](tracebench_api::Structure::samplings).
+    ///
+    /// # Errors
+    /// As [`ImageMethod::shape`].
+    fn samplings(drawn: &DrawnView, parameters: &Parameters) -> Result<Vec<Sampling>, TracerError>;
+
+    /// What [`Structure::validate`](tracebench_api::Structure::validate) tells of images of which so many pixels are covered.
+    fn statistics(drawn: &DrawnView, covered: &[usize]) -> Vec<(&'static str, f64)>;
+}
+
+/// The pipelines of a method.
+pub struct ImageMethodPipelines<V> {
+    gpu: Arc<Gpu>,
+    images: ImagePipelines,
+    trace: PipelinesOnDemand<V>,
+}
+
+/// The images of one view.
+pub struct ImageStructure<M: ImageMethod> {
+    pipelines: Arc<ImageMethodPipelines<M::Variant>>,
+    drawn: DrawnView,
+    method: PhantomData<M>,
+}
+
+impl<M: ImageMethod> DeviceStructure for ImageStructure<M> {
+    type Pipelines = ImageMethodPipelines<M::Variant>;
+
+    const NO_REFIT: &'static str = M::NO_REFIT;
+
+    fn pipelines(gpu: Arc<Gpu>) -> Result<Self::Pipelines, TracerError> {
+        Ok(ImageMethodPipelines { images: ImagePipelines::new(&gpu)?, trace: PipelinesOnDemand::new("trace"), gpu })
+    }
+
+    fn build(
+        pipelines: &Arc<Self::Pipelines>,
+        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
+        before: Option<&Self>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<Self, TracerError> {
+        let view = viewpoint.frame_view();
+        let shape = M::shape(&view, parameters)?;
+        let before = before.map(|before| &before.drawn);
+        let drawn = DrawnView::draw(&pipelines.images, shape, geometry, view, before, clock)?;
+        Ok(Self { pipelines: Arc::clone(pipelines), drawn, method: PhantomData })
+    }
+
+    fn memory(&self) -> MemoryReport {
+        self.drawn.memory()
+    }
+
+    fn trace_memory(&self, job: &TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
+        Ok(self.drawn.trace_memory(size_of::<M::Settings>(), job))
+    }
+
+    fn samplings(&self, parameters: &Parameters) -> Result<Vec<Sampling>, TracerError> {
+        M::samplings(&self.drawn, parameters)
+    }
+
+    fn validate(&self, _geometry: &Geometry) -> Result<Vec<(&'static str, f64)>, TracerError> {
+        Ok(M::statistics(&self.drawn, &self.drawn.validate(&self.pipelines.gpu)?))
+    }
+}
+
+impl<M: ImageMethod> Search for ImageStructure<M> {
+    type Counting = (RayCounts, TouchedBits);
+
+    fn record(
+        &self,
+        job: &TraceJob<'_>,
+        hits: &HitBuffer,
+        counting: Option<&Self::Counting>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        // Any hit is the same search: its first hit is its nearest.
+        let ImageMethodPipelines { gpu, images, trace } = &*self.pipelines;
+        let variant = M::variant(&self.drawn, job.end == EndPoint::Surface, counting.is_some());
+        let (settings, rays_per_lane) = M::settings(&self.drawn, job)?;
+        let counting = counting.map(|(counts, touched)| [counts.buffer(), touched.buffer()]);
+        let pipeline = trace.of(gpu, variant)?;
+        let search = ImageSearch { name: M::PHASE, pipeline, settings, rays_per_lane, counting };
+        self.drawn.trace(images, search, job, hits, clock)
+    }
+
+    fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {
+        let gpu = &self.pipelines.gpu;
+        let (name, things) = M::touched(&self.drawn);
+        let counts = RayCounts::new(gpu, M::counters(&self.drawn), job.rays.host.len())?;
+        let counting = (counts, TouchedBits::new(gpu, name, things, "--frame")?);
+        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
+        let mut counters = counting.0.counters(gpu)?;
+        counters.push(Counter::of_set(name, counting.1.count(gpu)?));
+        Ok(counters)
+    }
+}
