@@ -11,11 +11,6 @@ use crate::results::{Explained, ExplanationRecord, MOST_UNEXPLAINED, RemedyRecor
 /// The page's file.
 pub const EXPLAIN_PAGE: &str = "explain.md";
 
-/// The page as Markdown.
-pub fn explanation_page(run: &Run, found: &ExplanationRecord) -> String {
-    page(run, found).markdown()
-}
-
 /// What is made of an explanation.
 pub(super) fn report(run: &Run, _: Tables) -> Result<Report, ReportError> {
     let page = run.explanation.iter().map(|found| (EXPLAIN_PAGE.to_owned(), page(run, found)));

@@ -111,8 +111,6 @@ impl RaySet<'_> {
     }
 }
 
-}
-
 /// Sorts a run into groups, in order of first appearance.
 pub(super) fn groups(run: &Run) -> Vec<Group<'_>> {
     let mut groups: Vec<Group<'_>> = Vec::new();

@@ -6,7 +6,7 @@ use crate::papers::{Claim, JudgedClaim, PAPERS, Paper, SceneValue, Test, Verdict
 use crate::report::document::Document;
 use crate::report::format::significant;
 use crate::report::sheet::{Sheet, Table};
-use crate::report::{Contents, ReportError};
+use crate::report::{Report, ReportError};
 use crate::results::Run;
 use itertools::Itertools as _;
 
