@@ -27,17 +27,27 @@ fn plain(name: &str) -> &str {
     name.split("X_naga_oil").next().unwrap_or(name)
 }
 
+/// The structs that a shader binds, by themselves, in arrays or in one another: others share nothing with Rust.
 fn layouts(module: &Module) -> BTreeMap<String, Layout> {
-    let structs = module.types.iter().filter_map(|(_, each)| match (&each.name, &each.inner) {
-        (Some(name), TypeInner::Struct { members, span }) => {
-            let member = |member: &naga::StructMember| {
-                (plain(member.name.as_deref().unwrap_or_default()).to_owned(), member.offset)
-            };
-            Some((plain(name).to_owned(), (members.iter().map(member).collect(), *span)))
+    let mut structs = BTreeMap::new();
+    let bound = module.global_variables.iter().filter(|(_, variable)| variable.binding.is_some());
+    let mut left: Vec<_> = bound.map(|(_, variable)| variable.ty).collect();
+    while let Some(found) = left.pop() {
+        let found = &module.types[found];
+        match &found.inner {
+            TypeInner::Array { base, .. } => left.push(*base),
+            TypeInner::Struct { members, span } => {
+                left.extend(members.iter().map(|member| member.ty));
+                let member = |member: &naga::StructMember| {
+                    (plain(member.name.as_deref().unwrap_or_default()).to_owned(), member.offset)
+                };
+                let layout = (members.iter().map(member).collect(), *span);
+                structs.insert(plain(found.name.as_deref().unwrap_or_default()).to_owned(), layout);
+            }
+            _ => {}
         }
-        _ => None,
-    });
-    structs.collect()
+    }
+    structs
 }
 
 /// The shared structs that a shader lays out otherwise than Rust, and how many it has.

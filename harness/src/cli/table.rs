@@ -38,7 +38,8 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
     let walked = matches!(table, Table::Settings(peers) if peers.subject == Subject::Walked);
     let is_exact = matches!(table, Table::Exact);
     if (walked || is_exact) && arguments.work.common.view.is_some() {
-        return Err(CliError::Argument(format!("--view: table {} has its own", table.name())));
+        let whence = if walked { "is along the camera's path" } else { "has viewpoints of its own" };
+        return Err(CliError::Argument(format!("--view: table {} {whence}", table.name())));
     }
     if !is_exact && arguments.tracer.is_some() {
         return Err(CliError::Argument(format!("--tracer: table {} has its own", table.name())));
