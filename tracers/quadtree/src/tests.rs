@@ -319,7 +319,9 @@ fn a_spoilt_structure_is_noticed() {
     assert!(structure().check(&other).is_err(), "another scene is not noticed");
     let read =
         |buffer: &wgpu::Buffer| -> Vec<u32> { bytemuck::pod_collect_to_vec(&gpu.read(buffer, buffer.size()).unwrap()) };
-    let spoils = |what: &str, spoil: &dyn Fn(&Built<QuadtreeStructure>) -> (wgpu::Buffer, usize, u32)| {
+    /// A word of a buffer, by its place, and what is written there.
+    type Spoilt = (wgpu::Buffer, usize, u32);
+    let spoils = |what: &str, spoil: &dyn Fn(&Built<QuadtreeStructure>) -> Spoilt| {
         let structure = structure();
         let (buffer, word, value) = spoil(&structure);
         gpu.queue.write_buffer(&buffer, word as u64 * 4, &value.to_le_bytes());
