@@ -197,12 +197,12 @@ fn add_up(@builtin(local_invocation_index) local: u32) {
     }
 }
 
+// Whether wide nodes are made of these.
+override WIDE: bool;
+
 fn stored(cluster: BinaryNode) -> BinaryNode {
-#ifdef WIDE
-    return cluster;
-#else
-    return BinaryNode(cluster.low, cluster.first, cluster.high, select(cluster.count, 0xffffffffu, is_inner(cluster.count)));
-#endif
+    let count = select(cluster.count, 0xffffffffu, !WIDE && is_inner(cluster.count));
+    return BinaryNode(cluster.low, cluster.first, cluster.high, count);
 }
 
 // Of n triangles n - count pairs were merged before an iteration that starts with count clusters; the last one of all is

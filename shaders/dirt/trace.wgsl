@@ -39,6 +39,9 @@ struct TraceSettings {
 @group(0) @binding(10) var<storage, read_write> touched: array<atomic<u32>>;
 #endif
 
+// Whether rays are searched for on their own near the views' centres.
+override CENTRES: bool;
+
 struct Best {
     t: f32,
     primitive: u32,
@@ -182,7 +185,6 @@ fn walk(number: u32, view: View, eye_ray: EyeRay, span: Span) {
     }
 }
 
-#ifdef CENTRES
 // The part of the ray so near a view's centre that f32 does not tell its tile; none is far beyond everything.
 fn near_centre(view: View, eye_ray: EyeRay) -> Span {
     let radius = centre_radius(view);
@@ -229,7 +231,6 @@ fn search_to_depth(number: u32, view: View, eye_ray: EyeRay, depth: f32) {
         }
     }
 }
-#endif
 
 // Searches for a ray, and gives the views that it was in, a bit each. `open` tells whether it was cut off.
 fn search_ray(asked: Ray) -> u32 {
@@ -244,23 +245,23 @@ fn search_ray(asked: Ray) -> u32 {
     work = vec4<u32>(0u);
 #endif
     var visited = 0u;
-#ifdef CENTRES
-    var each = 0u;
-    open += 1u;
-    loop {
-        if (each >= search.view_count) {
-            open -= 1u;
-            break;
+    if (CENTRES) {
+        var each = 0u;
+        open += 1u;
+        loop {
+            if (each >= search.view_count) {
+                open -= 1u;
+                break;
+            }
+            let view = views[each];
+            let eye_ray = eye_ray_of(view, ray);
+            let near = near_centre(view, eye_ray);
+            if (near.end >= ray.t_min && near.begin <= ray.t_max) {
+                search_to_depth(each, view, eye_ray, centre_radius(view));
+            }
+            each += 1u;
         }
-        let view = views[each];
-        let eye_ray = eye_ray_of(view, ray);
-        let near = near_centre(view, eye_ray);
-        if (near.end >= ray.t_min && near.begin <= ray.t_max) {
-            search_to_depth(each, view, eye_ray, centre_radius(view));
-        }
-        each += 1u;
     }
-#endif
     // By distance, a ray along the seam between two views must not be lost by both to rounding.
     let slack = select(1.0, SEAM_SLACK, (search.by_distance == 1u));
     // A view is never entered twice (a line meets a view in one piece), so there are at most as many rounds as views.
@@ -294,26 +295,26 @@ fn search_ray(asked: Ray) -> u32 {
 #endif
         let view = views[chosen];
         let eye_ray = eye_ray_of(view, ray);
-#ifdef CENTRES
-        let near = near_centre(view, eye_ray);
-        var part = 0u;
-        open += 1u;
-        loop {
-            if (part >= 2u) {
-                open -= 1u;
-                break;
+        if (CENTRES) {
+            let near = near_centre(view, eye_ray);
+            var part = 0u;
+            open += 1u;
+            loop {
+                if (part >= 2u) {
+                    open -= 1u;
+                    break;
+                }
+                let before = Span(span.begin, min(span.end, near.begin));
+                let after = Span(max(span.begin, near.end), span.end);
+                let side = Span(select(after.begin, before.begin, (part == 0u)), select(after.end, before.end, (part == 0u)));
+                if (side.begin <= side.end && !capped) {
+                    walk(chosen, view, eye_ray, side);
+                }
+                part += 1u;
             }
-            let before = Span(span.begin, min(span.end, near.begin));
-            let after = Span(max(span.begin, near.end), span.end);
-            let side = Span(select(after.begin, before.begin, (part == 0u)), select(after.end, before.end, (part == 0u)));
-            if (side.begin <= side.end && !capped) {
-                walk(chosen, view, eye_ray, side);
-            }
-            part += 1u;
+        } else {
+            walk(chosen, view, eye_ray, span);
         }
-#else
-        walk(chosen, view, eye_ray, span);
-#endif
         if (capped || is_final(-1e38)) {
             open -= 1u;
             break;

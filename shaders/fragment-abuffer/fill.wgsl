@@ -1,5 +1,5 @@
 // The geometry passes of the fragment A-buffer (section 3.3), by the rasterizer's own sample rule: the depth bounds of every
-// pixel; of the s-buffer the number of its fragments; the fragments themselves. With COMPUTE by the rule of tracebench::coverage. With
+// pixel; of the s-buffer the number of its fragments; the fragments themselves. In compute (`draw`) by the rule of tracebench::coverage. With
 // CLIPPED of triangles as they are clipped to pixels: fragments that are planes, or that all have which a triangle touches, or both.
 
 #import tracebench::view::{to_eye_space, clip_position}
@@ -7,11 +7,7 @@
 #ifdef CLIPPED
 #import tracebench::plane_depth::{facet, size_of}
 #import tracebench::tile_clip::{DepthRange, tile_margin, tile_frustum, polygon_range, tile_rectangle}
-#ifdef COMPUTE
-#import tracebench::tile_clip::tiles_frustum
-#else
-#import tracebench::tile_clip::rectangle_corner
-#endif
+#import tracebench::tile_clip::{tiles_frustum, rectangle_corner}
 #else
 #import tracebench::surface::unit_normal
 #endif
@@ -23,11 +19,9 @@
 #import tracebench::fragment_layout::{OUTLINE_PARTS, WHOLE_OUTLINE, has_outline}
 #endif
 #endif
-#ifdef COMPUTE
 #import tracebench::dispatch::Invocation
 #import tracebench::coverage::{outline_in_view, rows_of_outline, span_of_row}
 #import tracebench::raster_work::part_of
-#endif
 
 @group(0) @binding(0) var<uniform> shape: Storage;
 @group(0) @binding(1) var<uniform> drawn: DrawnView;
@@ -302,7 +296,6 @@ fn put_fragment(centre: vec2<f32>, facing: Facing) {
 #endif
 }
 
-#ifdef COMPUTE
 const WORKGROUP_SIZE: u32 = 64u;
 
 #ifdef CLIPPED
@@ -354,7 +347,7 @@ fn draw(invocation: Invocation) {
         }
     }
 }
-#else
+
 struct Corner {
     @builtin(position) position: vec4<f32>,
 #ifdef CLIPPED
@@ -416,5 +409,4 @@ fn fragment(in: Corner) -> @location(0) vec4<f32> {
     put_fragment(in.position.xy, facing);
     return vec4<f32>(0.0);
 }
-#endif
 #endif

@@ -3,10 +3,7 @@
 // What a trace reads of the fragments that are stored, and the state of a lane's ray while it is traced.
 
 #import tracebench::types::Ray
-#import tracebench::image_walk::EyeRay
-#ifdef PLANES
-#import tracebench::image_walk::Span
-#endif
+#import tracebench::image_walk::{EyeRay, Span}
 #import tracebench::depth_bounds::depths_of
 #import tracebench::reads::{word_0, word_1}
 #ifdef SURFACES
@@ -80,6 +77,18 @@ struct MarchSettings {
 #endif
 #endif
 
+// Whether fragments are pieces of the s-buffer, and whether they are planes. (naga_oil imports functions, no overrides.)
+override CONTIGUOUS: bool;
+override PLANES: bool;
+
+fn has_pieces() -> bool {
+    return CONTIGUOUS;
+}
+
+fn has_planes() -> bool {
+    return PLANES;
+}
+
 // The state of this lane's ray.
 var<private> ray: Ray;
 var<private> eye_ray: EyeRay;
@@ -88,11 +97,9 @@ var<private> found: bool;
 var<private> found_node: u32;
 var<private> found_depth: f32;
 var<private> found_t: f32;
-#ifdef PLANES
-// The pixel that is looked at, and the part of the ray that lies in it.
+// Of planes: the pixel that is looked at, and the part of the ray that lies in it.
 var<private> looked_at: vec2<u32>;
 var<private> part: Span;
-#endif
 var<private> capped: bool;
 var<private> steps: u32;
 // Loops that were begun and not ended by themselves. Mesa's software driver ends the loops of eight lanes together after
@@ -209,12 +216,10 @@ fn load_payload(index: u32) -> u32 {
 
 // Where what shading needs of a fragment is, among the data.
 fn data_of(node: u32) -> u32 {
-#ifdef CONTIGUOUS
     // In the s-buffer nodes are put into their order and data stays.
-    if (shape.data_offset == 0u) {
+    if (CONTIGUOUS && shape.data_offset == 0u) {
         return load_id(node * shape.node_words + 1u);
     }
-#endif
     return node;
 }
 #endif
@@ -229,13 +234,11 @@ fn test_depth(node: u32) -> f32 {
     return bitcast<f32>(load_id(node * shape.node_words));
 }
 
-#ifndef PLANES
 fn take(node: u32, depth: f32) {
     found = true;
     found_node = node;
     found_depth = depth;
 }
-#endif
 
 fn word_of(pixel: u32, word: u32) -> u32 {
     return load_pixel(word * views[number].pixel_count + pixel);
@@ -245,12 +248,10 @@ fn bounds_of(pixel: u32) -> vec2<f32> {
     return depths_of(vec2<u32>(word_of(pixel, shape.bounds_word), word_of(pixel, shape.bounds_word + 1u)));
 }
 
-#ifdef PLANES
 // By how much a depth on the ray may be off: of sums, by f32's precision at the terms.
 fn depth_slack(depth: f32) -> f32 {
     return BOUNDS_SLACK * max(abs(eye_ray.origin.z), depth);
 }
-#endif
 
 // Whether a ray with these depths passes outside of depth bounds (step a).
 fn misses(bounds: vec2<f32>, least: f32, most: f32) -> bool {

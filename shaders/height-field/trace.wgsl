@@ -33,7 +33,7 @@ struct HeightSettings {
 @group(0) @binding(1) var<uniform> settings: HeightSettings;
 #ifdef TEXTURES
 // As it was drawn; in a buffer it is the array of words 0.
-@group(0) @binding(2) var eye_depths: texture_2d<f32>;
+@group(0) @binding(2) var eye_depths: texture_2d_array<f32>;
 #endif
 @group(0) @binding(3) var<storage, read> rays: array<Ray>;
 @group(0) @binding(4) var<storage, read_write> hits: array<Hit>;
@@ -45,7 +45,7 @@ struct HeightSettings {
 #endif
 #ifdef SURFACES
 // The triangle seen at every pixel, and of every ray the one that it hit.
-@group(0) @binding(7) var primitives: texture_2d<u32>;
+@group(0) @binding(7) var primitives: texture_2d_array<u32>;
 @group(0) @binding(8) var<storage, read_write> seen: array<u32>;
 #endif
 // Its cells are the array of pairs 0, near and far, or of words 1, near alone.
@@ -53,7 +53,7 @@ struct HeightSettings {
 
 fn stored_depth(pixel: vec2<i32>) -> f32 {
 #ifdef TEXTURES
-    return textureLoad(eye_depths, pixel, 0).x;
+    return textureLoad(eye_depths, pixel, 0, 0).x;
 #else
     return bitcast<f32>(word_0(u32(pixel.y) * settings.row_words + u32(pixel.x)));
 #endif
@@ -177,7 +177,7 @@ fn trace(invocation: Invocation) {
         counts[turns.ray] = answer.work;
 #endif
 #ifdef SURFACES
-        seen[turns.ray] = textureLoad(primitives, answer.pixel, 0).x;
+        seen[turns.ray] = textureLoad(primitives, answer.pixel, 0, 0).x;
 #endif
         turns.ray += BLOCK_LANES;
     }

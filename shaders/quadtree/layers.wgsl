@@ -1,15 +1,13 @@
 // The depth layers of a view (WKP15, section 3.1): the nearest depths of every pixel, by the rasterizer's own sample rule. Depths
 // are codes that grow towards the eye, 0 for none, so that atomic maxima keep the nearest. The same pipeline catches depths and names
-// the triangles that have them, so that both see the same depth to the bit. With COMPUTE by the rule of tracebench::coverage.
+// the triangles that have them, so that both see the same depth to the bit. In compute (`draw`) by the rule of tracebench::coverage.
 
 #import tracebench::view::{View, to_eye_space, clip_position}
 #import tracebench::plane_depth::{FlatTriangle, flat_triangle, plane_depth}
 #import tracebench::depth_bounds::near_code
-#ifdef COMPUTE
 #import tracebench::dispatch::Invocation
 #import tracebench::coverage::{outline_in_view, rows_of_outline, span_of_row}
 #import tracebench::raster_work::part_of
-#endif
 
 struct LayerPass {
     view: View,
@@ -110,7 +108,6 @@ fn put_fragment(centre: vec2<f32>, triangle: FlatTriangle, primitive: u32) {
     }
 }
 
-#ifdef COMPUTE
 const WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
@@ -132,7 +129,7 @@ fn draw(invocation: Invocation) {
         }
     }
 }
-#else
+
 struct Corner {
     @builtin(position) position: vec4<f32>,
     @location(0) @interpolate(flat) plane: vec4<f32>,
@@ -159,4 +156,3 @@ fn fragment(in: Corner) -> @location(0) vec4<f32> {
     put_fragment(in.position.xy, FlatTriangle(in.plane, in.depths), in.primitive);
     return vec4<f32>(0.0);
 }
-#endif

@@ -8,9 +8,7 @@
 #import tracebench::pyramid::index_in_level
 #import tracebench::reads::pair_0
 #import tracebench::quadtree_forest::Forest
-#ifdef JOINED
 #import tracebench::quadtree_node::NOTHING
-#endif
 
 struct QuadtreeSettings {
     ray_count: u32,
@@ -54,6 +52,13 @@ struct TreeView {
 @group(0) @binding(6) var<storage, read_write> counted: array<atomic<u32>>;
 #endif
 
+// Whether planes of pixels are joined. (naga_oil imports functions, no overrides.)
+override JOINED: bool;
+
+fn is_joined() -> bool {
+    return JOINED;
+}
+
 // The state of this lane's ray.
 var<private> ray: Ray;
 var<private> eye_ray: EyeRay;
@@ -65,11 +70,7 @@ var<private> steps: u32;
 var<private> open: u32;
 #ifdef COUNTERS
 // As in the counts of a ray.
-#ifdef JOINED
 var<private> work: array<u32, 8>;
-#else
-var<private> work: array<u32, 7>;
-#endif
 #endif
 
 // A node that is visited.
@@ -84,7 +85,6 @@ fn visit(image: u32, level: u32, cell: vec2<u32>) -> vec2<u32> {
     return pair_0(index);
 }
 
-#ifdef JOINED
 // The node of a pixel beside one that is visited; NOTHING outside of the image.
 fn neighbour_node(image: u32, pixel: vec2<i32>) -> vec2<u32> {
     if (any(pixel < vec2<i32>(0)) || any(pixel >= vec2<i32>(forest.size))) {
@@ -97,7 +97,6 @@ fn neighbour_node(image: u32, pixel: vec2<i32>) -> vec2<u32> {
 #endif
     return pair_0(index);
 }
-#endif
 
 // A pixel's own node, looked up for its depth.
 fn pixel_node(image: u32, pixel: vec2<u32>) -> vec2<u32> {

@@ -13,7 +13,7 @@
 #import tracebench::quadtree_forest::depth_of_z
 #import tracebench::quadtree_node::{Plane, is_empty, plane_of}
 #import tracebench::quadtree_track::{NOWHERE, track_of}
-#import tracebench::quadtree_store::{forest, search, views, ray, eye_ray, capped, steps, open, work, counted, pixel_node}
+#import tracebench::quadtree_store::{forest, search, views, ray, eye_ray, capped, steps, open, work, counted, pixel_node, is_joined}
 #import tracebench::quadtree_walk::{found, track, walk_tree}
 
 @group(0) @binding(3) var<storage, read> rays: array<Ray>;
@@ -28,11 +28,7 @@
 
 // Of every ray: nodes visited, planes tested, boxes tested, layers asked, views entered, whether a second layer was asked, whether
 // a layer behind the first was hit; and where planes are joined, neighbours of pixels that were looked at.
-#ifdef JOINED
 const COUNTS: u32 = 8u;
-#else
-const COUNTS: u32 = 7u;
-#endif
 
 // The codes of `next_layer`.
 const ASK_BEHIND_VOLUMES: u32 = 0u;
@@ -264,8 +260,9 @@ fn answer(index: u32) {
 #ifdef COUNTERS
     work[4] = entered;
     work[6] = select(0u, 1u, (is_found && best_layer > 0u));
-    for (var count = 0u; count < COUNTS; count++) {
-        atomicStore(&counted[2u * search.touched_words + index * COUNTS + count], work[count]);
+    let counts = select(COUNTS - 1u, COUNTS, is_joined());
+    for (var count = 0u; count < counts; count++) {
+        atomicStore(&counted[2u * search.touched_words + index * counts + count], work[count]);
     }
 #endif
 }

@@ -1,16 +1,14 @@
 // The pass over the geometry (section 3.1), of one of its three orthographic projections: every fragment goes into its texel's list
-// and its normal into its voxel's sums. By the rasterizer's own sample rule, with COMPUTE by that of tracebench::coverage; depth is not
+// and its normal into its voxel's sums. By the rasterizer's own sample rule, in compute (`draw`) by that of tracebench::coverage; depth is not
 // tested.
 
 #import tracebench::plane_depth::facet
 #import tracebench::surface::{greatest_of, unit_normal}
 #import tracebench::unit_space::{to_unit, on_image, from_image, dominant_axis, voxel_at, voxel_index}
 #import tracebench::voxel_space::{DrawnAxis, layer_code}
-#ifdef COMPUTE
 #import tracebench::dispatch::Invocation
 #import tracebench::coverage::{outline_in_image, rows_of_outline, span_of_row}
 #import tracebench::raster_work::part_of
-#endif
 
 @group(0) @binding(0) var<uniform> drawn: DrawnAxis;
 @group(0) @binding(1) var<storage, read> positions: array<f32>;
@@ -153,7 +151,6 @@ fn put_fragment(centre: vec2<f32>, facing: Facing) {
 #endif
 }
 
-#ifdef COMPUTE
 const WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
@@ -178,7 +175,7 @@ fn draw(invocation: Invocation) {
         }
     }
 }
-#else
+
 struct Corner {
     @builtin(position) position: vec4<f32>,
 #ifndef TALLY
@@ -228,4 +225,3 @@ fn fragment(in: Corner) -> @location(0) vec4<f32> {
     put_fragment(in.position.xy, facing);
     return vec4<f32>(0.0);
 }
-#endif

@@ -1,19 +1,16 @@
 // The pass over the geometry of fragments that are oriented planes, of one of its three images: a triangle is drawn in the image along the
 // axis that its normal is longest along, so that slopes are at most 1, into every texel that it touches. A fragment is the plane and
 // what of the triangle lies in the texel. Voxels are marked with the axes of what lies in them. Both builds, by the rasterizer and
-// with COMPUTE, decide by the same arithmetic which texels are touched.
+// in compute (`draw`), decide by the same arithmetic which texels are touched.
 
 #import tracebench::plane_depth::{facet, size_of}
 #import tracebench::surface::greatest_of
 #import tracebench::unit_space::{to_unit, on_image, from_image, dominant_axis, voxel_index}
 #import tracebench::voxel_space::{DrawnAxis, layer_code}
 #import tracebench::voxel_plane_parts::{Part, part_margin, part_in_texel, is_part, part_words}
-#ifdef COMPUTE
 #import tracebench::dispatch::Invocation
 #import tracebench::raster_work::part_of
-#else
 #import tracebench::tile_clip::{TileRectangle, rectangle_corner}
-#endif
 
 @group(0) @binding(0) var<uniform> drawn: DrawnAxis;
 @group(0) @binding(1) var<storage, read> positions: array<f32>;
@@ -183,7 +180,6 @@ fn put_fragment(texel: vec2<f32>, triangle: AxisTriangle) {
 #endif
 }
 
-#ifdef COMPUTE
 const WORKGROUP_SIZE: u32 = 64u;
 
 @compute @workgroup_size(WORKGROUP_SIZE)
@@ -205,7 +201,7 @@ fn draw(invocation: Invocation) {
         }
     }
 }
-#else
+
 struct Corner {
     @builtin(position) position: vec4<f32>,
     @location(0) @interpolate(flat) first_two: vec4<f32>,
@@ -251,4 +247,3 @@ fn fragment(in: Corner) -> @location(0) vec4<f32> {
     put_fragment(floor(in.position.xy), triangle);
     return vec4<f32>(0.0);
 }
-#endif

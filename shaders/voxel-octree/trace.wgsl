@@ -39,6 +39,9 @@ struct OctreeSearch {
 @group(0) @binding(4) var<storage, read_write> counted: array<atomic<u32>>;
 #endif
 
+// Whether nodes on the way down are kept on a stack.
+override STACK: bool;
+
 // Of every ray: nodes read, and parts of the cube stepped out of.
 const COUNTS: u32 = 2u;
 const VISITED: u32 = 0u;
@@ -93,9 +96,7 @@ fn find_hit(ray: Ray) -> Answer {
     var leaving_start = span.begin <= ray.t_min;
     var node = 0u;
     var depth = 0u;
-#ifdef STACK
     var stack = array<u32, MOST_DEPTH>();
-#endif
     // No ray takes more rounds: what is beyond was cut off by the driver.
     let most = 3u * space.grid * (levels + 1u) + levels;
     for (var round = 0u; round <= most; round++) {
@@ -108,9 +109,9 @@ fn find_hit(ray: Ray) -> Answer {
         let has_child = ((record.y >> part) & 1u) == 1u;
         let child = record.x + countOneBits(record.y & ((1u << part) - 1u));
         if (has_child && depth + 1u < levels) {
-#ifdef STACK
-            stack[depth] = node;
-#endif
+            if (STACK) {
+                stack[depth] = node;
+            }
             node = child;
             depth += 1u;
             continue;
@@ -146,18 +147,18 @@ fn find_hit(ray: Ray) -> Answer {
         let before = voxel;
         voxel = select(ahead, entered, next != cell);
         t = exit;
-#ifdef STACK
-        // The deepest node that holds both, none below that which was left.
-        let differ = (before.x ^ voxel.x) | (before.y ^ voxel.y) | (before.z ^ voxel.z);
-        let shared_depth = levels - 1u - u32(firstLeadingBit(differ));
-        if (shared_depth < depth) {
-            depth = shared_depth;
-            node = stack[shared_depth];
+        if (STACK) {
+            // The deepest node that holds both, none below that which was left.
+            let differ = (before.x ^ voxel.x) | (before.y ^ voxel.y) | (before.z ^ voxel.z);
+            let shared_depth = levels - 1u - u32(firstLeadingBit(differ));
+            if (shared_depth < depth) {
+                depth = shared_depth;
+                node = stack[shared_depth];
+            }
+        } else {
+            depth = 0u;
+            node = 0u;
         }
-#else
-        depth = 0u;
-        node = 0u;
-#endif
     }
     return answer_of(STATUS_STEP_CAP);
 }

@@ -143,18 +143,22 @@ fn every_shader_validates() {
 /// that there are no others.
 #[test]
 fn entry_points_exist() {
-    let compute = |names: &[&'static str], size| names.iter().map(|name| (*name, ShaderStage::Compute, size)).collect();
+    let compute = |names: &[&'static str], size| -> Vec<_> {
+        names.iter().map(|name| (*name, ShaderStage::Compute, size)).collect()
+    };
     let raster = vec![("vertex", ShaderStage::Vertex, 0), ("fragment", ShaderStage::Fragment, 0)];
+    let and_raster = |names: &[&'static str]| -> Vec<_> { [compute(names, 64), raster.clone()].concat() };
     let expected = |shader: &Shader| -> Vec<(&'static str, ShaderStage, u32)> {
         match (shader.file, shader.name) {
-            (_, "fragment-abuffer/boxes BOUND") => compute(&["bound"], 64),
             ("shared/raster_setup.wgsl", _) => {
                 vec![("find", ShaderStage::Compute, 64), ("deal", ShaderStage::Compute, 1)]
             }
             ("shared/nearest_compute.wgsl", _) => compute(&["draw"], 64),
             ("shared/nearest_resolve.wgsl", _) => compute(&["resolve"], 64),
             ("test/coverage_functions.wgsl", _) => compute(&["cover", "project"], 64),
-            (_, name) if name.split(' ').any(|definition| definition == "COMPUTE") => compute(&["draw"], 64),
+            ("fragment-abuffer/boxes.wgsl", _) => and_raster(&["bound", "draw"]),
+            (file, _) if file.ends_with("/fill.wgsl") => and_raster(&["draw"]),
+            ("quadtree/layers.wgsl" | "voxel-abuffer/planes.wgsl", _) => and_raster(&["draw"]),
             (_, "bvh/refit") => vec![("fit", ShaderStage::Compute, 64), ("fit_last", ShaderStage::Compute, 256)],
             ("bvh/refit.wgsl", _) => compute(&["fit"], 64),
             ("bvh/cluster.wgsl", _) => {

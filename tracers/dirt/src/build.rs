@@ -265,7 +265,7 @@ impl Pipelines {
         let grid = uniform_buffer(gpu, "grid", &buffers.grid(layout))?;
         let setup = buffers.setup.bind(gpu, &self.setup()?, layout, &scene.surfaces.device)?;
         let mut prepared = Prepared { setup, depth: Vec::new(), mipmaps: Vec::new(), primitives: Vec::new() };
-        let [of_depth, of_primitives] = fills(layout, buffers, filling, counted.is_some());
+        let [of_depth, of_primitives] = fills(buffers, filling, counted.is_some());
         for (index, view) in layout.uniforms().into_iter().enumerate() {
             let by_plane = u32::from(filling.by_plane);
             let [first_entry, entries] = buffers.setup.room_of(index);
@@ -370,11 +370,11 @@ impl Pipelines {
 }
 
 /// The variants of the two passes over all triangles.
-fn fills(layout: &Layout, buffers: &Buffers, filling: Filling, counters: bool) -> [Fill; 2] {
-    let (conservative, compute) = (filling.conservative, layout.drawn_by == DrawnBy::Compute);
+fn fills(buffers: &Buffers, filling: Filling, counters: bool) -> [Fill; 2] {
+    let conservative = filling.conservative;
     let primitives = match counters {
-        true => Fill::PrimitivesCounters { conservative, compute },
-        false => Fill::Primitives { conservative, split: buffers.nodes.len() > 1, compute },
+        true => Fill::PrimitivesCounters { conservative },
+        false => Fill::Primitives { conservative, split: buffers.nodes.len() > 1 },
     };
-    [Fill::Plain { conservative, compute }, primitives]
+    [Fill::Plain { conservative }, primitives]
 }

@@ -24,8 +24,7 @@ use tracebench_api::{
 };
 use tracebench_kit::{
     Gather, OnDemand, RasterTargets, ViewUniform, bind_group, compute_pipeline, create_texture, dispatch_linear,
-    raster_pipeline, shader_module, shader_module_testing_early, storage_buffer, uniform_buffer, view_uniform,
-    view_uniforms,
+    raster_pipeline, storage_buffer, uniform_buffer, view_uniform, view_uniforms,
 };
 use tracebench_shaders::{Shader, dirt};
 
@@ -60,11 +59,10 @@ pub(crate) struct Fetch {
 /// A pipeline that draws into the mask alone.
 fn mask_pipeline(gpu: &Gpu, shader: Shader, writes: bool) -> Result<RenderPipeline, TracerError> {
     // A fragment stage that writes to buffers is run before its depth test, unless it is told otherwise.
-    let module = if writes { shader_module(gpu, shader)? } else { shader_module_testing_early(gpu, shader)? };
     // No depth lies beyond 1, the mask's where there are hits.
     let passes = if writes { CompareFunction::Always } else { CompareFunction::LessEqual };
-    let targets = RasterTargets { depth: Some((MASK_FORMAT, writes, passes)), ..Default::default() };
-    raster_pipeline(gpu, shader.name, &module, &targets)
+    let depth = Some((MASK_FORMAT, writes, passes));
+    raster_pipeline(gpu, shader, &RasterTargets { depth, tests_early: !writes, ..Default::default() })
 }
 
 /// What a fetch takes while it runs: heads, nodes, mask, bindings.

@@ -25,9 +25,9 @@ pub(crate) struct Pipelines {
     setup: OnDemand<(), SetupPipelines>,
     prefix_sum: OnDemand<(), Arc<PrefixSum>>,
     pub raster: ComputeRaster,
-    pub fill: TrianglePipelines<Fill>,
+    pub fill: TrianglePipelines,
     mipmap: OnDemand<(), ComputePipeline>,
-    pub trace: SearchPipelines<Trace>,
+    pub trace: SearchPipelines,
     gather: OnDemand<(), Arc<Gather>>,
     pub fetch: Fetch,
     visibility: OnDemand<(), Arc<Visibility>>,
@@ -38,13 +38,11 @@ pub(crate) struct Pipelines {
 impl Pipelines {
     /// None yet. What every build and trace needs is asked of the device's limits.
     pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        for shader in [
-            SETUP,
-            Fill::Primitives { conservative: true, split: false, compute: false }.into(),
-            Trace::Plain { textures: false, centres: false, counters: true }.into(),
-        ] {
-            check_limits(&gpu, shader)?;
-        }
+        let filled = Fill::Primitives { conservative: true, split: false };
+        let traced = Trace::Plain { textures: false, centres: false, counters: true };
+        check_limits(&gpu, SETUP, &["see", "list"])?;
+        check_limits(&gpu, filled.into(), &["vertex", "fragment"])?;
+        check_limits(&gpu, traced.into(), &["trace"])?;
         Ok(Self {
             gpu,
             setup: OnDemand::default(),
@@ -65,8 +63,9 @@ impl Pipelines {
     /// hold them.
     pub(crate) fn can_split(gpu: &Gpu) -> bool {
         let traced = Trace::Split { centres: false, counters: true }.into();
-        let filled = Fill::Primitives { conservative: true, split: true, compute: false }.into();
-        check_limits(gpu, traced).and_then(|()| check_limits(gpu, filled)).is_ok()
+        let filled = Fill::Primitives { conservative: true, split: true }.into();
+        let fills = || check_limits(gpu, filled, &["vertex", "fragment"]);
+        check_limits(gpu, traced, &["trace"]).and_then(|()| fills()).is_ok()
     }
 
     pub(crate) fn setup(&self) -> Result<SetupPipelines, TracerError> {

@@ -11,7 +11,7 @@ use tracebench_kit::{
     storage_buffer, uniform_buffer, view_uniform,
 };
 use tracebench_shaders::Variant;
-use tracebench_shaders::fragment_abuffer::{Boxes, Fill, MIPMAP, Reorder, ReorderLong, Trace};
+use tracebench_shaders::fragment_abuffer::{BOXES, Fill, MIPMAP, Reorder, ReorderLong};
 
 use crate::layout::{DrawnView, Layout, Storage, TracedView};
 use crate::objects::Objects;
@@ -34,20 +34,20 @@ pub struct Pipelines {
     pub(crate) gpu: Arc<Gpu>,
     pub(crate) sums: PrefixSum,
     raster: ComputeRaster,
-    boxes: TrianglePipelines<Boxes>,
+    boxes: TrianglePipelines,
     boxes_bound: ComputePipeline,
-    computed_boxes: PipelinesOnDemand<Boxes>,
-    fill: TrianglePipelines<Fill>,
+    computed_boxes: PipelinesOnDemand,
+    fill: TrianglePipelines,
     reorder: BTreeMap<Reorder, ComputePipeline>,
-    reorder_long: PipelinesOnDemand<ReorderLong>,
+    reorder_long: PipelinesOnDemand,
     mipmap: ComputePipeline,
-    pub(crate) traces: PipelinesOnDemand<Trace>,
+    pub(crate) traces: PipelinesOnDemand,
 }
 
 impl Pipelines {
     pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         let (boxes, fill) = (TrianglePipelines::new(), TrianglePipelines::new());
-        boxes.raster(&gpu, Boxes::Plain { bound: false })?;
+        boxes.raster(&gpu, BOXES)?;
         for variant in Fill::ALL.iter().filter(|variant| is_published(**variant)) {
             fill.raster(&gpu, *variant)?;
         }
@@ -55,7 +55,7 @@ impl Pipelines {
             sums: PrefixSum::new(&gpu)?,
             raster: ComputeRaster::new(&gpu),
             boxes,
-            boxes_bound: compute_pipeline(&gpu, Boxes::Plain { bound: true }, "bound")?,
+            boxes_bound: compute_pipeline(&gpu, BOXES, "bound")?,
             computed_boxes: PipelinesOnDemand::new("draw"),
             fill,
             reorder: every_variant(|variant: Reorder| compute_pipeline(&gpu, variant, "reorder"))?,
@@ -70,10 +70,9 @@ impl Pipelines {
 /// Whether the published form draws by a variant, so that it is made at once.
 fn is_published(variant: Fill) -> bool {
     match variant {
-        Fill::Bounds { clipped, compute }
-        | Fill::Count { clipped, compute }
-        | Fill::Tally { clipped, compute }
-        | Fill::Store { clipped, compute, .. } => !clipped && !compute,
+        Fill::Bounds { clipped } | Fill::Count { clipped } | Fill::Tally { clipped } | Fill::Store { clipped, .. } => {
+            !clipped
+        }
     }
 }
 
@@ -140,7 +139,7 @@ impl Pipelines {
             let resources = resources.map(Buffer::as_entire_binding);
             prepared.boxes = Some((bind_group(gpu, &self.boxes_bound.get_bind_group_layout(0), &resources), triangles));
         }
-        let (clipped, compute) = (layout.is_clipped(), layout.drawn_by == DrawnBy::Compute);
+        let clipped = layout.is_clipped();
         for part in &parts.parts {
             let storage = layout.storage(part.pixel_count, part.capacity);
             let storage = uniform_buffer(gpu, "storage", &storage)?;
@@ -166,16 +165,16 @@ impl Pipelines {
                             let buffers = [&uniforms[..], &[(2, &objects.boxes.buffer), (3, &part.pixels)]].concat();
                             self.by_boxes(&bound(&buffers), canvas(objects.count * 6)?, objects, shape)?
                         }
-                        None => Bounding::Drawn(draw(Fill::Bounds { clipped, compute }, &[])?),
+                        None => Bounding::Drawn(draw(Fill::Bounds { clipped }, &[])?),
                     });
                 }
                 let taken = (5, &part.taken);
                 if layout.kind.is_contiguous() {
-                    prepared.count.push(draw(Fill::Count { clipped, compute }, &[taken])?);
+                    prepared.count.push(draw(Fill::Count { clipped }, &[taken])?);
                 }
                 let mut stored = vec![taken, (6, &part.ids), (8, &geometry.materials)];
                 stored.extend(part.payloads.as_ref().map(|payloads| (7, payloads)));
-                let store = Fill::Store { decoupled: layout.decoupled, clipped, compute };
+                let store = Fill::Store { decoupled: layout.decoupled, clipped };
                 prepared.store.push(draw(store, &stored)?);
             }
             self.prepare_reorder(layout, part, &storage, &mut prepared)?;
@@ -194,9 +193,9 @@ impl Pipelines {
     ) -> Result<Bounding<'a>, TracerError> {
         let gpu = &*self.gpu;
         if matches!(canvas, Canvas::Attachment(..)) {
-            return Ok(Bounding::Drawn(self.boxes.pass(gpu, Boxes::Plain { bound: false }, resources, canvas)?));
+            return Ok(Bounding::Drawn(self.boxes.pass(gpu, BOXES, resources, canvas)?));
         }
-        let pipeline = self.computed_boxes.of(gpu, Boxes::Compute)?;
+        let pipeline = self.computed_boxes.of(gpu, BOXES)?;
         let bindings = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), resources);
         Ok(Bounding::Computed(pipeline, bindings, objects.count.saturating_mul(view.size[1].div_ceil(BAND))))
     }
@@ -219,7 +218,7 @@ impl Pipelines {
             let canvas = Canvas::of(work.first(), target.as_ref(), layout.vertices(triangles))?;
             let mut buffers = vec![(1, &drawn), (2, &device.positions), (3, &device.indices), (5, &taken)];
             buffers.extend(clipped.then_some((0, &storage)));
-            let pass = self.fill.pass(gpu, Fill::Tally { clipped, compute }, &bound(&buffers), canvas)?;
+            let pass = self.fill.pass(gpu, Fill::Tally { clipped }, &bound(&buffers), canvas)?;
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             encoder.clear_buffer(&taken, 0, None);
             work.iter().for_each(|work| work.record(&mut encoder));

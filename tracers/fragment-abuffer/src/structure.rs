@@ -71,7 +71,7 @@ impl Pipelines {
     fn binds_every_view(&self, layout: &Layout) -> bool {
         let (contiguous, planes) = (layout.kind.is_contiguous(), layout.planes);
         let least = Trace::Split { contiguous, planes, surfaces: false, counters: false };
-        check_limits(&self.gpu, least.into()).is_ok()
+        check_limits(&self.gpu, least.into(), &["trace"]).is_ok()
     }
 }
 

@@ -117,8 +117,8 @@ impl RasterImage {
 /// The pipelines that deal out triangles, each made when it is first needed.
 #[derive(Debug)]
 pub struct ComputeRaster {
-    find: PipelinesOnDemand<RasterSetup>,
-    deal: PipelinesOnDemand<RasterSetup>,
+    find: PipelinesOnDemand,
+    deal: PipelinesOnDemand,
     sums: OnDemand<(), Arc<PrefixSum>>,
     small_pixels: u32,
 }

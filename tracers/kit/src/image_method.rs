@@ -8,7 +8,7 @@ use tracebench_api::{
     Counter, EndPoint, Geometry, Gpu, HitBuffer, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, TraceJob,
     TracerError, View,
 };
-use tracebench_shaders::Variant;
+use tracebench_shaders::Shader;
 
 use crate::{
     BuildJob, DeviceStructure, DrawnView, ImagePipelines, ImageSearch, ImageShape, PipelinesOnDemand, RayCounts,
@@ -18,7 +18,7 @@ use crate::{
 /// What a method has of its own.
 pub trait ImageMethod: 'static {
     /// Its shader's variants.
-    type Variant: Variant;
+    type Variant: Into<Shader>;
     /// What a search is told.
     type Settings: NoUninit;
 
@@ -59,21 +59,21 @@ pub trait ImageMethod: 'static {
 }
 
 /// The pipelines of a method.
-pub struct ImageMethodPipelines<V> {
+pub struct ImageMethodPipelines {
     gpu: Arc<Gpu>,
     images: ImagePipelines,
-    trace: PipelinesOnDemand<V>,
+    trace: PipelinesOnDemand,
 }
 
 /// The images of one view.
 pub struct ImageStructure<M: ImageMethod> {
-    pipelines: Arc<ImageMethodPipelines<M::Variant>>,
+    pipelines: Arc<ImageMethodPipelines>,
     drawn: DrawnView,
     method: PhantomData<M>,
 }
 
 impl<M: ImageMethod> DeviceStructure for ImageStructure<M> {
-    type Pipelines = ImageMethodPipelines<M::Variant>;
+    type Pipelines = ImageMethodPipelines;
 
     const NO_REFIT: &'static str = M::NO_REFIT;
 

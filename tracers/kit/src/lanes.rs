@@ -2,7 +2,7 @@
 
 use tracebench_api::wgpu::{BindGroup, Buffer, CommandEncoder, ComputePipeline};
 use tracebench_api::{Gpu, Parameter, ParameterScope, PhaseClock, TracerError};
-use tracebench_shaders::Variant;
+use tracebench_shaders::{Shader, ShaderKey};
 
 use crate::{OnDemand, compute_pipeline, dispatch_linear_groups};
 
@@ -63,27 +63,27 @@ pub enum SearchEntry {
 }
 
 /// Pipelines of a search that has every [`SearchEntry`]: each is made when it is first asked for.
-#[derive(Debug)]
-pub struct SearchPipelines<V>(OnDemand<(V, SearchEntry), ComputePipeline>);
+#[derive(Debug, Default)]
+pub struct SearchPipelines(OnDemand<(ShaderKey, SearchEntry), ComputePipeline>);
 
-impl<V> Default for SearchPipelines<V> {
-    fn default() -> Self {
-        Self(OnDemand::default())
-    }
-}
-
-impl<V: Variant> SearchPipelines<V> {
+impl SearchPipelines {
     /// That of a variant and an entry point.
     ///
     /// # Errors
     /// [`TracerError::Unavailable`] if the device's limits forbid it, [`TracerError::Failed`] if it refuses it.
-    pub fn of(&self, gpu: &Gpu, variant: V, entry: SearchEntry) -> Result<ComputePipeline, TracerError> {
+    pub fn of(
+        &self,
+        gpu: &Gpu,
+        variant: impl Into<Shader>,
+        entry: SearchEntry,
+    ) -> Result<ComputePipeline, TracerError> {
+        let shader = variant.into();
         let entry_point = match entry {
             SearchEntry::OneRay => "trace",
             SearchEntry::InTurns => "trace_in_turns",
             SearchEntry::Unanswered => "trace_unanswered",
         };
-        self.0.of((variant, entry), || compute_pipeline(gpu, variant, entry_point))
+        self.0.of((shader.key(), entry), || compute_pipeline(gpu, shader, entry_point))
     }
 
     /// The searches that answer every ray, with what `bind` binds to each.
@@ -93,16 +93,17 @@ impl<V: Variant> SearchPipelines<V> {
     pub fn searches(
         &self,
         gpu: &Gpu,
-        variant: V,
+        variant: impl Into<Shader>,
         rays_per_lane: u32,
         bind: impl Fn(&ComputePipeline) -> Vec<BindGroup>,
     ) -> Result<Vec<Launch>, TracerError> {
+        let shader = variant.into();
         let entries = match rays_per_lane {
             1 => vec![(SearchEntry::OneRay, 1)],
             many => vec![(SearchEntry::InTurns, many), (SearchEntry::Unanswered, 1)],
         };
         let search = |(entry, rays_per_lane)| {
-            let pipeline = self.of(gpu, variant, entry)?;
+            let pipeline = self.of(gpu, shader, entry)?;
             Ok(Launch { groups: bind(&pipeline), pipeline, rays_per_lane })
         };
         entries.into_iter().map(search).collect()

@@ -43,7 +43,7 @@ pub use brute_force::{Allowed, AllowedFragments, Fragment, allowed_fragments, un
 pub use clip::{TileBounds, clipped_depths, clipped_polygon, eye_space, touched_tiles};
 pub use compute::{
     PipelinesOnDemand, bind_group, bind_group_at, check_limits, compute_pipeline, dispatch_linear,
-    dispatch_linear_groups, every_variant, shader_module, shader_module_testing_early, untimed,
+    dispatch_linear_groups, every_variant, untimed,
 };
 pub use compute_raster::{ComputeRaster, DrawnBy, RasterImage, RasterWork, build_parameter};
 pub use counts::{RayCounts, TraceCounts};

@@ -38,7 +38,7 @@ pub enum NearestOf {
 #[derive(Debug)]
 pub(crate) struct NearestCompute {
     raster: ComputeRaster,
-    draw: PipelinesOnDemand<Variant>,
+    draw: PipelinesOnDemand,
     resolve: OnDemand<(), ComputePipeline>,
 }
 

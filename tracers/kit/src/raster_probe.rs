@@ -9,7 +9,7 @@ use tracebench_api::wgpu::{self, BufferUsages, RenderPipeline, TextureFormat, Te
 use tracebench_api::{Gpu, Rasterizer, TracerError};
 use tracebench_shaders::shared::RASTER_PROBE;
 
-use crate::{RasterTargets, create_texture, raster_pipeline, shader_module};
+use crate::{RasterTargets, create_texture, raster_pipeline};
 
 const FORMAT: TextureFormat = TextureFormat::R32Float;
 
@@ -105,8 +105,7 @@ impl<'a> Prober<'a> {
         };
         let targets =
             RasterTargets { vertex_buffers: &[Some(corners)], colours: &[Some(FORMAT.into())], ..Default::default() };
-        let module = shader_module(gpu, RASTER_PROBE)?;
-        Ok(Self { gpu, pipeline: raster_pipeline(gpu, RASTER_PROBE.name, &module, &targets)? })
+        Ok(Self { gpu, pipeline: raster_pipeline(gpu, RASTER_PROBE, &targets)? })
     }
 
     /// Draws triangles; each square of the image has three corners of its own, and where there is one square they have it all.

@@ -231,8 +231,7 @@ impl DrawnView {
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
         let ImageSearch { name, pipeline, settings, rays_per_lane, counting } = search;
-        let Images { shape, target, copy, pyramid } = &self.images;
-        let deep = shape.images() > 1;
+        let Images { target, copy, pyramid, .. } = &self.images;
         let view = uniform_buffer(gpu, "view", &view_uniform(&self.view))?;
         let settings = uniform_buffer(gpu, "settings", &settings)?;
         let layout = |pyramid: &DepthPyramid| uniform_buffer(gpu, "pyramid layout", &pyramid.shape().layout());
@@ -244,15 +243,13 @@ impl DrawnView {
             (4, hits.on_device(job.rays.host.len())?.as_entire_binding()),
         ];
         if copy.is_none() {
-            let depths = if deep { &target.all } else { &target.eye_depth };
-            resources.push((2, BindingResource::TextureView(depths)));
+            resources.push((2, BindingResource::TextureView(&target.all)));
         }
         if let Some([of_rays, touched]) = counting {
             resources.extend([(5, of_rays.as_entire_binding()), (6, touched.as_entire_binding())]);
         }
         if let Some(Seen { primitives, triangles }) = seen {
-            let primitives = if deep { &primitives.all } else { &primitives.view };
-            resources.extend([(7, BindingResource::TextureView(primitives)), (8, triangles.as_entire_binding())]);
+            resources.extend([(7, BindingResource::TextureView(&primitives.all)), (8, triangles.as_entire_binding())]);
         }
         resources.extend(layout.as_ref().map(|layout| (9, layout.as_entire_binding())));
         let bindings = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &resources);

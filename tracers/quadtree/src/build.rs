@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tracebench_api::wgpu::{BindGroup, Buffer, ComputePipeline};
 use tracebench_api::{Geometry, Gpu, PhaseClock, TracerError};
 use tracebench_kit::{PipelinesOnDemand, ViewUniform, bind_group, compute_pipeline, dispatch_linear, uniform_buffer};
-use tracebench_shaders::quadtree::{BOTTOM, Merge, SURFACES, Trace};
+use tracebench_shaders::quadtree::{BOTTOM, Merge, SURFACES};
 
 use crate::images::Images;
 use crate::layers::{LayerPipelines, capture_bytes};
@@ -20,8 +20,8 @@ pub struct Pipelines {
     layers: LayerPipelines,
     surfaces: ComputePipeline,
     bottom: ComputePipeline,
-    merges: PipelinesOnDemand<Merge>,
-    pub(crate) traces: PipelinesOnDemand<Trace>,
+    merges: PipelinesOnDemand,
+    pub(crate) traces: PipelinesOnDemand,
 }
 
 impl Pipelines {

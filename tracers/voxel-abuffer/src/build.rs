@@ -9,8 +9,8 @@ use tracebench_kit::{
     TrianglePass, TrianglePipelines, bind_group, check_limits, compute_pipeline, dispatch_linear, storage_buffer,
     uniform_buffer,
 };
-use tracebench_shaders::Variant;
-use tracebench_shaders::voxel_abuffer::{AVERAGE, Fill, Order, Planes, Trace, Voxels};
+use tracebench_shaders::Shader;
+use tracebench_shaders::voxel_abuffer::{AVERAGE, Fill, Order, Planes, Trace};
 
 use crate::buffers::{Buffers, Lists, Summed, check_sizes};
 use crate::layout::{AXES, AveragedGrid, DrawnAxis, Layout};
@@ -27,23 +27,20 @@ pub struct Pipelines {
     pub(crate) gpu: Arc<Gpu>,
     raster: ComputeRaster,
     raster_of_planes: ComputeRaster,
-    fill: TrianglePipelines<Fill>,
-    planes: TrianglePipelines<Planes>,
+    fill: TrianglePipelines,
+    planes: TrianglePipelines,
     average: OnDemand<(), ComputePipeline>,
-    order: PipelinesOnDemand<Order>,
-    pub(crate) trace: SearchPipelines<Trace>,
-    pub(crate) voxels: PipelinesOnDemand<Voxels>,
+    order: PipelinesOnDemand,
+    pub(crate) trace: SearchPipelines,
+    pub(crate) voxels: PipelinesOnDemand,
 }
 
 impl Pipelines {
     /// None yet. What every build and trace needs is asked of the device's limits.
     pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        for shader in [
-            Fill::Store { halves: false, compute: false }.into(),
-            Trace::Plain { textures: false, planes: true, surfaces: true, counters: true }.into(),
-        ] {
-            check_limits(&gpu, shader)?;
-        }
+        let traced = Trace::Plain { textures: false, planes: true, surfaces: true, counters: true };
+        check_limits(&gpu, Fill::Store { halves: false }.into(), &["vertex", "fragment"])?;
+        check_limits(&gpu, traced.into(), &["trace"])?;
         Ok(Self {
             raster: ComputeRaster::new(&gpu),
             raster_of_planes: ComputeRaster::of_small(SMALL_OF_PLANES),
@@ -82,8 +79,8 @@ impl Pipelines {
             let canvas = Canvas::of(work.get(axis), target.as_ref(), vertices(layout, geometry))?;
             let own = vec![(5, taken.as_entire_binding())];
             let pass = match layout.planes {
-                true => draw(gpu, &self.planes, Planes::Tally { compute }, &drawn, device, own, canvas)?,
-                false => draw(gpu, &self.fill, Fill::Tally { compute }, &drawn, device, own, canvas)?,
+                true => draw(gpu, &self.planes, Planes::Tally, &drawn, device, own, canvas)?,
+                false => draw(gpu, &self.fill, Fill::Tally, &drawn, device, own, canvas)?,
             };
             pass.record(&mut encoder);
         }
@@ -108,12 +105,11 @@ impl Pipelines {
             uniform_buffer(gpu, "drawn axis", &layout.drawn(axis, capacity, half))
         };
         let drawn = [uniform(0)?, uniform(1)?, uniform(2)?];
-        let compute = layout.drawn_by == DrawnBy::Compute;
         let work = self.deal_out(layout, geometry)?;
         let canvas = |axis: usize| Canvas::of(work.get(axis), buffers.target.as_ref(), vertices);
         let Some(lists) = &buffers.lists else {
             let cells = || vec![(9, buffers.cells.as_entire_binding())];
-            let variant = Fill::Voxels { compute };
+            let variant = Fill::Voxels;
             let pass = |axis: usize| draw(gpu, &self.fill, variant, &drawn[axis], device, cells(), canvas(axis)?);
             let passes = [pass(0)?, pass(1)?, pass(2)?];
             RasterWork::record_all(&work, clock)?;
@@ -129,12 +125,12 @@ impl Pipelines {
             own.extend((7..).zip(lists.nodes.data_of(axis)));
             let Some(summed) = &lists.summed else {
                 own.push((9, buffers.cells.as_entire_binding()));
-                let variant = Planes::Store { halves, compute };
+                let variant = Planes::Store { halves };
                 return draw(gpu, &self.planes, variant, &drawn[axis], device, own, canvas(axis)?);
             };
             own.extend((9..).zip(summed.sums.iter().map(Buffer::as_entire_binding)));
             own.push((12, summed.fragments.as_entire_binding()));
-            draw(gpu, &self.fill, Fill::Store { halves, compute }, &drawn[axis], device, own, canvas(axis)?)
+            draw(gpu, &self.fill, Fill::Store { halves }, &drawn[axis], device, own, canvas(axis)?)
         };
         let passes = [pass(0)?, pass(1)?, pass(2)?];
         let averaged = match &lists.summed {
@@ -191,10 +187,10 @@ impl Pipelines {
 }
 
 /// A pass along an axis.
-fn draw<'a, V: Variant>(
+fn draw<'a>(
     gpu: &Gpu,
-    pipelines: &TrianglePipelines<V>,
-    variant: V,
+    pipelines: &TrianglePipelines,
+    variant: impl Into<Shader>,
     drawn: &Buffer,
     device: &DeviceGeometry,
     own: Vec<(u32, BindingResource<'_>)>,

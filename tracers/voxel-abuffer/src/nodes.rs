@@ -209,6 +209,7 @@ fn capacities(gpu: &Gpu, needed: [u32; AXES]) -> Result<[u32; AXES], TracerError
 /// Whether the device can bind buffers of their own for every axis at once.
 fn binds_every_axis(gpu: &Gpu, drawn_by: DrawnBy) -> bool {
     let traced = Trace::Split { planes: true, surfaces: true, counters: true }.into();
-    let filled = Fill::Store { halves: true, compute: drawn_by == DrawnBy::Compute }.into();
-    check_limits(gpu, traced).and_then(|()| check_limits(gpu, filled)).is_ok()
+    let entries = if drawn_by == DrawnBy::Compute { &["draw"][..] } else { &["vertex", "fragment"] };
+    let fills = || check_limits(gpu, Fill::Store { halves: true }.into(), entries);
+    check_limits(gpu, traced, &["trace"]).and_then(|()| fills()).is_ok()
 }

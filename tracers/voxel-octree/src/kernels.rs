@@ -25,14 +25,14 @@ pub struct Kernels {
     pub(crate) finish: ComputePipeline,
     pub(crate) mark_nodes: ComputePipeline,
     pub(crate) join: ComputePipeline,
-    pub(crate) trace: PipelinesOnDemand<Trace>,
+    pub(crate) trace: PipelinesOnDemand,
 }
 
 impl Kernels {
     /// Compiles those of builds.
     pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         for trace in <Trace as tracebench_shaders::Variant>::ALL {
-            check_limits(&gpu, (*trace).into())?;
+            check_limits(&gpu, (*trace).into(), &["trace"])?;
         }
         let voxelize = |entry_point| compute_pipeline(&gpu, VOXELIZE, entry_point);
         let leaves = |entry_point| compute_pipeline(&gpu, LEAVES, entry_point);

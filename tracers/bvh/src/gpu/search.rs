@@ -116,8 +116,8 @@ pub(crate) struct Searched<'a> {
 pub struct Searches {
     pub(crate) gpu: Arc<Gpu>,
     gather: Gather,
-    wide: PipelinesOnDemand<Cwbvh>,
-    binary: PipelinesOnDemand<Binary>,
+    wide: PipelinesOnDemand,
+    binary: PipelinesOnDemand,
 }
 
 impl Searches {
