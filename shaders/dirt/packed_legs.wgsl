@@ -4,11 +4,12 @@
 
 #import tracebench::types::{Ray, NO_PRIMITIVE}
 #import tracebench::triangle::ray_frame
+#import tracebench::lanes::open
 #import tracebench::reads::word_0
 #import tracebench::dirt_packed_grid::{NEAREST, FARTHEST, NEAR_CUBE, SLICE_BASE, SLICE_RATE, to_face, noisy_cube}
 #import tracebench::dirt_packed_ray::{
     PLANE_SLACK, Best, Leg, Work, grid, search, ray, ray_origin, reach, frame, leg, best, found, limit, capped, steps, slice_base, slice_rate,
-    open, work, is_done, last_t, set_limit
+    work, is_done, last_t, set_limit
 }
 #import tracebench::dirt_packed_near::passes_box
 

@@ -7,14 +7,14 @@
 // Where it would be more, within a cube round the eye, the image of a ray is noise: there every triangle is tested that may come so near.
 // Boxes are widened by what places are off by and by what the ray's own planes lose. Faces overlap by TILE_MARGIN.
 
-#import tracebench::types::{Ray, Hit, miss, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP}
+#import tracebench::types::{Ray, Hit, miss, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP}
 #import tracebench::dispatch::{Invocation, linear_invocation}
 #ifdef TREES
-#import tracebench::lanes::{WORKGROUP_SIZE, Block, block_of, take_ray}
+#import tracebench::lanes::{WORKGROUP_SIZE, Block, open, block_of, take_ray, answers_again}
 #else
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, Turns, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, Turns, open, turns_of, answers_again}
 #endif
-#import tracebench::dirt_packed_ray::{search, best, found, capped, open, Work, work}
+#import tracebench::dirt_packed_ray::{search, best, found, capped, Work, work}
 #import tracebench::dirt_packed_legs::{passes_eye, centre, begin_lane, begin_ray, has_face, next_leg}
 #import tracebench::dirt_packed_near::search_near
 #ifdef TREES
@@ -190,40 +190,20 @@ fn answer_ray(index: u32) {
     }
 }
 
-fn answer_rays_in_turns(invocation: Invocation, rays_per_lane: u32) {
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace(invocation: Invocation) {
 #ifdef TREES
-    answer_rays(block_of(invocation, 0u, search.ray_count, rays_per_lane), invocation.local);
+    answer_rays(block_of(invocation, 0u, search.ray_count, search.rays_per_lane), invocation.local);
 #else
-    answer_rays(turns_of(invocation, 0u, search.ray_count, rays_per_lane));
+    answer_rays(turns_of(invocation, 0u, search.ray_count, search.rays_per_lane));
 #endif
 }
 
-// A ray a lane.
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(invocation: Invocation) {
-    answer_rays_in_turns(invocation, 1u);
-}
-
-// Several rays a lane, one after the other. Loops are counted over all of them: rays that are cut off, and those behind them, are left
-// unanswered.
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn trace_in_turns(invocation: Invocation) {
-    answer_rays_in_turns(invocation, search.rays_per_lane);
-}
-
-// Whether a ray of the workgroup has no answer.
-var<workgroup> unanswered: atomic<u32>;
-
-// After that: a ray a lane in every workgroup that has one without an answer. All of its rays are answered again, so that the same ones
-// run together, and are cut off, as where a lane has one ray from the first.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace_unanswered(invocation: Invocation) {
     let index = linear_invocation(invocation, WORKGROUP_SIZE);
-    if (index < search.ray_count && hits[index].status == 0u) {
-        atomicStore(&unanswered, 1u);
-    }
-    workgroupBarrier();
-    if (atomicLoad(&unanswered) == 1u && index < search.ray_count) {
+    let is_asked = index < search.ray_count;
+    if (answers_again(is_asked && hits[index].status == STATUS_UNWRITTEN) && is_asked) {
         answer_ray(index);
     }
 }

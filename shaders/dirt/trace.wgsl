@@ -1,9 +1,9 @@
 // DIRT's trace (section 4.2.1, Algorithm 1): a ray walks the tiles of the views that it passes, up and down the pyramid of
 // depth bounds, and tests the triangles in the lists of the buckets that it meets.
 
-#import tracebench::types::{Ray, Hit, miss, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, NO_PRIMITIVE}
+#import tracebench::types::{Ray, Hit, miss, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, NO_PRIMITIVE}
 #import tracebench::dispatch::{Invocation, linear_invocation}
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, open, turns_of, answers_again}
 #import tracebench::view::{View, pixel_position}
 #import tracebench::triangle::{RayFrame, ray_frame, cross_triangle}
 #import tracebench::depth_bounds::bucket_of
@@ -56,9 +56,6 @@ var<private> best: Best;
 var<private> found: bool;
 var<private> capped: bool;
 var<private> steps: u32;
-// Loops that were begun and not ended by themselves. Mesa's software driver ends the loops of eight lanes together after
-// 65,535 rounds in all; a ray that it cut off is given up like one that ran out of steps.
-var<private> open: u32;
 #ifdef COUNTERS
 var<private> work: vec4<u32>;
 #endif
@@ -334,56 +331,31 @@ fn answer(visited: u32) -> Hit {
     return miss(select(STATUS_MISS, STATUS_LEFT_VIEWS, (visited == 0u || search.view_count < 6u)));
 }
 
-fn answer_ray(index: u32) {
-    hits[index] = answer(search_ray(rays[index]));
+fn write_answer(index: u32, visited: u32) {
+    hits[index] = answer(visited);
 #ifdef COUNTERS
     counts[index] = work;
 #endif
 }
 
-// A ray a lane.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace(invocation: Invocation) {
-    let index = linear_invocation(invocation, WORKGROUP_SIZE);
-    if (index < search.ray_count) {
-        answer_ray(index);
-    }
-}
-
-// Several rays a lane, one after the other. Loops are counted over all of them: rays that are cut off, and those behind them,
-// are left unanswered.
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn trace_in_turns(invocation: Invocation) {
     var turns = turns_of(invocation, 0u, search.ray_count, search.rays_per_lane);
-    loop {
-        if (turns.ray >= turns.end) {
-            break;
-        }
+    while (turns.ray < turns.end) {
         let visited = search_ray(rays[turns.ray]);
-        if (open > 0u) {
+        if (open > 0u && search.rays_per_lane > 1u) {
             break;
         }
-        hits[turns.ray] = answer(visited);
-#ifdef COUNTERS
-        counts[turns.ray] = work;
-#endif
+        write_answer(turns.ray, visited);
         turns.ray += BLOCK_LANES;
     }
 }
 
-// Whether a ray of the workgroup has no answer.
-var<workgroup> unanswered: atomic<u32>;
-
-// After that: a ray a lane in every workgroup that has one without an answer. All of its rays are answered again, so that the same
-// ones run together, and are cut off, as where a lane has one ray from the first.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace_unanswered(invocation: Invocation) {
     let index = linear_invocation(invocation, WORKGROUP_SIZE);
-    if (index < search.ray_count && hits[index].status == 0u) {
-        atomicStore(&unanswered, 1u);
-    }
-    workgroupBarrier();
-    if (atomicLoad(&unanswered) == 1u && index < search.ray_count) {
-        answer_ray(index);
+    let is_asked = index < search.ray_count;
+    if (answers_again(is_asked && hits[index].status == STATUS_UNWRITTEN) && is_asked) {
+        write_answer(index, search_ray(rays[index]));
     }
 }

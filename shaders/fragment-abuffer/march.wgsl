@@ -9,7 +9,8 @@
 #import tracebench::depth_bounds::depths_of
 #import tracebench::reads::word_2
 #import tracebench::fragment_layout::pyramid_index
-#import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, found, found_depth, found_t, capped, steps, open, work, word_of, misses, looked_at, part, depth_slack, has_planes}
+#import tracebench::lanes::open
+#import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, found, found_depth, found_t, capped, steps, work, word_of, misses, looked_at, part, depth_slack, has_planes}
 #import tracebench::fragment_search::search_fragments
 
 const BY_STEPS: u32 = 0u;

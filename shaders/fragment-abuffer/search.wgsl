@@ -4,7 +4,8 @@
 // depths.
 
 #import tracebench::depth_bounds::bucket_share
-#import tracebench::fragment_store::{shape, search, views, number, found, found_depth, open, work, load_id, test_depth, word_of, bounds_of, misses, depth_slack, take, has_pieces, has_planes}
+#import tracebench::lanes::open
+#import tracebench::fragment_store::{shape, search, views, number, found, found_depth, work, load_id, test_depth, word_of, bounds_of, misses, depth_slack, take, has_pieces, has_planes}
 #import tracebench::fragment_planes::meet
 
 // Whether a fragment of this least depth, and all behind it in its list, lie beyond what the ray may still meet.

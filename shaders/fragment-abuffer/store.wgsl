@@ -35,13 +35,8 @@ struct MarchSettings {
     skip_buckets: u32,
     skip_lists: u32,
     rays_per_lane: u32,
-    // 1: of rays alone that have no answer yet.
-    unanswered_only: u32,
     // Words of bits a node.
     touched_words: u32,
-    padding_a: u32,
-    padding_b: u32,
-    padding_c: u32,
 }
 
 @group(0) @binding(0) var<uniform> shape: Storage;
@@ -102,10 +97,6 @@ var<private> looked_at: vec2<u32>;
 var<private> part: Span;
 var<private> capped: bool;
 var<private> steps: u32;
-// Loops that were begun and not ended by themselves. Mesa's software driver ends the loops of eight lanes together after
-// 65,535 rounds in all. A ray that it cut off is given up like one that ran out of steps or, where its lane has others, left without
-// an answer: a second dispatch, of a ray a lane, answers it.
-var<private> open: u32;
 #ifdef COUNTERS
 // As in the counts of a ray.
 var<private> work: array<u32, 6>;

@@ -13,8 +13,6 @@
 struct QuadtreeSettings {
     ray_count: u32,
     rays_per_lane: u32,
-    // 1: of rays alone that have no answer yet.
-    unanswered_only: u32,
     view_count: u32,
     // 1: views are faces, connected by their sides.
     has_faces: u32,
@@ -34,7 +32,7 @@ struct QuadtreeSettings {
     inverse_sigma: f32,
     // Words of bits a node.
     touched_words: u32,
-    padding: u32,
+    padding: vec2<u32>,
 }
 
 struct TreeView {
@@ -64,10 +62,6 @@ var<private> ray: Ray;
 var<private> eye_ray: EyeRay;
 var<private> capped: bool;
 var<private> steps: u32;
-// Loops that were begun and not ended by themselves: Mesa's software driver ends the loops of eight lanes together after 65,535
-// rounds in all. A ray that it cut off is given up like one that ran out of steps or, where its lane has others, left without an answer: a
-// second dispatch, of a ray a lane, answers it.
-var<private> open: u32;
 #ifdef COUNTERS
 // As in the counts of a ray.
 var<private> work: array<u32, 8>;

@@ -1,10 +1,10 @@
 // The trace over quad-trees (WKP15, section 4): through a view's layers, each asked where the one before leaves something open, and
 // from view to view where faces of a cube are connected (section 5.4).
 
-#import tracebench::dispatch::Invocation
+#import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::types::{Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, STATUS_OCCLUDED, STATUS_INPAINTED, SURFACE_NO_HIT, SURFACE_WRITTEN}
 #import tracebench::types::Ray
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, open, turns_of, answers_again}
 #import tracebench::reads::{quad_0, quad_1}
 #import tracebench::view::{View, pixel_position}
 #import tracebench::image_walk::{Span, eye_ray_of, span_in_view}
@@ -13,7 +13,7 @@
 #import tracebench::quadtree_forest::depth_of_z
 #import tracebench::quadtree_node::{Plane, is_empty, plane_of}
 #import tracebench::quadtree_track::{NOWHERE, track_of}
-#import tracebench::quadtree_store::{forest, search, views, ray, eye_ray, capped, steps, open, work, counted, pixel_node, is_joined}
+#import tracebench::quadtree_store::{forest, search, views, ray, eye_ray, capped, steps, work, counted, pixel_node, is_joined}
 #import tracebench::quadtree_walk::{found, track, walk_tree}
 
 @group(0) @binding(3) var<storage, read> rays: array<Ray>;
@@ -136,8 +136,8 @@ fn sample_plane(number: u32) -> f32 {
 }
 #endif
 
-// Answers a ray; leaves it without an answer where the driver cut its search off and it is not the only one of its lane.
-fn answer(index: u32) {
+// Answers a ray; leaves it without an answer where the driver cut its search off and it is not alone in its lane.
+fn answer(index: u32, is_alone: bool) {
     // Nothing is left of the ray before.
     capped = false;
     steps = 0u;
@@ -216,7 +216,7 @@ fn answer(index: u32) {
         weight = sample_plane(number);
     }
 #endif
-    if (open > 0u && search.rays_per_lane > 1u) {
+    if (open > 0u && !is_alone) {
         return;
     }
     let is_found = hit && !capped && open == 0u;
@@ -271,9 +271,16 @@ fn answer(index: u32) {
 fn trace(invocation: Invocation) {
     var turns = turns_of(invocation, 0u, search.ray_count, search.rays_per_lane);
     while (turns.ray < turns.end) {
-        if (search.unanswered_only == 0u || hits[turns.ray].status == STATUS_UNWRITTEN) {
-            answer(turns.ray);
-        }
+        answer(turns.ray, search.rays_per_lane == 1u);
         turns.ray += BLOCK_LANES;
+    }
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace_unanswered(invocation: Invocation) {
+    let index = linear_invocation(invocation, WORKGROUP_SIZE);
+    let is_asked = index < search.ray_count;
+    if (answers_again(is_asked && hits[index].status == STATUS_UNWRITTEN) && is_asked) {
+        answer(index, true);
     }
 }

@@ -8,7 +8,8 @@
 #import tracebench::quadtree_node::{Plane, is_plane, is_empty, plane_of, box_of, z_on}
 #import tracebench::quadtree_proxy::is_dilated
 #import tracebench::quadtree_track::{NOWHERE, Track, Bounds, pixels_at, z_along, bounds_of, leaves_at, enters_at, places_of, part_near, crossing, cell_at, child_at, successor}
-#import tracebench::quadtree_store::{forest, search, capped, steps, open, work, visit, pixel_node, neighbour_node, is_joined}
+#import tracebench::lanes::open
+#import tracebench::quadtree_store::{forest, search, capped, steps, work, visit, pixel_node, neighbour_node, is_joined}
 #import tracebench::quadtree_patches::{SIDES, Patch, Passage, pass_patch, step_across, ends_at}
 
 // Whether nodes on the way down are kept on a stack.

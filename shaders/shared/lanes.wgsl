@@ -44,6 +44,25 @@ fn turns_of(invocation: Invocation, first_ray: u32, ray_count: u32, rays_per_lan
     return Turns(block.first + invocation.local % BLOCK_LANES, block.end);
 }
 
+// Loops of a lane that were begun and not ended by themselves. Drivers may cut loops off: Mesa's software driver ends those of eight lanes
+// together after 65,535 rounds in all. A lane leaves a ray that was cut off without an answer, and those behind it; `trace_unanswered`
+// answers them, a ray a lane. A ray that is alone in its lane is given up like one that ran out of steps. Searches whose rays take few
+// rounds count no loops: they get as few rays a lane as no driver cuts off (`rays_within_rounds` of tracers/kit/src/lanes.rs).
+var<private> open: u32;
+
+// Whether a ray of the workgroup has no answer.
+var<workgroup> unanswered: atomic<u32>;
+
+// Whether a lane of `trace_unanswered` answers its ray. In a workgroup that has one without an answer all do, so that the same ones run
+// together, and are cut off, as where a lane has one ray from the first.
+fn answers_again(is_unanswered: bool) -> bool {
+    if (is_unanswered) {
+        atomicStore(&unanswered, 1u);
+    }
+    workgroupBarrier();
+    return atomicLoad(&unanswered) == 1u;
+}
+
 // Rays of the workgroup's blocks that lanes have taken.
 var<workgroup> taken: array<atomic<u32>, BLOCKS>;
 

@@ -8,7 +8,8 @@
 #import tracebench::image_walk::{NEVER, Span}
 #import tracebench::unit_space::{to_unit, on_image, from_image, voxel_at}
 #import tracebench::voxel_walk::{span_in_cube, leaves_voxel, next_voxel, is_in_grid}
-#import tracebench::voxel_store::{search, ray, origin, direction, open, work, code_of, head_of, load_node, load_data, STEPPED, OPENED, SEARCHES, COMPARED}
+#import tracebench::lanes::open
+#import tracebench::voxel_store::{search, ray, origin, direction, work, code_of, head_of, load_node, load_data, STEPPED, OPENED, SEARCHES, COMPARED}
 #import tracebench::voxel_plane_parts::{lies_in_part, place_slack}
 #import tracebench::surface::greatest_of
 

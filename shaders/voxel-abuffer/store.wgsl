@@ -44,9 +44,6 @@ const CANCELLED: u32 = 4u;
 var<private> ray: Ray;
 var<private> origin: vec3<f32>;
 var<private> direction: vec3<f32>;
-// Loops that were begun and not ended by themselves. Mesa's software driver ends the loops of eight lanes together after
-// 65,535 rounds in all. A ray that it cut off is given up, or answered again where its lane had others.
-var<private> open: u32;
 #ifdef COUNTERS
 var<private> work: array<u32, 6>;
 #endif

@@ -4,15 +4,15 @@
 
 #import tracebench::types::{Ray, Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP, SURFACE_NO_HIT, SURFACE_WRITTEN, SURFACE_LOST}
 #import tracebench::dispatch::{Invocation, linear_invocation}
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, open, turns_of, answers_again}
 #ifdef ORIENTED
-#import tracebench::voxel_store::{search, open, work, counted, COUNTS}
+#import tracebench::voxel_store::{search, work, counted, COUNTS}
 #import tracebench::voxel_plane_search::{found, found_t, find_hit, surface_of_hit}
 #else
 #import tracebench::image_walk::Span
 #import tracebench::unit_space::{to_unit, on_image, from_image, dominant_axis, voxel_at}
 #import tracebench::voxel_walk::{span_in_cube, leaves_voxel, next_voxel, is_in_grid}
-#import tracebench::voxel_store::{search, ray, origin, direction, open, work, counted, code_of, head_of, load_node, load_data, COUNTS, STEPPED, STARTS_INSIDE, EMPTY, CANCELLED}
+#import tracebench::voxel_store::{search, ray, origin, direction, work, counted, code_of, head_of, load_node, load_data, COUNTS, STEPPED, STARTS_INSIDE, EMPTY, CANCELLED}
 #import tracebench::voxel_search::{found, found_t, found_axis, found_texel, start_t, texel_t, start_side, run_axis, NO_AXIS, take_image, side_at, search_voxel}
 #endif
 
@@ -215,26 +215,12 @@ fn write_answer(index: u32) {
 #endif
 }
 
-// A ray a lane.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace(invocation: Invocation) {
-    let index = linear_invocation(invocation, WORKGROUP_SIZE);
-    if (index < search.ray_count) {
-        search_ray(index);
-        write_answer(index);
-    }
-}
-
-// Several rays a lane, one after the other. Rays that are cut off, and those behind them, are left unanswered.
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn trace_in_turns(invocation: Invocation) {
     var turns = turns_of(invocation, 0u, search.ray_count, search.rays_per_lane);
-    loop {
-        if (turns.ray >= turns.end) {
-            break;
-        }
+    while (turns.ray < turns.end) {
         search_ray(turns.ray);
-        if (open > 0u) {
+        if (open > 0u && search.rays_per_lane > 1u) {
             break;
         }
         write_answer(turns.ray);
@@ -242,19 +228,11 @@ fn trace_in_turns(invocation: Invocation) {
     }
 }
 
-// Whether a ray of the workgroup has no answer.
-var<workgroup> unanswered: atomic<u32>;
-
-// After that: a ray a lane in every workgroup that has one without an answer. All of its rays are answered again, so that the same
-// ones run together, and are cut off, as where a lane has one ray from the first.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace_unanswered(invocation: Invocation) {
     let index = linear_invocation(invocation, WORKGROUP_SIZE);
-    if (index < search.ray_count && hits[index].status == STATUS_UNWRITTEN) {
-        atomicStore(&unanswered, 1u);
-    }
-    workgroupBarrier();
-    if (atomicLoad(&unanswered) == 1u && index < search.ray_count) {
+    let is_asked = index < search.ray_count;
+    if (answers_again(is_asked && hits[index].status == STATUS_UNWRITTEN) && is_asked) {
         search_ray(index);
         write_answer(index);
     }

@@ -189,9 +189,14 @@ fn entry_points_exist() {
                 passes.map(|(name, size)| (name, ShaderStage::Compute, size)).to_vec()
             }
             ("dirt/part_trees.wgsl", _) => compute(&["bound", "size", "leaves", "join", "list", "join_masks"], 64),
-            ("dirt/trace.wgsl" | "dirt/packed_trace.wgsl" | "voxel-abuffer/trace.wgsl", _) => {
-                compute(&["trace", "trace_in_turns", "trace_unanswered"], 64)
-            }
+            (
+                "dirt/trace.wgsl"
+                | "dirt/packed_trace.wgsl"
+                | "fragment-abuffer/trace.wgsl"
+                | "quadtree/trace.wgsl"
+                | "voxel-abuffer/trace.wgsl",
+                _,
+            ) => compute(&["trace", "trace_unanswered"], 64),
             ("dirt/store.wgsl", _) => compute(&["store"], 64),
             ("dirt/visibility.wgsl", _) => compute(&["resolve"], 64),
             ("dirt/shadow_map.wgsl", _) => compute(&["look_up"], 64),

@@ -3,7 +3,7 @@
 use tracebench_api::wgpu::ComputePipeline;
 use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, Query, TraceJob, TracerError};
 use tracebench_kit::{
-    RayCounts, Reads, Search, TouchedBits, bind_arrays, bind_group, bind_group_at, record_searches, uniform_buffer,
+    Left, RayCounts, Reads, Search, SearchedRays, TouchedBits, bind_arrays, bind_group, bind_group_at, uniform_buffer,
     untimed, view_uniforms,
 };
 use tracebench_shaders::dirt::Trace;
@@ -78,7 +78,7 @@ impl Search for DirtStructure {
             resources.extend([(4, self.buffers.bounds_of(0)), (5, self.buffers.heads_of(0))]);
             resources.push((6, self.buffers.nodes[0].as_entire_binding()));
         }
-        let bind = |pipeline: &ComputePipeline| {
+        let bind = |pipeline: &ComputePipeline, _| {
             let mut groups = vec![bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &resources)];
             groups.push(bind_arrays(gpu, pipeline, &self.arrays));
             if split {
@@ -86,8 +86,9 @@ impl Search for DirtStructure {
             }
             groups
         };
-        let searches = self.pipelines.trace.searches(gpu, variant, search.rays_per_lane, bind)?;
-        record_searches(&searches, search.ray_count, hits_on_device, clock)?;
+        let (count, per_lane) = (search.ray_count, search.rays_per_lane);
+        let rays = SearchedRays { count, per_lane, hits: hits_on_device, left: Left::CutOff };
+        self.pipelines.trace.record(gpu, variant, rays, bind, clock)?;
         self.record_surfaces(job, parameters.fetch, hits, clock)
     }
 

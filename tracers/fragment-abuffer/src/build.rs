@@ -6,9 +6,9 @@ use std::sync::Arc;
 use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, BufferUsages, CommandEncoder, ComputePipeline};
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError, View};
 use tracebench_kit::{
-    Canvas, ComputeRaster, DrawnBy, EmptyTarget, PipelinesOnDemand, PrefixSum, RasterWork, TrianglePass,
-    TrianglePipelines, bind_group, bind_group_at, compute_pipeline, dispatch_indirect, dispatch_linear, every_variant,
-    storage_buffer, uniform_buffer, view_uniform,
+    Canvas, ComputeRaster, DrawnBy, EmptyTarget, PipelinesOnDemand, PrefixSum, RasterWork, SearchPipelines,
+    TrianglePass, TrianglePipelines, bind_group, bind_group_at, compute_pipeline, dispatch_indirect, dispatch_linear,
+    every_variant, storage_buffer, uniform_buffer, view_uniform,
 };
 use tracebench_shaders::Variant;
 use tracebench_shaders::fragment_abuffer::{BOXES, Fill, MIPMAP, Reorder, ReorderLong};
@@ -41,7 +41,7 @@ pub struct Pipelines {
     reorder: BTreeMap<Reorder, ComputePipeline>,
     reorder_long: PipelinesOnDemand,
     mipmap: ComputePipeline,
-    pub(crate) traces: PipelinesOnDemand,
+    pub(crate) traces: SearchPipelines,
 }
 
 impl Pipelines {
@@ -61,7 +61,7 @@ impl Pipelines {
             reorder: every_variant(|variant: Reorder| compute_pipeline(&gpu, variant, "reorder"))?,
             reorder_long: PipelinesOnDemand::new("reorder_long"),
             mipmap: compute_pipeline(&gpu, MIPMAP, "mipmap")?,
-            traces: PipelinesOnDemand::new("trace"),
+            traces: SearchPipelines::default(),
             gpu,
         })
     }

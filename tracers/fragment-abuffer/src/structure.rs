@@ -144,12 +144,10 @@ impl DeviceStructure for FragmentStructure {
     }
 
     fn trace_memory(&self, job: &TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
-        let FragmentParameters { rays_per_lane, .. } = FragmentParameters::try_from(job.parameters)?;
-        // One more for the rays that lanes of several leave.
-        let searches = if rays_per_lane > 1 { 2 } else { 1 };
+        FragmentParameters::try_from(job.parameters)?;
         let uniforms = [
             ("storage", size_of::<Storage>()),
-            ("search", searches * size_of::<MarchSettings>()),
+            ("search", size_of::<MarchSettings>()),
             ("views", MOST_VIEWS * size_of::<TracedView>()),
         ];
         Ok(uniforms.map(|(name, bytes)| MemoryEntry::whole(name, bytes as u64)).to_vec())

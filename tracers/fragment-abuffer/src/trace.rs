@@ -1,10 +1,9 @@
 //! Tracing on the device.
 
-use tracebench_api::wgpu::{BindingResource, Buffer};
+use tracebench_api::wgpu::{BindingResource, Buffer, ComputePipeline};
 use tracebench_api::{Counter, EndPoint, HitBuffer, ImageMarch, MarchSteps, PhaseClock, Ray, TraceJob, TracerError};
 use tracebench_kit::{
-    Launch, Reads, Search, TraceCounts, bind_arrays, bind_group, bind_group_at, record_searches, uniform_buffer,
-    untimed,
+    Left, Reads, Search, SearchedRays, TraceCounts, bind_arrays, bind_group, bind_group_at, uniform_buffer, untimed,
 };
 use tracebench_shaders::fragment_abuffer::Trace;
 
@@ -74,11 +73,7 @@ impl FragmentStructure {
             skip_buckets: u32::from(parameters.skip_buckets == Switch::On),
             skip_lists: u32::from(parameters.skip_lists == Switch::On),
             rays_per_lane: parameters.rays_per_lane,
-            unanswered_only: 0,
             touched_words: counting.map_or(0, |counting| counting.bit_words[0]),
-            padding_a: 0,
-            padding_b: 0,
-            padding_c: 0,
         }
     }
 
@@ -114,37 +109,31 @@ impl Search for FragmentStructure {
             true => Trace::Split { contiguous, planes, surfaces, counters },
             false => Trace::Plain { textures, contiguous, planes, surfaces, counters },
         };
-        let pipeline = pipelines.traces.of(gpu, variant)?;
         let search = self.search(job, &FragmentParameters::try_from(job.parameters)?, counting);
         let first = parts.of_view(0);
-        let [storage, views] = [
+        let [storage, settings, views] = [
             uniform_buffer(gpu, "storage", &self.layout.storage(first.pixel_count, first.capacity))?,
+            uniform_buffer(gpu, "search", &search)?,
             uniform_buffer(gpu, "views", &self.layout.traced(&parts.placed()))?,
         ];
         let hit_buffer = hits.on_device(count)?;
-        let mut bound = vec![(0, &storage), (2, &views), (3, job.rays.on_device()?), (4, hit_buffer)];
+        let mut bound = vec![(0, &storage), (1, &settings), (2, &views), (3, job.rays.on_device()?), (4, hit_buffer)];
         if surfaces {
             bound.push((5, hits.surfaces_on_device(count)?));
         }
         bound.extend(counting.map(|counting| (6, &counting.buffer)));
-        let mut shared = vec![bind_arrays(gpu, &pipeline, &self.arrays.bound(surfaces))];
-        if split {
-            shared.push(bind_group(gpu, &pipeline.get_bind_group_layout(2), &self.further_views(surfaces)));
-        }
-        let bind = |search: MarchSettings| -> Result<Launch, TracerError> {
-            let settings = uniform_buffer(gpu, "search", &search)?;
-            let numbered = bound.iter().copied().chain([(1, &settings)]);
-            let numbered: Vec<_> = numbered.map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
-            let own = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &numbered);
-            let groups = std::iter::once(own).chain(shared.iter().cloned()).collect();
-            Ok(Launch { pipeline: pipeline.clone(), groups, rays_per_lane: search.rays_per_lane })
+        let bound: Vec<_> = bound.into_iter().map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
+        let bind = |pipeline: &ComputePipeline, _| {
+            let mut groups = vec![bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &bound)];
+            groups.push(bind_arrays(gpu, pipeline, &self.arrays.bound(surfaces)));
+            if split {
+                groups.push(bind_group(gpu, &pipeline.get_bind_group_layout(2), &self.further_views(surfaces)));
+            }
+            groups
         };
-        let mut searches = vec![bind(search)?];
-        // A driver that ends loops after some rounds may leave lanes' last rays without an answer.
-        if search.rays_per_lane > 1 {
-            searches.push(bind(MarchSettings { rays_per_lane: 1, unanswered_only: 1, ..search })?);
-        }
-        record_searches(&searches, search.ray_count, hit_buffer, clock)
+        let (count, per_lane) = (search.ray_count, search.rays_per_lane);
+        let rays = SearchedRays { count, per_lane, hits: hit_buffer, left: Left::CutOff };
+        pipelines.traces.record(gpu, variant, rays, bind, clock)
     }
 
     fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {

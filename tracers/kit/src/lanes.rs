@@ -2,9 +2,9 @@
 
 use tracebench_api::wgpu::{BindGroup, Buffer, CommandEncoder, ComputePipeline};
 use tracebench_api::{Gpu, Parameter, ParameterScope, PhaseClock, TracerError};
-use tracebench_shaders::{Shader, ShaderKey};
+use tracebench_shaders::Shader;
 
-use crate::{OnDemand, compute_pipeline, dispatch_linear_groups};
+use crate::{PipelinesOnDemand, dispatch_linear_groups};
 
 /// Lanes of a workgroup: `WORKGROUP_SIZE` of shaders/shared/lanes.wgsl.
 pub const LANES_OF_WORKGROUP: u32 = 64;
@@ -51,95 +51,82 @@ pub fn dispatch_indirect(
     pass.dispatch_workgroups_indirect(workgroups, 0);
 }
 
-/// Entry points of a search that drivers may cut off.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum SearchEntry {
-    /// A ray a lane.
-    OneRay,
-    /// Several rays a lane. Drivers that count a lane's loops leave some unanswered.
-    InTurns,
-    /// Those that are, a ray a lane.
-    Unanswered,
+/// Pipelines of a search that drivers may cut off (shaders/shared/lanes.wgsl): its entry points `trace`, whose lanes leave rays without an
+/// answer, and `trace_unanswered`. Each is made when it is first asked for.
+#[derive(Debug)]
+pub struct SearchPipelines {
+    first: PipelinesOnDemand,
+    unanswered: PipelinesOnDemand,
 }
 
-/// Pipelines of a search that has every [`SearchEntry`]: each is made when it is first asked for.
-#[derive(Debug, Default)]
-pub struct SearchPipelines(OnDemand<(ShaderKey, SearchEntry), ComputePipeline>);
+/// Which rays the first dispatch of a search leaves.
+#[derive(Clone, Copy, Debug)]
+pub enum Left<'a> {
+    /// Those that a driver cut off, where lanes answer several.
+    CutOff,
+    /// Others, too.
+    Any,
+    /// Others, too; it tells in three words how many workgroups are to answer them.
+    Told(&'a Buffer),
+}
+
+/// What a search is to answer.
+#[derive(Clone, Copy, Debug)]
+pub struct SearchedRays<'a> {
+    /// How many.
+    pub count: u32,
+    /// Rays that a lane answers.
+    pub per_lane: u32,
+    /// Where their hits go.
+    pub hits: &'a Buffer,
+    /// Which the first dispatch leaves.
+    pub left: Left<'a>,
+}
+
+impl Default for SearchPipelines {
+    fn default() -> Self {
+        Self { first: PipelinesOnDemand::new("trace"), unanswered: PipelinesOnDemand::new("trace_unanswered") }
+    }
+}
 
 impl SearchPipelines {
-    /// That of a variant and an entry point.
+    /// Records the phase "trace", which answers every ray; `bind` gives what a pipeline binds, and is told whether it is the first.
     ///
     /// # Errors
-    /// [`TracerError::Unavailable`] if the device's limits forbid it, [`TracerError::Failed`] if it refuses it.
-    pub fn of(
+    /// [`TracerError::Unavailable`] if the device's limits forbid a pipeline, [`TracerError::Failed`] if it refuses one.
+    pub fn record(
         &self,
         gpu: &Gpu,
         variant: impl Into<Shader>,
-        entry: SearchEntry,
-    ) -> Result<ComputePipeline, TracerError> {
+        rays: SearchedRays<'_>,
+        bind: impl Fn(&ComputePipeline, bool) -> Vec<BindGroup>,
+        clock: &mut PhaseClock<'_>,
+    ) -> Result<(), TracerError> {
+        let SearchedRays { count, per_lane, hits, left } = rays;
         let shader = variant.into();
-        let entry_point = match entry {
-            SearchEntry::OneRay => "trace",
-            SearchEntry::InTurns => "trace_in_turns",
-            SearchEntry::Unanswered => "trace_unanswered",
+        let bound = |pipelines: &PipelinesOnDemand, is_first: bool| -> Result<_, TracerError> {
+            let pipeline = pipelines.of(gpu, shader)?;
+            let groups = bind(&pipeline, is_first);
+            Ok((pipeline, groups))
         };
-        self.0.of((shader.key(), entry), || compute_pipeline(gpu, shader, entry_point))
+        let (first, first_groups) = bound(&self.first, true)?;
+        let leaves = per_lane > 1 || !matches!(left, Left::CutOff);
+        let second = leaves.then(|| bound(&self.unanswered, false)).transpose()?;
+        clock.device_phase("trace", |encoder| {
+            if second.is_some() {
+                // No status is 0.
+                encoder.clear_buffer(hits, 0, None);
+            }
+            dispatch_rays(encoder, &first, &first_groups.iter().collect::<Vec<_>>(), count, per_lane);
+            if let Some((second, groups)) = &second {
+                let groups: Vec<_> = groups.iter().collect();
+                match left {
+                    Left::Told(workgroups) => dispatch_indirect(encoder, second, &groups, workgroups),
+                    Left::CutOff | Left::Any => dispatch_rays(encoder, second, &groups, count, 1),
+                }
+            }
+        })
     }
-
-    /// The searches that answer every ray, with what `bind` binds to each.
-    ///
-    /// # Errors
-    /// As [`SearchPipelines::of`].
-    pub fn searches(
-        &self,
-        gpu: &Gpu,
-        variant: impl Into<Shader>,
-        rays_per_lane: u32,
-        bind: impl Fn(&ComputePipeline) -> Vec<BindGroup>,
-    ) -> Result<Vec<Launch>, TracerError> {
-        let shader = variant.into();
-        let entries = match rays_per_lane {
-            1 => vec![(SearchEntry::OneRay, 1)],
-            many => vec![(SearchEntry::InTurns, many), (SearchEntry::Unanswered, 1)],
-        };
-        let search = |(entry, rays_per_lane)| {
-            let pipeline = self.of(gpu, shader, entry)?;
-            Ok(Launch { groups: bind(&pipeline), pipeline, rays_per_lane })
-        };
-        entries.into_iter().map(search).collect()
-    }
-}
-
-/// A search with what it binds, group by group, and how many rays a lane of it answers.
-pub struct Launch {
-    /// The search.
-    pub pipeline: ComputePipeline,
-    /// What it binds.
-    pub groups: Vec<BindGroup>,
-    /// Rays that a lane answers.
-    pub rays_per_lane: u32,
-}
-
-/// Records the phase "trace": a search and, where there are more, those that answer which rays it has left.
-///
-/// # Errors
-/// As [`PhaseClock::device_phase`].
-pub fn record_searches(
-    searches: &[Launch],
-    ray_count: u32,
-    hits: &Buffer,
-    clock: &mut PhaseClock<'_>,
-) -> Result<(), TracerError> {
-    clock.device_phase("trace", |encoder| {
-        if searches.len() > 1 {
-            // No status is 0.
-            encoder.clear_buffer(hits, 0, None);
-        }
-        for Launch { pipeline, groups, rays_per_lane } in searches {
-            let groups: Vec<&BindGroup> = groups.iter().collect();
-            dispatch_rays(encoder, pipeline, &groups, ray_count, *rays_per_lane);
-        }
-    })
 }
 
 #[cfg(test)]

@@ -56,8 +56,8 @@ pub use fixed_work::{FixedWork, FixedWorkPlan, fixed_task};
 pub use gather::{Gather, SurfaceGeometry};
 pub use image_method::{ImageMethod, ImageMethodPipelines, ImageStructure};
 pub use lanes::{
-    LANES_OF_WORKGROUP, Launch, SearchEntry, SearchPipelines, dispatch_indirect, dispatch_rays,
-    rays_per_lane_parameter, rays_within_rounds, record_searches,
+    LANES_OF_WORKGROUP, Left, SearchPipelines, SearchedRays, dispatch_indirect, dispatch_rays, rays_per_lane_parameter,
+    rays_within_rounds,
 };
 pub use means_probe::{MANY_RAYS, ProbeTimes, probe_means};
 pub use nearest_compute::NearestOf;

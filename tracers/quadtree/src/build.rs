@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use tracebench_api::wgpu::{BindGroup, Buffer, ComputePipeline};
 use tracebench_api::{Geometry, Gpu, PhaseClock, TracerError};
-use tracebench_kit::{PipelinesOnDemand, ViewUniform, bind_group, compute_pipeline, dispatch_linear, uniform_buffer};
+use tracebench_kit::{
+    PipelinesOnDemand, SearchPipelines, ViewUniform, bind_group, compute_pipeline, dispatch_linear, uniform_buffer,
+};
 use tracebench_shaders::quadtree::{BOTTOM, Merge, SURFACES};
 
 use crate::images::Images;
@@ -21,7 +23,7 @@ pub struct Pipelines {
     surfaces: ComputePipeline,
     bottom: ComputePipeline,
     merges: PipelinesOnDemand,
-    pub(crate) traces: PipelinesOnDemand,
+    pub(crate) traces: SearchPipelines,
 }
 
 impl Pipelines {
@@ -31,7 +33,7 @@ impl Pipelines {
             surfaces: compute_pipeline(&gpu, SURFACES, "surfaces")?,
             bottom: compute_pipeline(&gpu, BOTTOM, "bottom")?,
             merges: PipelinesOnDemand::new("merge"),
-            traces: PipelinesOnDemand::new("trace"),
+            traces: SearchPipelines::default(),
             gpu,
         })
     }

@@ -1,9 +1,9 @@
 //! Tracing on the device.
 
-use tracebench_api::wgpu::{Buffer, BufferUsages};
+use tracebench_api::wgpu::{Buffer, BufferUsages, ComputePipeline};
 use tracebench_api::{Counter, EndPoint, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
 use tracebench_kit::{
-    Launch, Reads, Search, TraceCounts, bind_arrays, bind_group_at, record_searches, uniform_buffer, untimed,
+    Left, Reads, Search, SearchedRays, TraceCounts, bind_arrays, bind_group_at, uniform_buffer, untimed,
 };
 use tracebench_shaders::quadtree::Trace;
 
@@ -49,7 +49,6 @@ impl QuadtreeStructure {
         QuadtreeSettings {
             ray_count: job.rays.host.len() as u32,
             rays_per_lane: parameters.rays_per_lane,
-            unanswered_only: 0,
             view_count: self.shape.views.len() as u32,
             has_faces: u32::from(self.shape.has_faces),
             next_layer: parameters.next_layer as u32,
@@ -62,7 +61,7 @@ impl QuadtreeStructure {
             jitter: parameters.secondary_jitter as f32,
             inverse_sigma: (1.0 / parameters.secondary_sigma) as f32,
             touched_words: counting.map_or(0, |counting| counting.bit_words[0]),
-            padding: 0,
+            padding: [0; 2],
         }
     }
 
@@ -87,9 +86,9 @@ impl QuadtreeStructure {
             secondary: parameters.secondary_samples > 0,
             joined: self.shape.is_joined,
         };
-        let pipeline = self.pipelines.traces.of(gpu, variant)?;
         let settings = self.settings(job, &parameters, counting);
         let forest = uniform_buffer(gpu, "forest", &self.shape.forest())?;
+        let search = uniform_buffer(gpu, "search", &settings)?;
         let views = uniform_buffer(gpu, "views", &self.shape.tree_views())?;
         let weights = match variant.secondary {
             true => {
@@ -100,37 +99,28 @@ impl QuadtreeStructure {
             false => None,
         };
         let hit_buffer = hits.on_device(count)?;
-        let mut bound = vec![(0, &forest), (2, &views), (3, job.rays.on_device()?), (4, hit_buffer)];
+        let mut bound = vec![(0, &forest), (1, &search), (2, &views), (3, job.rays.on_device()?), (4, hit_buffer)];
         if surfaces {
             bound.push((5, hits.surfaces_on_device(count)?));
         }
         bound.extend(counting.map(|counting| (6, &counting.buffer)));
         bound.extend(weights.as_ref().map(|weights| (7, weights)));
-        let arrays = bind_arrays(gpu, &pipeline, self.images.bound(surfaces));
-        let bind = |search: QuadtreeSettings| -> Result<Launch, TracerError> {
-            let settings = uniform_buffer(gpu, "search", &search)?;
-            let numbered = bound.iter().copied().chain([(1, &settings)]);
-            let numbered: Vec<_> = numbered.map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
-            let own = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &numbered);
-            let (pipeline, groups) = (pipeline.clone(), vec![own, arrays.clone()]);
-            Ok(Launch { pipeline, groups, rays_per_lane: search.rays_per_lane })
+        let bound: Vec<_> = bound.into_iter().map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
+        let bind = |pipeline: &ComputePipeline, _| {
+            let own = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &bound);
+            vec![own, bind_arrays(gpu, pipeline, self.images.bound(surfaces))]
         };
-        let mut searches = vec![bind(settings)?];
-        // A driver that ends loops after some rounds may leave lanes' last rays without an answer.
-        if settings.rays_per_lane > 1 {
-            searches.push(bind(QuadtreeSettings { rays_per_lane: 1, unanswered_only: 1, ..settings })?);
-        }
-        record_searches(&searches, settings.ray_count, hit_buffer, clock)?;
+        let (count, per_lane) = (settings.ray_count, settings.rays_per_lane);
+        let rays = SearchedRays { count, per_lane, hits: hit_buffer, left: Left::CutOff };
+        self.pipelines.traces.record(gpu, variant, rays, bind, clock)?;
         Ok(weights)
     }
 
     pub(crate) fn memory_of_trace(&self, job: &TraceJob<'_>) -> Result<Vec<MemoryEntry>, TracerError> {
         let parameters = QuadtreeParameters::try_from(job.parameters)?;
-        // One more for the rays that lanes of several leave.
-        let searches = if parameters.rays_per_lane > 1 { 2 } else { 1 };
         let mut parts = vec![
             ("forest", size_of::<Forest>() as u64),
-            ("search", searches * size_of::<QuadtreeSettings>() as u64),
+            ("search", size_of::<QuadtreeSettings>() as u64),
             ("views", (MOST_VIEWS * size_of::<TreeView>()) as u64),
         ];
         if parameters.secondary_samples > 0 {

@@ -3,8 +3,8 @@
 use tracebench_api::wgpu::{BindingResource, Buffer, ComputePipeline};
 use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, TraceJob, TracerError};
 use tracebench_kit::{
-    RayCounts, Reads, Search, TraceCounts, bind_arrays, bind_group, bind_group_at, dispatch_rays, rays_within_rounds,
-    record_searches, uniform_buffer, untimed,
+    Left, RayCounts, Reads, Search, SearchedRays, TraceCounts, bind_arrays, bind_group, bind_group_at, dispatch_rays,
+    rays_within_rounds, uniform_buffer, untimed,
 };
 use tracebench_shaders::voxel_abuffer::{Trace, Voxels};
 
@@ -112,7 +112,7 @@ impl Search for VoxelStructure {
         }
         bound.extend(counting.map(|counting| (4, &counting.buffer)));
         let bound: Vec<_> = bound.into_iter().map(|(at, buffer)| (at, buffer.as_entire_binding())).collect();
-        let bind = |pipeline: &ComputePipeline| {
+        let bind = |pipeline: &ComputePipeline, _| {
             let mut groups = vec![bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &bound)];
             groups.push(bind_arrays(gpu, pipeline, &self.arrays.bound(reads_data)));
             if split {
@@ -120,8 +120,9 @@ impl Search for VoxelStructure {
             }
             groups
         };
-        let searches = pipelines.trace.searches(gpu, variant, search.rays_per_lane, bind)?;
-        record_searches(&searches, search.ray_count, hit_buffer, clock)
+        let (count, per_lane) = (search.ray_count, search.rays_per_lane);
+        let rays = SearchedRays { count, per_lane, hits: hit_buffer, left: Left::CutOff };
+        pipelines.trace.record(gpu, variant, rays, bind, clock)
     }
 
     fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError> {

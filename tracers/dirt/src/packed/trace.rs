@@ -1,10 +1,9 @@
 //! Tracing a packed structure on the device.
 
-use tracebench_api::wgpu::{BindingResource, Buffer, BufferUsages, ComputePipeline};
+use tracebench_api::wgpu::{Buffer, BufferUsages, ComputePipeline};
 use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
 use tracebench_kit::{
-    RayCounts, Reads, Search, SearchEntry, TouchedBits, bind_arrays, bind_group_at, dispatch_indirect, dispatch_rays,
-    uniform_buffer, untimed,
+    Left, RayCounts, Reads, Search, SearchedRays, TouchedBits, bind_arrays, bind_group_at, uniform_buffer, untimed,
 };
 use tracebench_shaders::dirt::PackedTrace;
 
@@ -92,27 +91,18 @@ impl Search for PackedStructure {
             .chain(counted.into_iter().flatten())
             .map(|(binding, buffer)| (binding, buffer.as_entire_binding()))
             .collect();
-        let arrays = |pipeline: &ComputePipeline| bind_arrays(gpu, pipeline, &self.arrays);
-        let bind = |pipeline: &ComputePipeline, resources: &[(u32, BindingResource<'_>)]| {
-            [bind_group_at(gpu, &pipeline.get_bind_group_layout(0), resources), arrays(pipeline)]
-        };
-        // Workgroups that answer what the first search leaves, of which it tells by itself where it does not count.
+        // Where it does not count the first dispatch tells what it leaves: among others the rays that pass the eye.
         let left = left_buffer(gpu)?;
-        let told = counting.is_none().then(|| (11, left.as_entire_binding()));
-        let search_first = if search.rays_per_lane == 1 { SearchEntry::OneRay } else { SearchEntry::InTurns };
-        let first = self.pipelines.packed.trace.of(gpu, variant, search_first)?;
-        let first_groups = bind(&first, &resources.iter().cloned().chain(told).collect::<Vec<_>>());
-        let second = self.pipelines.packed.trace.of(gpu, variant, SearchEntry::Unanswered)?;
-        let second_groups = bind(&second, &resources);
-        clock.device_phase("trace", |encoder| {
-            // No status is 0.
-            encoder.clear_buffer(hits_on_device, 0, None);
-            dispatch_rays(encoder, &first, &first_groups.each_ref(), search.ray_count, search.rays_per_lane);
-            match counting {
-                None => dispatch_indirect(encoder, &second, &second_groups.each_ref(), &left),
-                Some(_) => dispatch_rays(encoder, &second, &second_groups.each_ref(), search.ray_count, 1),
-            }
-        })?;
+        let bind = |pipeline: &ComputePipeline, is_first: bool| {
+            let told = (is_first && counting.is_none()).then(|| (11, left.as_entire_binding()));
+            let resources: Vec<_> = resources.iter().cloned().chain(told).collect();
+            let own = bind_group_at(gpu, &pipeline.get_bind_group_layout(0), &resources);
+            vec![own, bind_arrays(gpu, pipeline, &self.arrays)]
+        };
+        let (count, per_lane) = (search.ray_count, search.rays_per_lane);
+        let left = if counting.is_none() { Left::Told(&left) } else { Left::Any };
+        let rays = SearchedRays { count, per_lane, hits: hits_on_device, left };
+        self.pipelines.packed.trace.record(gpu, variant, rays, bind, clock)?;
         match job.end {
             EndPoint::Hit => Ok(()),
             EndPoint::Surface => {
