@@ -71,11 +71,12 @@ impl Tracer for Dirt {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Box<dyn Structure>, TracerError> {
-        let job = BuildJob { geometry, viewpoint, parameters };
         if DirtParameters::try_from(parameters)?.lists == Lists::Linked {
-            return Ok(Box::new(Built::<DirtStructure>::new(&self.pipelines, job, clock)?));
+            let job = BuildJob { geometry, viewpoint, parameters, before: None, clock };
+            return Ok(Box::new(Built::<DirtStructure>::new(&self.pipelines, job)?));
         }
-        Ok(Box::new(Built::<PackedStructure>::new(&self.pipelines, job, clock)?))
+        let job = BuildJob { geometry, viewpoint, parameters, before: None, clock };
+        Ok(Box::new(Built::<PackedStructure>::new(&self.pipelines, job)?))
     }
 }
 
@@ -128,12 +129,8 @@ impl DeviceStructure for DirtStructure {
         Pipelines::new(gpu)
     }
 
-    fn build(
-        pipelines: &Arc<Pipelines>,
-        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
+    fn build(pipelines: &Arc<Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
+        let BuildJob { geometry, viewpoint, parameters, before, clock } = job;
         let parameters = &DirtParameters::try_from(parameters)?;
         let (layout, scene) = (Layout::new(viewpoint, parameters), Resident::of(geometry)?);
         let (views, triangles) = (layout.views.len(), scene.triangle_count);

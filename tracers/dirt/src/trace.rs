@@ -1,10 +1,10 @@
 //! Tracing on the device.
 
 use tracebench_api::wgpu::ComputePipeline;
-use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, Query, TraceJob, TracerError};
+use tracebench_api::{Counter, EndPoint, HitBuffer, Query, TraceJob, TracerError};
 use tracebench_kit::{
-    Left, RayCounts, Reads, Search, SearchedRays, TouchedBits, bind_arrays, bind_group, bind_group_at, uniform_buffer,
-    untimed, view_uniforms,
+    Left, RayCounts, Reads, Search, SearchJob, SearchedRays, TouchedBits, bind_arrays, bind_group, bind_group_at,
+    uniform_buffer, untimed, view_uniforms,
 };
 use tracebench_shaders::dirt::Trace;
 
@@ -44,13 +44,8 @@ impl DirtStructure {
 impl Search for DirtStructure {
     type Counting = Counting;
 
-    fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&Counting>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
+    fn record(&self, search: SearchJob<'_, '_, Counting>) -> Result<(), TracerError> {
+        let SearchJob { job, hits, counting, clock } = search;
         let gpu = &*self.pipelines.gpu;
         let parameters = DirtParameters::try_from(job.parameters)?;
         if let Some(map) = self.shadow_map.as_ref().filter(|map| map.answers(job)) {
@@ -98,7 +93,7 @@ impl Search for DirtStructure {
             counts: RayCounts::new(gpu, &COUNTERS, job.rays.host.len())?,
             touched: TouchedBits::new(gpu, "nodes touched", u64::from(self.buffers.node_capacity), "--size")?,
         };
-        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
+        untimed(gpu, |clock| self.record(SearchJob { job, hits, counting: Some(&counting), clock }))?;
         // A set that the shadow map answers searches nothing: a texel a ray is looked at.
         let mut counters = counting.counts.counters(gpu)?;
         if self.shadow_map.as_ref().is_some_and(|map| map.answers(job)) {

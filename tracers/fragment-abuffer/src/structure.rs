@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Geometry, Gpu, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection, Sampling, TraceJob,
-    TracerError, View,
+    Geometry, Gpu, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, Projection, Sampling, TraceJob, TracerError,
+    View,
 };
 use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, Reads, check_limits, grow, untimed};
 use tracebench_shaders::fragment_abuffer::Trace;
@@ -84,12 +84,8 @@ impl DeviceStructure for FragmentStructure {
         Pipelines::new(gpu)
     }
 
-    fn build(
-        pipelines: &Arc<Pipelines>,
-        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
+    fn build(pipelines: &Arc<Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
+        let BuildJob { geometry, viewpoint, parameters, before, clock } = job;
         let gpu = &*pipelines.gpu;
         let parameters = FragmentParameters::try_from(parameters)?;
         let layout = Layout::new(viewpoint, &parameters);

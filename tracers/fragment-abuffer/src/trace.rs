@@ -1,9 +1,10 @@
 //! Tracing on the device.
 
 use tracebench_api::wgpu::{BindingResource, Buffer, ComputePipeline};
-use tracebench_api::{Counter, EndPoint, HitBuffer, ImageMarch, MarchSteps, PhaseClock, Ray, TraceJob, TracerError};
+use tracebench_api::{Counter, EndPoint, HitBuffer, ImageMarch, MarchSteps, Ray, TraceJob, TracerError};
 use tracebench_kit::{
-    Left, Reads, Search, SearchedRays, TraceCounts, bind_arrays, bind_group, bind_group_at, uniform_buffer, untimed,
+    Left, Reads, Search, SearchJob, SearchedRays, TraceCounts, bind_arrays, bind_group, bind_group_at, uniform_buffer,
+    untimed,
 };
 use tracebench_shaders::fragment_abuffer::Trace;
 
@@ -90,13 +91,8 @@ impl FragmentStructure {
 impl Search for FragmentStructure {
     type Counting = TraceCounts;
 
-    fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&TraceCounts>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
+    fn record(&self, search: SearchJob<'_, '_, TraceCounts>) -> Result<(), TracerError> {
+        let SearchJob { job, hits, counting, clock } = search;
         // Any hit is the same march: its first hit is its nearest.
         let pipelines = &*self.pipelines;
         let gpu = &*pipelines.gpu;
@@ -141,7 +137,7 @@ impl Search for FragmentStructure {
         // Of nodes and of their data.
         let things = [self.parts.capacity(); 2];
         let counting = TraceCounts::new(gpu, things, &COUNTERS, job.rays.host.len(), "--size, --face or --frame")?;
-        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
+        untimed(gpu, |clock| self.record(SearchJob { job, hits, counting: Some(&counting), clock }))?;
         let mut counters = counting.counters(gpu, ["fragments_touched", "payloads_touched"])?;
         counters.retain(|counter| job.end == EndPoint::Surface || counter.name != "payloads_touched");
         Ok(counters)

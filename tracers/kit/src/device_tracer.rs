@@ -10,14 +10,29 @@ use tracebench_api::{
 };
 
 /// What a build is given.
-#[derive(Clone, Copy)]
-pub struct BuildJob<'a> {
+pub struct BuildJob<'a, 'c, S> {
     /// The scene.
     pub geometry: &'a Geometry,
     /// Where it is seen from.
     pub viewpoint: &'a Viewpoint,
     /// The tracer's parameters.
     pub parameters: &'a Parameters,
+    /// The structure before, if there is one; it has the same parameters.
+    pub before: Option<&'a S>,
+    /// Where phases are marked.
+    pub clock: &'a mut PhaseClock<'c>,
+}
+
+/// What a search is given.
+pub struct SearchJob<'a, 'c, Counting> {
+    /// What is traced.
+    pub job: &'a TraceJob<'a>,
+    /// Where answers go.
+    pub hits: &'a HitBuffer,
+    /// What a variant that counts writes to; none where nothing is counted.
+    pub counting: Option<&'a Counting>,
+    /// Where phases are marked.
+    pub clock: &'a mut PhaseClock<'c>,
 }
 
 /// How a structure is searched.
@@ -29,13 +44,7 @@ pub trait Search {
     ///
     /// # Errors
     /// As [`Structure::trace`].
-    fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&Self::Counting>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError>;
+    fn record(&self, search: SearchJob<'_, '_, Self::Counting>) -> Result<(), TracerError>;
 
     /// As [`Structure::trace_counted`].
     ///
@@ -58,16 +67,11 @@ pub trait DeviceStructure: Search + Sized + 'static {
     /// [`TracerError::Unavailable`] if the device forbids it, [`TracerError::Failed`] if it refuses one.
     fn pipelines(gpu: Arc<Gpu>) -> Result<Self::Pipelines, TracerError>;
 
-    /// Builds, in the memory of the structure before, which has the same parameters, where there is one and its memory serves.
+    /// Builds, in the memory of the structure before where there is one and its memory serves.
     ///
     /// # Errors
     /// As [`Tracer::build`].
-    fn build(
-        pipelines: &Arc<Self::Pipelines>,
-        job: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError>;
+    fn build(pipelines: &Arc<Self::Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError>;
 
     /// Fits the structure to moved vertices of the same triangles.
     ///
@@ -128,12 +132,8 @@ impl<S: DeviceStructure> Built<S> {
     ///
     /// # Errors
     /// As [`Tracer::build`].
-    pub fn new(
-        pipelines: &Arc<S::Pipelines>,
-        job: BuildJob<'_>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
-        Ok(Self { structure: S::build(pipelines, job, None, clock)?, pipelines: Arc::clone(pipelines) })
+    pub fn new(pipelines: &Arc<S::Pipelines>, job: BuildJob<'_, '_, S>) -> Result<Self, TracerError> {
+        Ok(Self { structure: S::build(pipelines, job)?, pipelines: Arc::clone(pipelines) })
     }
 }
 
@@ -160,9 +160,12 @@ impl<S: DeviceStructure> Structure for Built<S> {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<(), TracerError> {
-        let job = BuildJob { geometry, viewpoint, parameters };
         match update {
-            Update::Rebuild => self.structure = S::build(&self.pipelines, job, Some(&self.structure), clock)?,
+            Update::Rebuild => {
+                let before = Some(&self.structure);
+                self.structure =
+                    S::build(&self.pipelines, BuildJob { geometry, viewpoint, parameters, before, clock })?;
+            }
             Update::Refit => self.structure.refit(geometry, clock)?,
             Update::Reuse => {}
         }
@@ -174,7 +177,7 @@ impl<S: DeviceStructure> Structure for Built<S> {
     }
 
     fn trace(&self, job: TraceJob<'_>, hits: &mut HitBuffer, clock: &mut PhaseClock<'_>) -> Result<(), TracerError> {
-        self.structure.record(&job, hits, None, clock)
+        self.structure.record(SearchJob { job: &job, hits, counting: None, clock })
     }
 
     fn trace_counted(&self, job: TraceJob<'_>, hits: &mut HitBuffer) -> Result<Vec<Counter>, TracerError> {
@@ -227,7 +230,7 @@ impl<S: DeviceStructure> DeviceTracer<S> {
         parameters: &Parameters,
         clock: &mut PhaseClock<'_>,
     ) -> Result<Built<S>, TracerError> {
-        Built::new(&self.pipelines, BuildJob { geometry, viewpoint, parameters }, clock)
+        Built::new(&self.pipelines, BuildJob { geometry, viewpoint, parameters, before: None, clock })
     }
 }
 

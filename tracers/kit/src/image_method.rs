@@ -5,14 +5,14 @@ use std::sync::Arc;
 
 use bytemuck::NoUninit;
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Gpu, HitBuffer, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, TraceJob,
+    Counter, EndPoint, Geometry, Gpu, HitBuffer, MemoryEntry, MemoryReport, Parameters, Sampling, TraceJob,
     TracerError, View,
 };
 use tracebench_shaders::Shader;
 
 use crate::{
     BuildJob, DeviceStructure, DrawnView, ImagePipelines, ImageSearch, ImageShape, PipelinesOnDemand, RayCounts,
-    Search, TouchedBits, untimed,
+    Search, SearchJob, TouchedBits, untimed,
 };
 
 /// What a method has of its own.
@@ -81,12 +81,8 @@ impl<M: ImageMethod> DeviceStructure for ImageStructure<M> {
         Ok(ImageMethodPipelines { images: ImagePipelines::new(&gpu)?, trace: PipelinesOnDemand::new("trace"), gpu })
     }
 
-    fn build(
-        pipelines: &Arc<Self::Pipelines>,
-        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
+    fn build(pipelines: &Arc<Self::Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
+        let BuildJob { geometry, viewpoint, parameters, before, clock } = job;
         let view = viewpoint.frame_view();
         let shape = M::shape(&view, parameters)?;
         let before = before.map(|before| &before.drawn);
@@ -114,13 +110,8 @@ impl<M: ImageMethod> DeviceStructure for ImageStructure<M> {
 impl<M: ImageMethod> Search for ImageStructure<M> {
     type Counting = (RayCounts, TouchedBits);
 
-    fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&Self::Counting>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
+    fn record(&self, search: SearchJob<'_, '_, Self::Counting>) -> Result<(), TracerError> {
+        let SearchJob { job, hits, counting, clock } = search;
         // Any hit is the same search: its first hit is its nearest.
         let ImageMethodPipelines { gpu, images, trace } = &*self.pipelines;
         let variant = M::variant(&self.drawn, job.end == EndPoint::Surface, counting.is_some());
@@ -136,7 +127,7 @@ impl<M: ImageMethod> Search for ImageStructure<M> {
         let (name, things) = M::touched(&self.drawn);
         let counts = RayCounts::new(gpu, M::counters(&self.drawn), job.rays.host.len())?;
         let counting = (counts, TouchedBits::new(gpu, name, things, "--frame")?);
-        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
+        untimed(gpu, |clock| self.record(SearchJob { job, hits, counting: Some(&counting), clock }))?;
         let mut counters = counting.0.counters(gpu)?;
         counters.push(Counter::of_set(name, counting.1.count(gpu)?));
         Ok(counters)

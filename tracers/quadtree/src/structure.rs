@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Geometry, Gpu, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection, Sampling, TraceJob,
-    TracerError,
+    Geometry, Gpu, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, Projection, Sampling, TraceJob, TracerError,
 };
 use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer};
 
@@ -33,12 +32,8 @@ impl DeviceStructure for QuadtreeStructure {
         Pipelines::new(gpu)
     }
 
-    fn build(
-        pipelines: &Arc<Pipelines>,
-        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
+    fn build(pipelines: &Arc<Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
+        let BuildJob { geometry, viewpoint, parameters, before, clock } = job;
         let parameters = QuadtreeParameters::try_from(parameters)?;
         let shape = Shape::new(viewpoint, geometry.diagonal(), &parameters)?;
         // Images of the same size are drawn into what is there.

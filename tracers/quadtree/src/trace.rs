@@ -3,7 +3,7 @@
 use tracebench_api::wgpu::{Buffer, BufferUsages, ComputePipeline};
 use tracebench_api::{Counter, EndPoint, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
 use tracebench_kit::{
-    Left, Reads, Search, SearchedRays, TraceCounts, bind_arrays, bind_group_at, uniform_buffer, untimed,
+    Left, Reads, Search, SearchJob, SearchedRays, TraceCounts, bind_arrays, bind_group_at, uniform_buffer, untimed,
 };
 use tracebench_shaders::quadtree::Trace;
 
@@ -133,13 +133,8 @@ impl QuadtreeStructure {
 impl Search for QuadtreeStructure {
     type Counting = TraceCounts;
 
-    fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&TraceCounts>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
+    fn record(&self, search: SearchJob<'_, '_, TraceCounts>) -> Result<(), TracerError> {
+        let SearchJob { job, hits, counting, clock } = search;
         self.record_weighing(job, hits, counting, clock).map(drop)
     }
 
@@ -149,7 +144,7 @@ impl Search for QuadtreeStructure {
         let things = [self.shape.level_offsets().1 * self.shape.images(); 2];
         let names = if self.shape.is_joined { &COUNTERS[..] } else { &COUNTERS[..COUNTERS.len() - 1] };
         let counting = TraceCounts::new(gpu, things, names, job.rays.host.len(), "--size, --face or --frame")?;
-        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
+        untimed(gpu, |clock| self.record(SearchJob { job, hits, counting: Some(&counting), clock }))?;
         let mut counters = counting.counters(gpu, ["nodes_touched", "payloads_touched"])?;
         counters.retain(|counter| self.shape.layers > 1 || !OF_FURTHER_LAYERS.contains(&counter.name));
         counters.retain(|counter| job.end == EndPoint::Surface || counter.name != "payloads_touched");

@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Geometry, Gpu, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, TraceJob, TracerError,
-    VoxelGrid,
+    Geometry, Gpu, Ledger, MemoryEntry, MemoryReport, Parameters, Sampling, TraceJob, TracerError, VoxelGrid,
 };
 use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, grow};
 
@@ -37,12 +36,8 @@ impl DeviceStructure for VoxelStructure {
         Pipelines::new(gpu)
     }
 
-    fn build(
-        pipelines: &Arc<Pipelines>,
-        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
+    fn build(pipelines: &Arc<Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
+        let BuildJob { geometry, viewpoint, parameters, before, clock } = job;
         let gpu = &*pipelines.gpu;
         let parameters = VoxelParameters::try_from(parameters)?;
         let layout = Layout::new(geometry, viewpoint, &parameters);

@@ -3,8 +3,8 @@
 use tracebench_api::wgpu::{BindingResource, Buffer, ComputePipeline};
 use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, TraceJob, TracerError};
 use tracebench_kit::{
-    Left, RayCounts, Reads, Search, SearchedRays, TraceCounts, bind_arrays, bind_group, bind_group_at, dispatch_rays,
-    rays_within_rounds, uniform_buffer, untimed,
+    Left, RayCounts, Reads, Search, SearchJob, SearchedRays, TraceCounts, bind_arrays, bind_group, bind_group_at,
+    dispatch_rays, rays_within_rounds, uniform_buffer, untimed,
 };
 use tracebench_shaders::voxel_abuffer::{Trace, Voxels};
 
@@ -80,13 +80,8 @@ impl VoxelStructure {
 impl Search for VoxelStructure {
     type Counting = TraceCounts;
 
-    fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&TraceCounts>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
+    fn record(&self, search: SearchJob<'_, '_, TraceCounts>) -> Result<(), TracerError> {
+        let SearchJob { job, hits, counting, clock } = search;
         let Some(lists) = &self.buffers.lists else { return self.record_voxels(job, hits, None, clock) };
         let pipelines = &*self.pipelines;
         let gpu = &*pipelines.gpu;
@@ -136,7 +131,7 @@ impl Search for VoxelStructure {
         // Of nodes and of their data.
         let things = [u64::from(lists.nodes.capacity()); 2];
         let counting = TraceCounts::new(gpu, things, &COUNTERS, count, "--size or voxel-abuffer.abuffer")?;
-        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
+        untimed(gpu, |clock| self.record(SearchJob { job, hits, counting: Some(&counting), clock }))?;
         let reads_data = self.reads_data(job.end, &VoxelParameters::try_from(job.parameters)?);
         let mut counters = counting.counters(gpu, ["fragments_touched", "payloads_touched"])?;
         counters.retain(|counter| reads_data || counter.name != "payloads_touched");

@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Geometry, Gpu, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Sampling, TraceJob, TracerError,
-    VoxelGrid,
+    Geometry, Gpu, Ledger, MemoryEntry, MemoryReport, Parameters, Sampling, TraceJob, TracerError, VoxelGrid,
 };
 use tracebench_kit::{
     BuildJob, DeviceStructure, DeviceTracer, ReadSlot, Readable, Reads, grow, record_copies, samplings_along_axes,
@@ -58,12 +57,8 @@ impl DeviceStructure for OctreeStructure {
         Kernels::new(gpu)
     }
 
-    fn build(
-        pipelines: &Arc<Kernels>,
-        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
+    fn build(pipelines: &Arc<Kernels>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
+        let BuildJob { geometry, viewpoint, parameters, before, clock } = job;
         let parameters = OctreeParameters::try_from(parameters)?;
         let layout = Layout::new(geometry, viewpoint, &parameters);
         let scene = Scene::of(pipelines, geometry)?;

@@ -1,8 +1,9 @@
 //! Tracing on the device.
 
-use tracebench_api::{Counter, EndPoint, HitBuffer, PhaseClock, TraceJob, TracerError};
+use tracebench_api::{Counter, EndPoint, HitBuffer, TraceJob, TracerError};
 use tracebench_kit::{
-    Reads, Search, TraceCounts, bind_arrays, bind_group_at, dispatch_rays, rays_within_rounds, uniform_buffer, untimed,
+    Reads, Search, SearchJob, TraceCounts, bind_arrays, bind_group_at, dispatch_rays, rays_within_rounds,
+    uniform_buffer, untimed,
 };
 use tracebench_shaders::voxel_octree::Trace;
 
@@ -28,13 +29,8 @@ fn most_rounds(layout: &Layout, traversal: Traversal) -> u64 {
 impl Search for OctreeStructure {
     type Counting = TraceCounts;
 
-    fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&TraceCounts>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
+    fn record(&self, search: SearchJob<'_, '_, TraceCounts>) -> Result<(), TracerError> {
+        let SearchJob { job, hits, counting, clock } = search;
         let gpu = &*self.kernels.gpu;
         let parameters = OctreeParameters::try_from(job.parameters)?;
         let count = job.rays.host.len();
@@ -72,7 +68,7 @@ impl Search for OctreeStructure {
         let (room, levels) = (&self.tree.room, self.layout.levels);
         let things = [room.nodes_before(levels), room.leaves(levels)].map(u64::from);
         let counting = TraceCounts::new(gpu, things, &COUNTERS, job.rays.host.len(), "--size or voxel-octree.levels")?;
-        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
+        untimed(gpu, |clock| self.record(SearchJob { job, hits, counting: Some(&counting), clock }))?;
         counting.counters(gpu, ["nodes_touched", "leaves_touched"])
     }
 }

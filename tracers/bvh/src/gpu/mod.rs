@@ -18,7 +18,7 @@ use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, PhaseClock, TraceJob, TracerError,
 };
 
-use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, Reads, Search, SurfaceGeometry};
+use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, Reads, Search, SearchJob, SurfaceGeometry};
 
 use description::GpuParameters;
 pub use description::description;
@@ -74,13 +74,8 @@ fn place(
 impl Search for BvhGpuStructure {
     type Counting = Counting;
 
-    fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&Counting>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
+    fn record(&self, search: SearchJob<'_, '_, Counting>) -> Result<(), TracerError> {
+        let SearchJob { job, hits, counting, clock } = search;
         self.searches.record(self.searched(job)?, job, hits, counting, clock)
     }
 
@@ -96,12 +91,8 @@ impl DeviceStructure for BvhGpuStructure {
         Searches::new(gpu)
     }
 
-    fn build(
-        searches: &Arc<Searches>,
-        BuildJob { geometry, parameters, .. }: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
+    fn build(searches: &Arc<Searches>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
+        let BuildJob { geometry, parameters, before, clock, .. } = job;
         let parameters = &GpuParameters::try_from(parameters)?;
         let there = before.map(|before| &before.resident);
         // Rays and hits are on the device, and so must the scene be, though the build reads it in host memory.

@@ -39,7 +39,7 @@ use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, PhaseClock, TraceJob, TracerError,
 };
 
-use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, Search, SurfaceGeometry};
+use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, Search, SearchJob, SurfaceGeometry};
 
 use description::LbvhParameters;
 pub use description::description;
@@ -117,13 +117,8 @@ impl LbvhStructure {
 impl Search for LbvhStructure {
     type Counting = Counting;
 
-    fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&Counting>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
+    fn record(&self, search: SearchJob<'_, '_, Counting>) -> Result<(), TracerError> {
+        let SearchJob { job, hits, counting, clock } = search;
         self.pipelines.searches.record(self.searched(job)?, job, hits, counting, clock)
     }
 
@@ -139,12 +134,8 @@ impl DeviceStructure for LbvhStructure {
         Ok(Pipelines { kernels: Kernels::new(Arc::clone(&gpu))?, searches: Searches::new(gpu)? })
     }
 
-    fn build(
-        pipelines: &Arc<Pipelines>,
-        BuildJob { geometry, parameters, .. }: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
+    fn build(pipelines: &Arc<Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
+        let BuildJob { geometry, parameters, before, clock, .. } = job;
         let kernels = &pipelines.kernels;
         let LbvhParameters { node: kind, reads, search_radius, early_search_radius, .. } =
             LbvhParameters::try_from(parameters)?;

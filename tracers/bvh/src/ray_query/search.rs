@@ -35,7 +35,7 @@ pub(super) enum Question<'a> {
 }
 
 /// The device with every pipeline.
-pub(super) struct Queries {
+pub struct Queries {
     pub(super) gpu: Arc<Gpu>,
     trace: ComputePipeline,
     trace_counted: ComputePipeline,
@@ -78,7 +78,7 @@ impl Queries {
             }
             Question::FindOwnTriangle => (&self.find_own_triangle, [None; 2], false),
         };
-        let scale = acceleration.scale;
+        let scale = acceleration.scale.get();
         let settings = QuerySettings {
             ray_count: rays.host.len() as u32,
             any_hit: u32::from(rays.query == Query::Any),

@@ -102,12 +102,8 @@ impl DeviceStructure for PackedStructure {
         Pipelines::new(gpu)
     }
 
-    fn build(
-        pipelines: &Arc<Pipelines>,
-        BuildJob { geometry, viewpoint, parameters }: BuildJob<'_>,
-        before: Option<&Self>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<Self, TracerError> {
+    fn build(pipelines: &Arc<Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
+        let BuildJob { geometry, viewpoint, parameters, before, clock } = job;
         let parameters = &DirtParameters::try_from(parameters)?;
         let (layout, scene) = (PackedLayout::new(viewpoint, parameters), Resident::of(geometry)?);
         let gpu = &*pipelines.gpu;

@@ -1,9 +1,10 @@
 //! Tracing a packed structure on the device.
 
 use tracebench_api::wgpu::{Buffer, BufferUsages, ComputePipeline};
-use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
+use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, MemoryEntry, Query, TraceJob, TracerError};
 use tracebench_kit::{
-    Left, RayCounts, Reads, Search, SearchedRays, TouchedBits, bind_arrays, bind_group_at, uniform_buffer, untimed,
+    Left, RayCounts, Reads, Search, SearchJob, SearchedRays, TouchedBits, bind_arrays, bind_group_at, uniform_buffer,
+    untimed,
 };
 use tracebench_shaders::dirt::PackedTrace;
 
@@ -67,13 +68,8 @@ impl PackedStructure {
 impl Search for PackedStructure {
     type Counting = Counting;
 
-    fn record(
-        &self,
-        job: &TraceJob<'_>,
-        hits: &HitBuffer,
-        counting: Option<&Counting>,
-        clock: &mut PhaseClock<'_>,
-    ) -> Result<(), TracerError> {
+    fn record(&self, search: SearchJob<'_, '_, Counting>) -> Result<(), TracerError> {
+        let SearchJob { job, hits, counting, clock } = search;
         let gpu = &*self.pipelines.gpu;
         let parameters = DirtParameters::try_from(job.parameters)?;
         if let Some(map) = self.shadow_map.as_ref().filter(|map| map.answers(job)) {
@@ -117,7 +113,7 @@ impl Search for PackedStructure {
             counts: RayCounts::new(gpu, &COUNTERS, job.rays.host.len())?,
             touched: TouchedBits::new(gpu, "references touched", u64::from(self.rooms.capacities[0]), "--size")?,
         };
-        untimed(gpu, |clock| self.record(job, hits, Some(&counting), clock))?;
+        untimed(gpu, |clock| self.record(SearchJob { job, hits, counting: Some(&counting), clock }))?;
         // A set that the shadow map answers searches nothing: a texel a ray is looked at.
         let mut counters = counting.counts.counters(gpu)?;
         counters.retain(|counter| counter.name != ROUNDS || self.layout.lists == Lists::Trees);
