@@ -10,9 +10,9 @@
 #import tracebench::types::{Ray, Hit, miss, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP}
 #import tracebench::dispatch::{Invocation, linear_invocation}
 #ifdef TREES
-#import tracebench::lanes::{WORKGROUP_SIZE, Block, open, block_of, take_ray, answers_again}
+#import tracebench::lanes::{WORKGROUP_SIZE, Block, open, block_of, take_ray, answer_again}
 #else
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, Turns, open, turns_of, answers_again}
+#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, Turns, open, turns_of, answer_again}
 #endif
 #import tracebench::dirt_packed_ray::{search, best, found, capped, Work, work}
 #import tracebench::dirt_packed_legs::{passes_eye, centre, begin_lane, begin_ray, has_face, next_leg}
@@ -74,7 +74,7 @@ fn search_faces() {
 
 // Answers rays of a block, one after the other. Left without an answer are those for which what lies near the eye is to be searched: few
 // are, and drivers may run every branch for all; and those that are cut off, with all that no lane has taken then.
-fn answer_rays(block: Block, local: u32) {
+fn answer_block(block: Block, local: u32) {
     var index = take_ray(block, local);
     if (index >= block.end) {
         return;
@@ -136,7 +136,7 @@ fn search_faces() {
 
 // Answers the rays of a lane, one after the other. Left without an answer are those for which what lies near the eye is to be searched:
 // few are, and drivers may run every branch for all; and those that are cut off, with all behind them.
-fn answer_rays(turns: Turns) {
+fn answer_turns(turns: Turns) {
     var index = turns.ray;
     if (index >= turns.end) {
         return;
@@ -175,8 +175,8 @@ fn tell_left() {
 #endif
 }
 
-// Answers one ray, as given up where loops are cut off.
-fn answer_ray(index: u32) {
+// Of `trace_unanswered`: a ray is given up where loops are cut off.
+override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
     begin_lane();
     begin_ray(rays[index]);
     if (passes_eye) {
@@ -193,17 +193,14 @@ fn answer_ray(index: u32) {
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace(invocation: Invocation) {
 #ifdef TREES
-    answer_rays(block_of(invocation, 0u, search.ray_count, search.rays_per_lane), invocation.local);
+    answer_block(block_of(invocation, 0u, search.ray_count, search.rays_per_lane), invocation.local);
 #else
-    answer_rays(turns_of(invocation, 0u, search.ray_count, search.rays_per_lane));
+    answer_turns(turns_of(invocation, 0u, search.ray_count, search.rays_per_lane));
 #endif
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace_unanswered(invocation: Invocation) {
     let index = linear_invocation(invocation, WORKGROUP_SIZE);
-    let is_asked = index < search.ray_count;
-    if (answers_again(is_asked && hits[index].status == STATUS_UNWRITTEN) && is_asked) {
-        answer_ray(index);
-    }
+    answer_again(index, search.ray_count, index < search.ray_count && hits[index].status == STATUS_UNWRITTEN);
 }

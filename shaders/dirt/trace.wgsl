@@ -3,7 +3,7 @@
 
 #import tracebench::types::{Ray, Hit, miss, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, NO_PRIMITIVE}
 #import tracebench::dispatch::{Invocation, linear_invocation}
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, open, turns_of, answers_again}
+#import tracebench::lanes::{WORKGROUP_SIZE, open, answer_rays, answer_again}
 #import tracebench::view::{View, pixel_position}
 #import tracebench::triangle::{RayFrame, ray_frame, cross_triangle}
 #import tracebench::depth_bounds::bucket_of
@@ -331,7 +331,11 @@ fn answer(visited: u32) -> Hit {
     return miss(select(STATUS_MISS, STATUS_LEFT_VIEWS, (visited == 0u || search.view_count < 6u)));
 }
 
-fn write_answer(index: u32, visited: u32) {
+override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
+    let visited = search_ray(rays[index]);
+    if (open > 0u && !is_alone) {
+        return;
+    }
     hits[index] = answer(visited);
 #ifdef COUNTERS
     counts[index] = work;
@@ -340,22 +344,11 @@ fn write_answer(index: u32, visited: u32) {
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace(invocation: Invocation) {
-    var turns = turns_of(invocation, 0u, search.ray_count, search.rays_per_lane);
-    while (turns.ray < turns.end) {
-        let visited = search_ray(rays[turns.ray]);
-        if (open > 0u && search.rays_per_lane > 1u) {
-            break;
-        }
-        write_answer(turns.ray, visited);
-        turns.ray += BLOCK_LANES;
-    }
+    answer_rays(invocation, search.ray_count, search.rays_per_lane);
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace_unanswered(invocation: Invocation) {
     let index = linear_invocation(invocation, WORKGROUP_SIZE);
-    let is_asked = index < search.ray_count;
-    if (answers_again(is_asked && hits[index].status == STATUS_UNWRITTEN) && is_asked) {
-        write_answer(index, search_ray(rays[index]));
-    }
+    answer_again(index, search.ray_count, index < search.ray_count && hits[index].status == STATUS_UNWRITTEN);
 }

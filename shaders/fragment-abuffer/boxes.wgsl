@@ -43,9 +43,9 @@ fn bound(invocation: Invocation) {
 
 // Of the passes that draw boxes.
 @group(0) @binding(0) var<uniform> shape: Storage;
-@group(0) @binding(1) var<uniform> drawn: DrawnView;
+@group(0) @binding(3) var<uniform> drawn: DrawnView;
 @group(0) @binding(2) var<storage, read> boxes: array<u32>;
-@group(0) @binding(3) var<storage, read_write> pixels: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read_write> pixels: array<atomic<u32>>;
 
 // A box, grown by a pixel where it is farthest, and the rectangle of the image that it lies in, from -1 to 1.
 struct DrawnBox {

@@ -2,6 +2,7 @@
 // pixel; of the s-buffer the number of its fragments; the fragments themselves. In compute (`draw`) by the rule of tracebench::coverage. With
 // CLIPPED of triangles as they are clipped to pixels: fragments that are planes, or that all have which a triangle touches, or both.
 
+#import tracebench::scene::load_position
 #import tracebench::view::{to_eye_space, clip_position}
 #import tracebench::plane_depth::{FlatTriangle, flat_triangle, plane_depth}
 #ifdef CLIPPED
@@ -24,9 +25,7 @@
 #import tracebench::raster_work::part_of
 
 @group(0) @binding(0) var<uniform> shape: Storage;
-@group(0) @binding(1) var<uniform> drawn: DrawnView;
-@group(0) @binding(2) var<storage, read> positions: array<f32>;
-@group(0) @binding(3) var<storage, read> indices: array<u32>;
+@group(0) @binding(3) var<uniform> drawn: DrawnView;
 @group(0) @binding(4) var<storage, read_write> pixels: array<atomic<u32>>;
 #ifndef BOUNDS
 // Fragments, lists that could not be ordered.
@@ -59,11 +58,6 @@ struct Facing {
 #endif
     material: u32,
 #endif
-}
-
-fn load_position(corner: u32) -> vec3<f32> {
-    let vertex = indices[corner] * 3u;
-    return vec3<f32>(positions[vertex], positions[vertex + 1u], positions[vertex + 2u]);
 }
 
 // By its first of three corners.

@@ -3,7 +3,7 @@
 
 #import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::types::{Ray, Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, SURFACE_NO_HIT, SURFACE_WRITTEN}
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, open, turns_of, answers_again}
+#import tracebench::lanes::{WORKGROUP_SIZE, open, answer_rays, answer_again}
 #import tracebench::image_walk::{Span, eye_ray_of, span_in_view}
 #import tracebench::view_walk::{SEAM_SLACK, FAR_SIDE, Crossed, crossed_first, nothing_crossed, side_left}
 #import tracebench::fragment_store::{shape, search, views, ray, eye_ray, number, found, found_node, found_t, capped, steps, work, counted, data_of, load_payload}
@@ -30,8 +30,7 @@ const BEFORE_CAMERA: u32 = 0u;
 const IN_CAMERA: u32 = 1u;
 const AFTER_CAMERA: u32 = 2u;
 
-// Answers a ray; leaves it without an answer where the driver cut its search off and it is not alone in its lane.
-fn answer(index: u32, is_alone: bool) {
+override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
     // Nothing is left of the ray before.
     found = false;
     capped = false;
@@ -152,18 +151,11 @@ fn answer(index: u32, is_alone: bool) {
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace(invocation: Invocation) {
-    var turns = turns_of(invocation, 0u, search.ray_count, search.rays_per_lane);
-    while (turns.ray < turns.end) {
-        answer(turns.ray, search.rays_per_lane == 1u);
-        turns.ray += BLOCK_LANES;
-    }
+    answer_rays(invocation, search.ray_count, search.rays_per_lane);
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace_unanswered(invocation: Invocation) {
     let index = linear_invocation(invocation, WORKGROUP_SIZE);
-    let is_asked = index < search.ray_count;
-    if (answers_again(is_asked && hits[index].status == STATUS_UNWRITTEN) && is_asked) {
-        answer(index, true);
-    }
+    answer_again(index, search.ray_count, index < search.ray_count && hits[index].status == STATUS_UNWRITTEN);
 }

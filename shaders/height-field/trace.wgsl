@@ -11,7 +11,7 @@
 #import tracebench::image_walk::{EyeRay, Span, eye_ray_of, span_in_view, image_direction}
 #import tracebench::image_line::{image_line, place_after, depth_on, t_on}
 #import tracebench::cell_walk::{pixel_at, leaves_cell, next_pixel, is_in_image}
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, answer_rays}
 #import tracebench::reads::{word_0, word_1, pair_0}
 #import tracebench::depth_cells::{PyramidLayout, NO_SURFACE, depth_cell}
 
@@ -167,18 +167,18 @@ fn search(ray: Ray) -> Answer {
     return Answer(nothing, work, vec2<i32>(0));
 }
 
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(invocation: Invocation) {
-    var turns = turns_of(invocation, 0u, settings.ray_count, settings.rays_per_lane);
-    while (turns.ray < turns.end) {
-        let answer = search(rays[turns.ray]);
-        hits[turns.ray] = answer.hit;
+override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
+    let answer = search(rays[index]);
+    hits[index] = answer.hit;
 #ifdef COUNTERS
-        counts[turns.ray] = answer.work;
+    counts[index] = answer.work;
 #endif
 #ifdef SURFACES
-        seen[turns.ray] = textureLoad(primitives, answer.pixel, 0, 0).x;
+    seen[index] = textureLoad(primitives, answer.pixel, 0, 0).x;
 #endif
-        turns.ray += BLOCK_LANES;
-    }
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace(invocation: Invocation) {
+    answer_rays(invocation, settings.ray_count, settings.rays_per_lane);
 }

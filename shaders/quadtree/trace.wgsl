@@ -4,7 +4,7 @@
 #import tracebench::dispatch::{Invocation, linear_invocation}
 #import tracebench::types::{Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_UNWRITTEN, STATUS_HIT, STATUS_MISS, STATUS_LEFT_VIEWS, STATUS_STEP_CAP, STATUS_OCCLUDED, STATUS_INPAINTED, SURFACE_NO_HIT, SURFACE_WRITTEN}
 #import tracebench::types::Ray
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, open, turns_of, answers_again}
+#import tracebench::lanes::{WORKGROUP_SIZE, open, answer_rays, answer_again}
 #import tracebench::reads::{quad_0, quad_1}
 #import tracebench::view::{View, pixel_position}
 #import tracebench::image_walk::{Span, eye_ray_of, span_in_view}
@@ -136,8 +136,7 @@ fn sample_plane(number: u32) -> f32 {
 }
 #endif
 
-// Answers a ray; leaves it without an answer where the driver cut its search off and it is not alone in its lane.
-fn answer(index: u32, is_alone: bool) {
+override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
     // Nothing is left of the ray before.
     capped = false;
     steps = 0u;
@@ -269,18 +268,11 @@ fn answer(index: u32, is_alone: bool) {
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace(invocation: Invocation) {
-    var turns = turns_of(invocation, 0u, search.ray_count, search.rays_per_lane);
-    while (turns.ray < turns.end) {
-        answer(turns.ray, search.rays_per_lane == 1u);
-        turns.ray += BLOCK_LANES;
-    }
+    answer_rays(invocation, search.ray_count, search.rays_per_lane);
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn trace_unanswered(invocation: Invocation) {
     let index = linear_invocation(invocation, WORKGROUP_SIZE);
-    let is_asked = index < search.ray_count;
-    if (answers_again(is_asked && hits[index].status == STATUS_UNWRITTEN) && is_asked) {
-        answer(index, true);
-    }
+    answer_again(index, search.ray_count, index < search.ray_count && hits[index].status == STATUS_UNWRITTEN);
 }

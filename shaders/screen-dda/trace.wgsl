@@ -11,7 +11,7 @@
 #import tracebench::view::{View, pixel_position}
 #import tracebench::image_walk::{Span, eye_ray_of, span_in_view}
 #import tracebench::image_line::between
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, answer_rays}
 #import tracebench::reads::{word_0, pair_0}
 #import tracebench::depth_cells::{PyramidLayout, NO_SURFACE, depth_cell}
 
@@ -341,24 +341,23 @@ fn march(ray: Ray) -> Answer {
     return no_hit(select(STATUS_LEFT_VIEWS, STATUS_MISS, seen_whole), work);
 }
 
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(invocation: Invocation) {
-    var turns =
-        turns_of(invocation, 0u, settings.ray_count, settings.rays_per_lane);
-    while (turns.ray < turns.end) {
-        let answer = march(rays[turns.ray]);
-        hits[turns.ray] = answer.hit;
+override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
+    let answer = march(rays[index]);
+    hits[index] = answer.hit;
 #ifdef COUNTERS
 #ifdef HI_Z
-        counts[2u * turns.ray] = answer.work.x;
-        counts[2u * turns.ray + 1u] = answer.work.y;
+    counts[2u * index] = answer.work.x;
+    counts[2u * index + 1u] = answer.work.y;
 #else
-        counts[turns.ray] = answer.work.x;
+    counts[index] = answer.work.x;
 #endif
 #endif
 #ifdef SURFACES
-        seen[turns.ray] = textureLoad(primitives, answer.pixel, i32(answer.layer), 0).x;
+    seen[index] = textureLoad(primitives, answer.pixel, i32(answer.layer), 0).x;
 #endif
-        turns.ray += BLOCK_LANES;
-    }
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace(invocation: Invocation) {
+    answer_rays(invocation, settings.ray_count, settings.rays_per_lane);
 }

@@ -53,14 +53,30 @@ var<private> open: u32;
 // Whether a ray of the workgroup has no answer.
 var<workgroup> unanswered: atomic<u32>;
 
-// Whether a lane of `trace_unanswered` answers its ray. In a workgroup that has one without an answer all do, so that the same ones run
-// together, and are cut off, as where a lane has one ray from the first.
-fn answers_again(is_unanswered: bool) -> bool {
+virtual fn answer_ray(index: u32, is_alone: bool) {
+    // What a search has of its own. A ray that was cut off and is not alone in its lane is left without an answer. (naga_oil joins `virtual`
+    // to the line before, which must not be a comment.)
+}
+
+// The rays of a lane, one after the other.
+fn answer_rays(invocation: Invocation, ray_count: u32, rays_per_lane: u32) {
+    var turns = turns_of(invocation, 0u, ray_count, rays_per_lane);
+    while (turns.ray < turns.end) {
+        answer_ray(turns.ray, rays_per_lane == 1u);
+        turns.ray += BLOCK_LANES;
+    }
+}
+
+// A lane of `trace_unanswered`. In a workgroup that has a ray without an answer all are answered, so that the same ones run together, and are
+// cut off, as where a lane has one ray from the first.
+fn answer_again(index: u32, ray_count: u32, is_unanswered: bool) {
     if (is_unanswered) {
         atomicStore(&unanswered, 1u);
     }
     workgroupBarrier();
-    return atomicLoad(&unanswered) == 1u;
+    if (atomicLoad(&unanswered) == 1u && index < ray_count) {
+        answer_ray(index, true);
+    }
 }
 
 // Rays of the workgroup's blocks that lanes have taken.

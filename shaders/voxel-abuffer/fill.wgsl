@@ -2,25 +2,21 @@
 // and its normal into its voxel's sums. By the rasterizer's own sample rule, in compute (`draw`) by that of tracebench::coverage; depth is not
 // tested.
 
+#import tracebench::scene::load_position
 #import tracebench::plane_depth::facet
 #import tracebench::surface::{greatest_of, unit_normal}
 #import tracebench::unit_space::{to_unit, on_image, from_image, dominant_axis, voxel_at, voxel_index}
-#import tracebench::voxel_space::{DrawnAxis, layer_code}
+#import tracebench::voxel_space::layer_code
+#import tracebench::voxel_fragments::{drawn, taken}
+#ifdef STORE
+#import tracebench::voxel_fragments::store_fragment
+#endif
 #import tracebench::dispatch::Invocation
 #import tracebench::coverage::{outline_in_image, rows_of_outline, span_of_row}
 #import tracebench::raster_work::part_of
 
-@group(0) @binding(0) var<uniform> drawn: DrawnAxis;
-@group(0) @binding(1) var<storage, read> positions: array<f32>;
-@group(0) @binding(2) var<storage, read> indices: array<u32>;
 #ifdef STORE
 @group(0) @binding(3) var<storage, read> materials: array<u32>;
-@group(0) @binding(4) var<storage, read_write> heads: array<atomic<u32>>;
-@group(0) @binding(6) var<storage, read_write> nodes: array<vec2<u32>>;
-@group(0) @binding(7) var<storage, read_write> data: array<vec4<u32>>;
-#ifdef HALVES
-@group(0) @binding(8) var<storage, read_write> further_data: array<vec4<u32>>;
-#endif
 @group(0) @binding(9) var<storage, read_write> sums_x: array<atomic<i32>>;
 @group(0) @binding(10) var<storage, read_write> sums_y: array<atomic<i32>>;
 @group(0) @binding(11) var<storage, read_write> sums_z: array<atomic<i32>>;
@@ -30,9 +26,6 @@
 #ifdef VOXELS
 // A bit a voxel.
 @group(0) @binding(9) var<storage, read_write> occupied: array<atomic<u32>>;
-#else
-// Fragments of every axis.
-@group(0) @binding(5) var<storage, read_write> taken: array<atomic<u32>>;
 #endif
 
 // As `NORMAL_UNIT` in tracers/voxel-abuffer/src/grid.rs: sums of normals are integers, so that they do not hang on the order of atomics.
@@ -52,11 +45,6 @@ struct Facing {
     // Material; 1 where the normal points along the axis.
     words: vec2<u32>,
 #endif
-}
-
-fn load_position(corner: u32) -> vec3<f32> {
-    let vertex = indices[corner] * 3u;
-    return vec3<f32>(positions[vertex], positions[vertex + 1u], positions[vertex + 2u]);
 }
 
 fn drawn_place(point: vec3<f32>) -> vec3<f32> {
@@ -101,24 +89,6 @@ fn facing_of(first: u32) -> Facing {
 }
 
 #ifdef STORE
-fn store_fragment(texel: vec2<u32>, depth: f32, facing: Facing) {
-    // Beyond the capacity nothing is stored and the count goes on: the host sees what is missing.
-    let node = atomicAdd(&taken[drawn.axis], 1u);
-    if (node >= drawn.capacity) {
-        return;
-    }
-    let link = atomicExchange(&heads[texel.y * drawn.space.image + texel.x], node + 1u);
-    nodes[node] = vec2<u32>(layer_code(depth, facing.words.y == 1u), link);
-    let record = vec4<u32>(bitcast<vec3<u32>>(facing.normal), facing.words.x);
-#ifdef HALVES
-    if (node >= drawn.half_nodes) {
-        further_data[node - drawn.half_nodes] = record;
-        return;
-    }
-#endif
-    data[node] = record;
-}
-
 fn feed(voxel: u32, fed: vec4<i32>) {
     if (fed.w == 0) {
         atomicOr(&fragments[voxel], ANY_FRAGMENT);
@@ -145,7 +115,8 @@ fn put_fragment(centre: vec2<f32>, facing: Facing) {
 #ifdef VOXELS
     atomicOr(&occupied[voxel >> 5u], 1u << (voxel & 31u));
 #else
-    store_fragment(vec2<u32>(centre), depth, facing);
+    let record = vec4<u32>(bitcast<vec3<u32>>(facing.normal), facing.words.x);
+    store_fragment(vec2<u32>(centre), layer_code(depth, facing.words.y == 1u), record);
     feed(voxel, facing.fed);
 #endif
 #endif

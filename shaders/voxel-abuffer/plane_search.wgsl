@@ -6,10 +6,10 @@
 
 #import tracebench::types::{Ray, Surface, SURFACE_WRITTEN}
 #import tracebench::image_walk::{NEVER, Span}
-#import tracebench::unit_space::{to_unit, on_image, from_image, voxel_at}
-#import tracebench::voxel_walk::{span_in_cube, leaves_voxel, next_voxel, is_in_grid}
+#import tracebench::unit_space::{on_image, from_image, voxel_at}
+#import tracebench::voxel_walk::{leaves_voxel, next_voxel, is_in_grid}
 #import tracebench::lanes::open
-#import tracebench::voxel_store::{search, ray, origin, direction, work, code_of, head_of, load_node, load_data, STEPPED, OPENED, SEARCHES, COMPARED}
+#import tracebench::voxel_store::{search, begin_ray, ray, origin, direction, work, code_of, head_of, load_node, load_data, STEPPED, OPENED, SEARCHES, COMPARED}
 #import tracebench::voxel_plane_parts::{lies_in_part, place_slack}
 #import tracebench::surface::greatest_of
 
@@ -153,17 +153,9 @@ fn search_voxel(axes: u32, begin: f32, end: f32) {
 }
 
 fn find_hit(given: Ray) {
-    // Nothing is left of the ray before.
     found = false;
-    open = 0u;
-#ifdef COUNTERS
-    work = array<u32, 6>();
-#endif
-    ray = given;
     let space = search.space;
-    origin = to_unit(space, ray.origin);
-    direction = ray.direction * space.scale;
-    var span = span_in_cube(origin, direction, Span(ray.t_min, ray.t_max));
+    var span = begin_ray(given);
     if (!(span.begin <= span.end)) {
         return;
     }

@@ -3,28 +3,22 @@
 // what of the triangle lies in the texel. Voxels are marked with the axes of what lies in them. Both builds, by the rasterizer and
 // in compute (`draw`), decide by the same arithmetic which texels are touched.
 
+#import tracebench::scene::load_position
 #import tracebench::plane_depth::{facet, size_of}
 #import tracebench::surface::greatest_of
 #import tracebench::unit_space::{to_unit, on_image, from_image, dominant_axis, voxel_index}
-#import tracebench::voxel_space::{DrawnAxis, layer_code}
+#import tracebench::voxel_space::layer_code
+#import tracebench::voxel_fragments::{drawn, taken}
+#ifdef STORE
+#import tracebench::voxel_fragments::store_fragment
+#endif
 #import tracebench::voxel_plane_parts::{Part, part_margin, part_in_texel, is_part, part_words}
 #import tracebench::dispatch::Invocation
 #import tracebench::raster_work::part_of
 #import tracebench::tile_clip::{TileRectangle, rectangle_corner}
 
-@group(0) @binding(0) var<uniform> drawn: DrawnAxis;
-@group(0) @binding(1) var<storage, read> positions: array<f32>;
-@group(0) @binding(2) var<storage, read> indices: array<u32>;
-// Fragments of every axis.
-@group(0) @binding(5) var<storage, read_write> taken: array<atomic<u32>>;
 #ifdef STORE
 @group(0) @binding(3) var<storage, read> materials: array<u32>;
-@group(0) @binding(4) var<storage, read_write> heads: array<atomic<u32>>;
-@group(0) @binding(6) var<storage, read_write> nodes: array<vec2<u32>>;
-@group(0) @binding(7) var<storage, read_write> data: array<vec4<u32>>;
-#ifdef HALVES
-@group(0) @binding(8) var<storage, read_write> further_data: array<vec4<u32>>;
-#endif
 // Four bits a voxel: an axis' bit is set where the image along it shows anything there.
 @group(0) @binding(9) var<storage, read_write> cells: array<atomic<u32>>;
 #endif
@@ -44,11 +38,6 @@ struct AxisTriangle {
     depths: vec2<f32>,
     // Material; 1 where the normal points along the axis; 1 where the triangle is drawn along this axis.
     words: vec3<u32>,
-}
-
-fn load_position(corner: u32) -> vec3<f32> {
-    let vertex = indices[corner] * 3u;
-    return vec3<f32>(positions[vertex], positions[vertex + 1u], positions[vertex + 2u]);
 }
 
 // By its first of three corners.
@@ -108,23 +97,6 @@ fn touched_by(triangle: AxisTriangle) -> vec4<f32> {
 }
 
 #ifdef STORE
-fn store_fragment(texel: vec2<u32>, code: u32, record: vec4<u32>) {
-    // Beyond the capacity nothing is stored and the count goes on: the host sees what is missing.
-    let node = atomicAdd(&taken[drawn.axis], 1u);
-    if (node >= drawn.capacity) {
-        return;
-    }
-    let link = atomicExchange(&heads[texel.y * drawn.space.image + texel.x], node + 1u);
-    nodes[node] = vec2<u32>(code, link);
-#ifdef HALVES
-    if (node >= drawn.half_nodes) {
-        further_data[node - drawn.half_nodes] = record;
-        return;
-    }
-#endif
-    data[node] = record;
-}
-
 // Marks the voxels that a texel's square and a range of depths lie in. Grids are not finer than images, so that these are few.
 fn mark_voxels(texel: vec2<u32>, depths: vec2<f32>) {
     let grid = drawn.space.grid;

@@ -5,7 +5,7 @@
 
 #import tracebench::dispatch::Invocation
 #import tracebench::types::{Ray, Hit, Surface, miss, no_surface, NO_PRIMITIVE, STATUS_HIT, STATUS_MISS, STATUS_STEP_CAP, SURFACE_NO_HIT, SURFACE_WRITTEN}
-#import tracebench::lanes::{WORKGROUP_SIZE, BLOCK_LANES, turns_of}
+#import tracebench::lanes::{WORKGROUP_SIZE, answer_rays}
 #import tracebench::reads::{pair_0, pair_1}
 #import tracebench::image_walk::Span
 #import tracebench::unit_space::{UnitSpace, to_unit, voxel_at}
@@ -175,20 +175,20 @@ fn surface_of(ray: Ray, answer: Answer) -> Surface {
 }
 #endif
 
-@compute @workgroup_size(WORKGROUP_SIZE)
-fn trace(invocation: Invocation) {
-    var turns = turns_of(invocation, 0u, search.ray_count, search.rays_per_lane);
-    while (turns.ray < turns.end) {
-        let answer = find_hit(rays[turns.ray]);
-        hits[turns.ray] = answer.hit;
+override fn tracebench::lanes::answer_ray(index: u32, is_alone: bool) {
+    let answer = find_hit(rays[index]);
+    hits[index] = answer.hit;
 #ifdef SURFACES
-        surfaces[turns.ray] = surface_of(rays[turns.ray], answer);
+    surfaces[index] = surface_of(rays[index], answer);
 #endif
 #ifdef COUNTERS
-        for (var count = 0u; count < COUNTS; count++) {
-            atomicStore(&counted[search.touched_words + turns.ray * COUNTS + count], work[count]);
-        }
-#endif
-        turns.ray += BLOCK_LANES;
+    for (var count = 0u; count < COUNTS; count++) {
+        atomicStore(&counted[search.touched_words + index * COUNTS + count], work[count]);
     }
+#endif
+}
+
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn trace(invocation: Invocation) {
+    answer_rays(invocation, search.ray_count, search.rays_per_lane);
 }

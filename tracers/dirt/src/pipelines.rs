@@ -5,7 +5,8 @@ use std::sync::Arc;
 use tracebench_api::wgpu::ComputePipeline;
 use tracebench_api::{Gpu, TracerError};
 use tracebench_kit::{
-    ComputeRaster, Gather, OnDemand, PrefixSum, SearchPipelines, TrianglePipelines, check_limits, compute_pipeline,
+    ComputeRaster, DevicePipelines, Gather, OnDemand, PrefixSum, SearchPipelines, TrianglePipelines, check_limits,
+    compute_pipeline,
 };
 use tracebench_shaders::dirt::{Fill, MIPMAP, SETUP, Trace};
 
@@ -35,9 +36,9 @@ pub(crate) struct Pipelines {
     pub packed: PackedKernels,
 }
 
-impl Pipelines {
-    /// None yet. What every build and trace needs is asked of the device's limits.
-    pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+impl DevicePipelines for Pipelines {
+    // None yet. What every build and trace needs is asked of the device's limits.
+    fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         let filled = Fill::Primitives { conservative: true, split: false };
         let traced = Trace::Plain { textures: false, centres: false, counters: true };
         check_limits(&gpu, SETUP, &["see", "list"])?;
@@ -58,7 +59,9 @@ impl Pipelines {
             packed: PackedKernels::default(),
         })
     }
+}
 
+impl Pipelines {
     /// Whether the device binds the buffers that nodes, depth bounds and heads are split into where one binding does not
     /// hold them.
     pub(crate) fn can_split(gpu: &Gpu) -> bool {

@@ -7,7 +7,8 @@ use tracebench_api::{
     TraceJob, Tracer, TracerError, View, Viewpoint,
 };
 use tracebench_kit::{
-    BuildJob, Built, DeviceStructure, Readable, Reads, SurfaceGeometry, ViewUniform, grow, record_copies, untimed,
+    BuildJob, Built, DevicePipelines, DeviceStructure, Readable, Reads, SurfaceGeometry, ViewUniform, grow,
+    record_copies, untimed,
 };
 
 use crate::build::{Buffers, DEPTH_BOUNDS, Filling, HEADS, NODE_BYTES, NODE_COUNT, nodes_name};
@@ -124,10 +125,6 @@ impl DeviceStructure for DirtStructure {
     type Pipelines = Pipelines;
 
     const NO_REFIT: &'static str = NO_REFIT;
-
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Pipelines, TracerError> {
-        Pipelines::new(gpu)
-    }
 
     fn build(pipelines: &Arc<Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
         let BuildJob { geometry, viewpoint, parameters, before, clock } = job;

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, BufferUsages, CommandEncoder, ComputePipeline};
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError, View};
 use tracebench_kit::{
-    Canvas, ComputeRaster, DrawnBy, EmptyTarget, PipelinesOnDemand, PrefixSum, RasterWork, SearchPipelines,
-    TrianglePass, TrianglePipelines, bind_group, bind_group_at, compute_pipeline, dispatch_indirect, dispatch_linear,
-    every_variant, storage_buffer, uniform_buffer, view_uniform,
+    Canvas, ComputeRaster, DevicePipelines, DrawnBy, EmptyTarget, PipelinesOnDemand, PrefixSum, RasterWork,
+    SearchPipelines, TrianglePass, TrianglePipelines, bind_group, bind_group_at, compute_pipeline, dispatch_indirect,
+    dispatch_linear, every_variant, storage_buffer, uniform_buffer, view_uniform,
 };
 use tracebench_shaders::Variant;
 use tracebench_shaders::fragment_abuffer::{BOXES, Fill, MIPMAP, Reorder, ReorderLong};
@@ -44,8 +44,8 @@ pub struct Pipelines {
     pub(crate) traces: SearchPipelines,
 }
 
-impl Pipelines {
-    pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+impl DevicePipelines for Pipelines {
+    fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         let (boxes, fill) = (TrianglePipelines::new(), TrianglePipelines::new());
         boxes.raster(&gpu, BOXES)?;
         for variant in Fill::ALL.iter().filter(|variant| is_published(**variant)) {
@@ -152,8 +152,8 @@ impl Pipelines {
                     padding: [0; 2],
                 };
                 let drawn = uniform_buffer(gpu, "drawn view", &drawn)?;
-                let uniforms = [(0, &storage), (1, &drawn)];
-                let scene = [(2, &geometry.positions), (3, &geometry.indices), (4, &part.pixels)];
+                let uniforms = [(0, &storage), (3, &drawn)];
+                let scene = [(1, &geometry.positions), (2, &geometry.indices), (4, &part.pixels)];
                 let canvas = |vertices: u32| Canvas::of(work.get(view), parts.target(view), vertices);
                 let draw = |fill: Fill, more: &[(u32, &Buffer)]| {
                     let buffers = [&uniforms[..], &scene[..], more].concat();
@@ -162,7 +162,7 @@ impl Pipelines {
                 if layout.has_bounds() {
                     prepared.bounds.push(match objects {
                         Some(objects) => {
-                            let buffers = [&uniforms[..], &[(2, &objects.boxes.buffer), (3, &part.pixels)]].concat();
+                            let buffers = [&uniforms[..], &[(2, &objects.boxes.buffer), (4, &part.pixels)]].concat();
                             self.by_boxes(&bound(&buffers), canvas(objects.count * 6)?, objects, shape)?
                         }
                         None => Bounding::Drawn(draw(Fill::Bounds { clipped }, &[])?),
@@ -216,7 +216,7 @@ impl Pipelines {
             let work = self.raster.prepare_all(gpu, layout.drawn_by, image, device, triangles)?;
             let target = (!compute).then(|| EmptyTarget::new(gpu, "attachment of a count", shape.size)).transpose()?;
             let canvas = Canvas::of(work.first(), target.as_ref(), layout.vertices(triangles))?;
-            let mut buffers = vec![(1, &drawn), (2, &device.positions), (3, &device.indices), (5, &taken)];
+            let mut buffers = vec![(1, &device.positions), (2, &device.indices), (3, &drawn), (5, &taken)];
             buffers.extend(clipped.then_some((0, &storage)));
             let pass = self.fill.pass(gpu, Fill::Tally { clipped }, &bound(&buffers), canvas)?;
             let mut encoder = gpu.device.create_command_encoder(&Default::default());

@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Geometry, Gpu, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, Projection, Sampling, TraceJob, TracerError,
-    View,
+    Geometry, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, Projection, Sampling, TraceJob, TracerError, View,
 };
 use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, Reads, check_limits, grow, untimed};
 use tracebench_shaders::fragment_abuffer::Trace;
@@ -79,10 +78,6 @@ impl DeviceStructure for FragmentStructure {
     type Pipelines = Pipelines;
 
     const NO_REFIT: &'static str = NO_REFIT;
-
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Pipelines, TracerError> {
-        Pipelines::new(gpu)
-    }
 
     fn build(pipelines: &Arc<Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
         let BuildJob { geometry, viewpoint, parameters, before, clock } = job;

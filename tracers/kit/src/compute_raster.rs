@@ -195,9 +195,9 @@ impl ComputeRaster {
         let groups = gpu.buffer(GROUPS, GROUP_BYTES, BufferUsages::STORAGE | BufferUsages::INDIRECT, "nothing")?;
         let variant = RasterSetup { axis };
         let (find, deal) = (self.find.of(gpu, variant)?, self.deal.of(gpu, variant)?);
-        let found = [&image, &pass, &geometry.positions, &geometry.indices, &work].map(Buffer::as_entire_binding);
+        let found = [&image, &geometry.positions, &geometry.indices, &pass, &work].map(Buffer::as_entire_binding);
         let found = bind_group(gpu, &find.get_bind_group_layout(0), &found);
-        let dealt = [(1, &pass), (4, &work), (5, &groups)].map(|(place, buffer)| (place, buffer.as_entire_binding()));
+        let dealt = [(3, &pass), (4, &work), (5, &groups)].map(|(place, buffer)| (place, buffer.as_entire_binding()));
         let dealt = bind_group_at(gpu, &deal.get_bind_group_layout(0), &dealt);
         let sums = self.sums.of((), || PrefixSum::new(gpu).map(Arc::new))?;
         let plan = sums.plan(gpu, &work, triangle_count + 1, None)?;

@@ -53,19 +53,22 @@ pub trait Search {
     fn count(&self, job: &TraceJob<'_>, hits: &HitBuffer) -> Result<Vec<Counter>, TracerError>;
 }
 
-/// A structure on the device that is built anew in the memory of the one before. What is not told here is as in [`Structure`].
-pub trait DeviceStructure: Search + Sized + 'static {
-    /// What is made once for all structures of a tracer.
-    type Pipelines;
-
-    /// Why there is no refit, where there is none.
-    const NO_REFIT: &'static str = "";
-
+/// What is made once for all structures of a tracer.
+pub trait DevicePipelines: Sized {
     /// Makes the pipelines, or those that every structure needs.
     ///
     /// # Errors
     /// [`TracerError::Unavailable`] if the device forbids it, [`TracerError::Failed`] if it refuses one.
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Self::Pipelines, TracerError>;
+    fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError>;
+}
+
+/// A structure on the device that is built anew in the memory of the one before. What is not told here is as in [`Structure`].
+pub trait DeviceStructure: Search + Sized + 'static {
+    /// What is made once for all structures of a tracer.
+    type Pipelines: DevicePipelines;
+
+    /// Why there is no refit, where there is none.
+    const NO_REFIT: &'static str = "";
 
     /// Builds, in the memory of the structure before where there is one and its memory serves.
     ///
@@ -214,9 +217,9 @@ impl<S: DeviceStructure> DeviceTracer<S> {
     /// Makes the pipelines, or those that every structure needs.
     ///
     /// # Errors
-    /// As [`DeviceStructure::pipelines`].
+    /// As [`DevicePipelines::new`].
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
-        Ok(Self { pipelines: Arc::new(S::pipelines(gpu)?) })
+        Ok(Self { pipelines: Arc::new(S::Pipelines::new(gpu)?) })
     }
 
     /// As [`Tracer::build`].

@@ -11,8 +11,8 @@ use tracebench_api::{
 use tracebench_shaders::Shader;
 
 use crate::{
-    BuildJob, DeviceStructure, DrawnView, ImagePipelines, ImageSearch, ImageShape, PipelinesOnDemand, RayCounts,
-    Search, SearchJob, TouchedBits, untimed,
+    BuildJob, DevicePipelines, DeviceStructure, DrawnView, ImagePipelines, ImageSearch, ImageShape, PipelinesOnDemand,
+    RayCounts, Search, SearchJob, TouchedBits, untimed,
 };
 
 /// What a method has of its own.
@@ -65,6 +65,12 @@ pub struct ImageMethodPipelines {
     trace: PipelinesOnDemand,
 }
 
+impl DevicePipelines for ImageMethodPipelines {
+    fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        Ok(Self { images: ImagePipelines::new(&gpu)?, trace: PipelinesOnDemand::new("trace"), gpu })
+    }
+}
+
 /// The images of one view.
 pub struct ImageStructure<M: ImageMethod> {
     pipelines: Arc<ImageMethodPipelines>,
@@ -76,10 +82,6 @@ impl<M: ImageMethod> DeviceStructure for ImageStructure<M> {
     type Pipelines = ImageMethodPipelines;
 
     const NO_REFIT: &'static str = M::NO_REFIT;
-
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Self::Pipelines, TracerError> {
-        Ok(ImageMethodPipelines { images: ImagePipelines::new(&gpu)?, trace: PipelinesOnDemand::new("trace"), gpu })
-    }
 
     fn build(pipelines: &Arc<Self::Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
         let BuildJob { geometry, viewpoint, parameters, before, clock } = job;

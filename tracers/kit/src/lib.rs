@@ -49,7 +49,7 @@ pub use compute_raster::{ComputeRaster, DrawnBy, RasterImage, RasterWork, build_
 pub use counts::{RayCounts, TraceCounts};
 pub use coverage::{SUBPIXELS, covers_centre};
 pub use depth_pyramid::{CellDepths, DepthPyramid, PyramidBuilder, PyramidLayout, PyramidShape};
-pub use device_tracer::{BuildJob, Built, DeviceStructure, DeviceTracer, Search, SearchJob};
+pub use device_tracer::{BuildJob, Built, DevicePipelines, DeviceStructure, DeviceTracer, Search, SearchJob};
 pub use empty_target::EmptyTarget;
 pub use eye_depth::{DepthCopy, EyeDepthTarget, NO_SURFACE};
 pub use fixed_work::{FixedWork, FixedWorkPlan, fixed_task};

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use tracebench_api::wgpu::{BindGroup, Buffer, ComputePipeline};
 use tracebench_api::{Geometry, Gpu, PhaseClock, TracerError};
 use tracebench_kit::{
-    PipelinesOnDemand, SearchPipelines, ViewUniform, bind_group, compute_pipeline, dispatch_linear, uniform_buffer,
+    DevicePipelines, PipelinesOnDemand, SearchPipelines, ViewUniform, bind_group, compute_pipeline, dispatch_linear,
+    uniform_buffer,
 };
 use tracebench_shaders::quadtree::{BOTTOM, Merge, SURFACES};
 
@@ -26,8 +27,8 @@ pub struct Pipelines {
     pub(crate) traces: SearchPipelines,
 }
 
-impl Pipelines {
-    pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+impl DevicePipelines for Pipelines {
+    fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         Ok(Self {
             layers: LayerPipelines::new(&gpu)?,
             surfaces: compute_pipeline(&gpu, SURFACES, "surfaces")?,
@@ -37,7 +38,9 @@ impl Pipelines {
             gpu,
         })
     }
+}
 
+impl Pipelines {
     fn bind(&self, pipeline: &ComputePipeline, buffers: &[&Buffer]) -> BindGroup {
         let resources: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
         bind_group(&self.gpu, &pipeline.get_bind_group_layout(0), &resources)

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use tracebench_api::wgpu::{BindGroup, BindingResource, Buffer, ComputePipeline};
 use tracebench_api::{DeviceGeometry, Geometry, Gpu, PhaseClock, TracerError};
 use tracebench_kit::{
-    Canvas, ComputeRaster, DrawnBy, EmptyTarget, OnDemand, PipelinesOnDemand, RasterImage, RasterWork, SearchPipelines,
-    TrianglePass, TrianglePipelines, bind_group, check_limits, compute_pipeline, dispatch_linear, storage_buffer,
-    uniform_buffer,
+    Canvas, ComputeRaster, DevicePipelines, DrawnBy, EmptyTarget, OnDemand, PipelinesOnDemand, RasterImage, RasterWork,
+    SearchPipelines, TrianglePass, TrianglePipelines, bind_group, check_limits, compute_pipeline, dispatch_linear,
+    storage_buffer, uniform_buffer,
 };
 use tracebench_shaders::Shader;
 use tracebench_shaders::voxel_abuffer::{AVERAGE, Fill, Order, Planes, Trace};
@@ -35,9 +35,9 @@ pub struct Pipelines {
     pub(crate) voxels: PipelinesOnDemand,
 }
 
-impl Pipelines {
-    /// None yet. What every build and trace needs is asked of the device's limits.
-    pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+impl DevicePipelines for Pipelines {
+    // None yet. What every build and trace needs is asked of the device's limits.
+    fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         let traced = Trace::Plain { textures: false, planes: true, surfaces: true, counters: true };
         check_limits(&gpu, Fill::Store { halves: false }.into(), &["vertex", "fragment"])?;
         check_limits(&gpu, traced.into(), &["trace"])?;
@@ -53,7 +53,9 @@ impl Pipelines {
             voxels: PipelinesOnDemand::new("trace"),
         })
     }
+}
 
+impl Pipelines {
     /// The triangles of every image dealt out, where there is no rasterizer.
     fn deal_out(&self, layout: &Layout, geometry: &Geometry) -> Result<Vec<RasterWork>, TracerError> {
         let image = |axis: usize| RasterImage::Axis { space: layout.space, axis: axis as u32, touched: layout.planes };

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Geometry, Gpu, Ledger, MemoryEntry, MemoryReport, Parameters, Sampling, TraceJob, TracerError, VoxelGrid,
+    Geometry, Ledger, MemoryEntry, MemoryReport, Parameters, Sampling, TraceJob, TracerError, VoxelGrid,
 };
 use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, grow};
 
@@ -31,10 +31,6 @@ impl DeviceStructure for VoxelStructure {
     type Pipelines = Pipelines;
 
     const NO_REFIT: &'static str = NO_REFIT;
-
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Pipelines, TracerError> {
-        Pipelines::new(gpu)
-    }
 
     fn build(pipelines: &Arc<Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
         let BuildJob { geometry, viewpoint, parameters, before, clock } = job;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tracebench_api::{
-    Geometry, Gpu, Ledger, MemoryEntry, MemoryReport, Parameters, Sampling, TraceJob, TracerError, VoxelGrid,
+    Geometry, Ledger, MemoryEntry, MemoryReport, Parameters, Sampling, TraceJob, TracerError, VoxelGrid,
 };
 use tracebench_kit::{
     BuildJob, DeviceStructure, DeviceTracer, ReadSlot, Readable, Reads, grow, record_copies, samplings_along_axes,
@@ -52,10 +52,6 @@ impl DeviceStructure for OctreeStructure {
     type Pipelines = Kernels;
 
     const NO_REFIT: &'static str = NO_REFIT;
-
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Kernels, TracerError> {
-        Kernels::new(gpu)
-    }
 
     fn build(pipelines: &Arc<Kernels>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
         let BuildJob { geometry, viewpoint, parameters, before, clock } = job;

@@ -87,10 +87,6 @@ impl Search for BvhGpuStructure {
 impl DeviceStructure for BvhGpuStructure {
     type Pipelines = Searches;
 
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Searches, TracerError> {
-        Searches::new(gpu)
-    }
-
     fn build(searches: &Arc<Searches>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
         let BuildJob { geometry, parameters, before, clock, .. } = job;
         let parameters = &GpuParameters::try_from(parameters)?;

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use tracebench_api::wgpu::Buffer;
 use tracebench_api::{Counter, EndPoint, Gpu, HitBuffer, MemoryEntry, PhaseClock, Query, TraceJob, TracerError};
 use tracebench_kit::{
-    Gather, PipelinesOnDemand, RayCounts, Reads, SurfaceGeometry, TouchedBits, bind_arrays, bind_group, dispatch_rays,
-    uniform_buffer, untimed,
+    DevicePipelines, Gather, PipelinesOnDemand, RayCounts, Reads, SurfaceGeometry, TouchedBits, bind_arrays,
+    bind_group, dispatch_rays, uniform_buffer, untimed,
 };
 use tracebench_shaders::bvh::{Binary, Cwbvh};
 
@@ -120,9 +120,9 @@ pub struct Searches {
     binary: PipelinesOnDemand,
 }
 
-impl Searches {
-    /// None yet.
-    pub(crate) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+impl DevicePipelines for Searches {
+    // None yet.
+    fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
         Ok(Self {
             gather: Gather::new(&gpu)?,
             wide: PipelinesOnDemand::new("trace"),
@@ -130,7 +130,9 @@ impl Searches {
             gpu,
         })
     }
+}
 
+impl Searches {
     /// Records a trace; with something to count into by a counting variant. Surfaces are gathered after it.
     pub(crate) fn record(
         &self,

@@ -39,7 +39,7 @@ use tracebench_api::{
     Counter, Geometry, Gpu, HitBuffer, Ledger, MemoryEntry, MemoryReport, PhaseClock, TraceJob, TracerError,
 };
 
-use tracebench_kit::{BuildJob, DeviceStructure, DeviceTracer, Search, SearchJob, SurfaceGeometry};
+use tracebench_kit::{BuildJob, DevicePipelines, DeviceStructure, DeviceTracer, Search, SearchJob, SurfaceGeometry};
 
 use description::LbvhParameters;
 pub use description::description;
@@ -114,6 +114,12 @@ impl LbvhStructure {
     }
 }
 
+impl DevicePipelines for Pipelines {
+    fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        Ok(Self { kernels: Kernels::new(Arc::clone(&gpu))?, searches: Searches::new(gpu)? })
+    }
+}
+
 impl Search for LbvhStructure {
     type Counting = Counting;
 
@@ -129,10 +135,6 @@ impl Search for LbvhStructure {
 
 impl DeviceStructure for LbvhStructure {
     type Pipelines = Pipelines;
-
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Pipelines, TracerError> {
-        Ok(Pipelines { kernels: Kernels::new(Arc::clone(&gpu))?, searches: Searches::new(gpu)? })
-    }
 
     fn build(pipelines: &Arc<Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
         let BuildJob { geometry, parameters, before, clock, .. } = job;

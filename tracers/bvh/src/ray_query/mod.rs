@@ -21,7 +21,7 @@ mod search;
 use std::sync::Arc;
 
 use tracebench_api::{
-    Counter, EndPoint, Geometry, Gpu, Hit, HitBuffer, MemoryEntry, MemoryReport, PhaseClock, Query, Ray, RayBuffer,
+    Counter, EndPoint, Geometry, Hit, HitBuffer, MemoryEntry, MemoryReport, PhaseClock, Query, Ray, RayBuffer,
     Residency, TraceJob, TracerError,
 };
 
@@ -120,17 +120,6 @@ impl DeviceStructure for RayQueryStructure {
     type Pipelines = Queries;
 
     const NO_REFIT: &'static str = NO_REFIT;
-
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Queries, TracerError> {
-        if gpu.has_ray_queries() {
-            return Queries::new(gpu);
-        }
-        let listing = &gpu.listing;
-        Err(TracerError::Unavailable(format!(
-            "{}, driver {}, has no ray queries (wgpu feature EXPERIMENTAL_RAY_QUERY)",
-            listing.name, listing.driver_version
-        )))
-    }
 
     fn build(queries: &Arc<Queries>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
         let BuildJob { geometry, parameters, before, clock, .. } = job;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use tracebench_api::wgpu::{Buffer, ComputePipeline};
 use tracebench_api::{Gpu, HitBuffer, PhaseClock, Query, RayBuffer, TracerError};
-use tracebench_kit::{Gather, bind_group, compute_pipeline, dispatch_linear, uniform_buffer};
+use tracebench_kit::{DevicePipelines, Gather, bind_group, compute_pipeline, dispatch_linear, uniform_buffer};
 use tracebench_shaders::bvh::RAY_QUERY;
 
 use super::acceleration::Acceleration;
@@ -43,12 +43,15 @@ pub struct Queries {
     pub(super) gather: Gather,
 }
 
-impl Queries {
-    /// Compiles them.
-    ///
-    /// # Errors
-    /// [`TracerError::Failed`] if the device refuses one.
-    pub(super) fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+impl DevicePipelines for Queries {
+    fn new(gpu: Arc<Gpu>) -> Result<Self, TracerError> {
+        if !gpu.has_ray_queries() {
+            let listing = &gpu.listing;
+            return Err(TracerError::Unavailable(format!(
+                "{}, driver {}, has no ray queries (wgpu feature EXPERIMENTAL_RAY_QUERY)",
+                listing.name, listing.driver_version
+            )));
+        }
         let pipeline = |entry_point| compute_pipeline(&gpu, RAY_QUERY, entry_point);
         Ok(Self {
             trace: pipeline("trace")?,
@@ -58,7 +61,9 @@ impl Queries {
             gpu,
         })
     }
+}
 
+impl Queries {
     /// Records one question about every ray.
     ///
     /// # Errors

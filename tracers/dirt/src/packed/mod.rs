@@ -26,7 +26,7 @@ mod trace_tests;
 use std::sync::Arc;
 
 use tracebench_api::{
-    EndPoint, Geometry, Gpu, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection, Sampling,
+    EndPoint, Geometry, Layers, Ledger, MemoryEntry, MemoryReport, Parameters, PhaseClock, Projection, Sampling,
     TraceJob, TracerError, View,
 };
 use tracebench_kit::{BuildJob, DeviceStructure, Gather, Readable, Reads, record_copies, untimed};
@@ -97,10 +97,6 @@ impl DeviceStructure for PackedStructure {
     type Pipelines = Pipelines;
 
     const NO_REFIT: &'static str = NO_REFIT;
-
-    fn pipelines(gpu: Arc<Gpu>) -> Result<Pipelines, TracerError> {
-        Pipelines::new(gpu)
-    }
 
     fn build(pipelines: &Arc<Pipelines>, job: BuildJob<'_, '_, Self>) -> Result<Self, TracerError> {
         let BuildJob { geometry, viewpoint, parameters, before, clock } = job;
