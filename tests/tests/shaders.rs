@@ -157,7 +157,7 @@ fn entry_points_exist() {
             ("shared/nearest_resolve.wgsl", _) => compute(&["resolve"], 64),
             ("test/coverage_functions.wgsl", _) => compute(&["cover", "project"], 64),
             ("fragment-abuffer/boxes.wgsl", _) => and_raster(&["bound", "draw"]),
-            (file, _) if file.ends_with("/fill.wgsl") => and_raster(&["draw"]),
+            ("dirt/fill.wgsl" | "fragment-abuffer/fill.wgsl" | "voxel-abuffer/fill.wgsl", _) => and_raster(&["draw"]),
             ("quadtree/layers.wgsl" | "voxel-abuffer/planes.wgsl", _) => and_raster(&["draw"]),
             (_, "bvh/refit") => vec![("fit", ShaderStage::Compute, 64), ("fit_last", ShaderStage::Compute, 256)],
             ("bvh/refit.wgsl", _) => compute(&["fit"], 64),
@@ -166,11 +166,9 @@ fn entry_points_exist() {
                 passes.map(|(name, size)| (name, ShaderStage::Compute, size)).to_vec()
             }
             ("bvh/leaves.wgsl", _) => compute(&["encode", "place", "fill"], 64),
-            ("bvh/convert.wgsl", _) => compute(&["convert"], 64),
             ("bvh/ray_query.wgsl", _) => compute(&["trace", "trace_counted", "find_own_triangle"], 64),
             ("shared/prefix_sum.wgsl", _) => compute(&["reduce", "scan"], 256),
             ("shared/radix_sort.wgsl", _) => compute(&["count", "scatter"], 32),
-            ("shared/gather.wgsl", _) => compute(&["gather"], 64),
             ("shared/depth_pyramid.wgsl", _) => compute(&["reduce"], 64),
             ("shared/fixed_work.wgsl", _) => compute(&["work"], 64),
             ("shared/means_probe.wgsl", _) => compute(&["gather", "search"], 64),
@@ -197,22 +195,13 @@ fn entry_points_exist() {
                 | "voxel-abuffer/trace.wgsl",
                 _,
             ) => compute(&["trace", "trace_unanswered"], 64),
-            ("dirt/store.wgsl", _) => compute(&["store"], 64),
             ("dirt/visibility.wgsl", _) => compute(&["resolve"], 64),
             ("dirt/shadow_map.wgsl", _) => compute(&["look_up"], 64),
-            ("dirt/mipmap.wgsl" | "fragment-abuffer/mipmap.wgsl", _) => compute(&["mipmap"], 64),
-            ("fragment-abuffer/reorder.wgsl", _) => compute(&["reorder"], 64),
             ("fragment-abuffer/reorder_long.wgsl", _) => compute(&["reorder_long"], 256),
-            ("voxel-abuffer/average.wgsl", _) => compute(&["average"], 64),
-            ("voxel-abuffer/order.wgsl", _) => compute(&["order"], 64),
             ("voxel-abuffer/voxels.wgsl", _) => compute(&["trace"], 64),
             ("voxel-octree/voxelize.wgsl", _) => compute(&["measure", "count", "emit", "pad"], 64),
             ("voxel-octree/leaves.wgsl", _) => compute(&["mark", "gather", "sum", "finish"], 64),
             ("voxel-octree/levels.wgsl", _) => compute(&["mark", "join"], 64),
-            ("quadtree/thin.wgsl", _) => compute(&["thin"], 64),
-            ("quadtree/surfaces.wgsl", _) => compute(&["surfaces"], 64),
-            ("quadtree/bottom.wgsl", _) => compute(&["bottom"], 64),
-            ("quadtree/merge.wgsl", _) => compute(&["merge"], 64),
             ("test/quadtree_functions.wgsl", _) => {
                 compute(&["convert", "encode", "merge_children", "tell_levels", "find_slopes", "cross_cells"], 64)
             }
@@ -224,8 +213,14 @@ fn entry_points_exist() {
             ("test/reads_functions.wgsl", _) => compute(&["look_up"], 64),
             ("test/pyramid_functions.wgsl", _) => compute(&["descend", "gather_below", "sort_depths"], 64),
             ("bvh/binary.wgsl" | "bvh/cwbvh.wgsl", _) => compute(&["trace"], 64),
-            (file, _) if file.ends_with("/trace.wgsl") => compute(&["trace"], 64),
-            _ => raster.clone(),
+            ("dirt/fetch.wgsl" | "dirt/mask.wgsl" | "shared/nearest_raster.wgsl" | "shared/raster_probe.wgsl", _) => {
+                raster.clone()
+            }
+            // One that is called as its file is.
+            (file, _) => {
+                let name = file.rsplit('/').next().and_then(|name| name.strip_suffix(".wgsl")).unwrap();
+                vec![(name, ShaderStage::Compute, 64)]
+            }
         }
     };
     for shader in ALL {
