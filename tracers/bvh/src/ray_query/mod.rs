@@ -18,6 +18,7 @@ mod description;
 mod probes;
 mod search;
 
+use std::rc::Rc;
 use std::sync::Arc;
 
 use tracebench_api::{
@@ -41,7 +42,7 @@ pub type RayQuery = DeviceTracer<RayQueryStructure>;
 /// Acceleration structures over one scene.
 pub struct RayQueryStructure {
     queries: Arc<Queries>,
-    acceleration: Arc<Acceleration>,
+    acceleration: Rc<Acceleration>,
     triangle_count: usize,
     geometry: SurfaceGeometry,
 }
@@ -127,8 +128,8 @@ impl DeviceStructure for RayQueryStructure {
         let surfaces = SurfaceGeometry::of(geometry)?;
         let QueryParameters { prefer, .. } = QueryParameters::try_from(parameters)?;
         let acceleration = match before {
-            Some(before) if before.acceleration.fits(gpu, geometry, prefer)? => Arc::clone(&before.acceleration),
-            _ => Arc::new(Acceleration::new(gpu, geometry, prefer)?),
+            Some(before) if before.acceleration.fits(gpu, geometry, prefer)? => Rc::clone(&before.acceleration),
+            _ => Rc::new(Acceleration::new(gpu, geometry, prefer)?),
         };
         acceleration.record_build(gpu, geometry, clock)?;
         let triangle_count = geometry.triangles.len();
