@@ -1,23 +1,20 @@
-//! Whether any ray is wrong: `table_exact.md` and `table_exact.csv`.
+//! Whether any ray is wrong: `table_exact.md`.
 
 use itertools::Itertools as _;
 
 use super::document::Document;
-use super::metrics::COUNT;
+use super::metrics::wrong_tight;
 use super::sheet::{Cell, Sheet};
 use super::{Report, peers, summary};
-use crate::results::{Judgement, Run, TraceRecord, TracerRun};
+use crate::results::{Run, TraceRecord, TracerRun};
 
 /// A tracer with one of its traces.
 type Row<'a> = (&'a TracerRun, &'a TraceRecord);
 
-/// Rays, wrong rays under `tight` and ambiguous rays of some traces. Ambiguous rays of closest hits are among the wrong where they are; of any
-/// hit they are in no class, since either answer is right.
+/// Rays, wrong rays under `tight` and ambiguous rays of some traces.
 fn counts<'a>(traces: impl IntoIterator<Item = &'a TraceRecord>) -> [u64; 3] {
-    let of = |trace: &TraceRecord| match &trace.judgement {
-        Judgement::Closest(closest) => [trace.count, closest.classes.tight.wrong(), closest.ties],
-        Judgement::Any(any) => [trace.count, any.occlusion.false_occluded + any.occlusion.false_free, any.ties],
-    };
+    let of =
+        |TraceRecord { count, judgement, .. }: &TraceRecord| [*count, wrong_tight(judgement), judgement.ambiguous()];
     let add = |sums: [u64; 3], trace: [u64; 3]| std::array::from_fn(|place| sums[place] + trace[place]);
     traces.into_iter().map(of).fold([0; 3], add)
 }
@@ -30,19 +27,7 @@ pub fn wrong_rays(run: &Run) -> u64 {
 /// The table.
 pub(crate) fn report(name: &str, title: &str, run: &Run) -> Report {
     let rows: Vec<Row<'_>> = run.runs.iter().flat_map(|row| row.traces.iter().map(move |trace| (row, trace))).collect();
-    let sheet = Sheet::<Row<'_>>::new()
-        .scene(|(row, _)| &row.scene)
-        .column("viewpoint", |(row, _)| row.viewpoint.name.clone())
-        .tracer(|(row, _)| row)
-        .rays(|(_, trace)| Some(trace))
-        .query(|(_, trace)| Some(trace.query))
-        .trace(COUNT, |(_, trace)| Some(trace))
-        .column("wrong_tight", |(_, trace)| counts([*trace])[1])
-        .column("ties", |(_, trace)| counts([*trace])[2])
-        .hits(|(_, trace)| Some(trace))
-        .commit(&run.provenance)
-        .machine_of(&run.provenance, |(row, _)| row);
-    Report::of_table(&peers::stem(name), page(title, run, &rows), sheet.table(&rows))
+    Report::of_page(format!("{}.md", peers::stem(name)), page(title, run, &rows))
 }
 
 fn page(title: &str, run: &Run, rows: &[Row<'_>]) -> Document {

@@ -30,6 +30,19 @@ pub(crate) fn write_derived(run: &Run, folder: &Path, tables: Tables) -> Result<
     report::write_derived(run, &OutputFolder::open(folder)?, tables)
 }
 
+/// Rows of a table by their columns.
+pub(crate) fn rows(folder: &Path, name: &str) -> Vec<BTreeMap<String, String>> {
+    let mut reader = csv::Reader::from_path(folder.join(name)).unwrap();
+    let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    let row = |record: csv::StringRecord| header.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
+    reader.records().map(|record| row(record.unwrap())).collect()
+}
+
+/// Those of contenders.
+pub(crate) fn contenders(folder: &Path) -> Vec<BTreeMap<String, String>> {
+    rows(folder, "rows.csv").into_iter().filter(|row| row["role"] == "contender").collect()
+}
+
 /// Rays of every set.
 pub(crate) const COUNT: u64 = 131_072;
 const TIES: u64 = 12;

@@ -35,8 +35,8 @@ enum Source {
 /// A figure.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Metric {
-    /// Its name in tables for programs, with the unit at its end, then those of what else its cells have.
-    pub names: &'static [&'static str],
+    /// Its name in tables for programs, with the unit at its end.
+    pub name: &'static str,
     /// Name for people; empty where only programs read it.
     pub label: &'static str,
     /// Unit; empty for shares.
@@ -100,14 +100,7 @@ impl Metric {
 
     /// As a column of whatever tells it.
     pub(crate) fn shown<'a, R>(&self, cell: impl Fn(&R) -> Option<Cell> + 'a) -> Column<'a, R> {
-        Column::new(self.names[0], cell).headed(self.heading())
-    }
-}
-
-impl<R> Column<'_, R> {
-    /// With what else the cells of a figure have.
-    pub(super) fn whole(self, metric: Metric) -> Self {
-        self.beside(&metric.names[1..])
+        Column::new(self.name, cell).headed(self.heading())
     }
 }
 
@@ -122,28 +115,33 @@ pub(crate) fn headed(name: &str, better: Better) -> String {
 }
 
 const fn metric(
-    names: &'static [&'static str],
+    name: &'static str,
     label: &'static str,
     unit: &'static str,
     better: Better,
     cell: fn(&TraceRecord) -> Option<Cell>,
 ) -> Metric {
-    Metric { names, label, unit, better, source: Source::Trace(cell) }
+    Metric { name, label, unit, better, source: Source::Trace(cell) }
 }
 
 const fn structure(
-    names: &'static [&'static str],
+    name: &'static str,
     label: &'static str,
     unit: &'static str,
     better: Better,
     cell: fn(&TracerRun) -> Option<Cell>,
 ) -> Metric {
-    Metric { names, label, unit, better, source: Source::Structure(cell) }
+    Metric { name, label, unit, better, source: Source::Structure(cell) }
 }
 
 /// One that only programs read.
-const fn plain(names: &'static [&'static str], cell: fn(&TraceRecord) -> Option<Cell>) -> Metric {
-    metric(names, "", "", Better::Neither, cell)
+const fn plain(name: &'static str, cell: fn(&TraceRecord) -> Option<Cell>) -> Metric {
+    metric(name, "", "", Better::Neither, cell)
+}
+
+/// The same of structures.
+const fn structure_alone(name: &'static str, cell: fn(&TracerRun) -> Option<Cell>) -> Metric {
+    structure(name, "", "", Better::Neither, cell)
 }
 
 /// What tells how often answers to a query are right, always together.
@@ -254,6 +252,20 @@ pub(super) fn speed_interval(trace: &TraceRecord) -> Option<[f64; 2]> {
     let interval = [of(slow), of(fast)];
     let whole = speed(trace).is_some() && interval.iter().all(|end| end.is_finite() && *end > 0.0);
     whole.then_some(interval)
+}
+
+/// Bytes of the structure a triangle: allocated, and used of them.
+pub(super) fn per_triangle(run: &TracerRun) -> [f64; 2] {
+    [run.memory.structure_bytes, used_bytes(run)].map(|bytes| bytes as f64 / run.scene.triangles.max(1) as f64)
+}
+
+/// Wrong rays under `tight`. Ambiguous rays of closest hits are among them where they are wrong; of any hit they are in no class, since either
+/// answer is right.
+pub(super) fn wrong_tight(judgement: &Judgement) -> u64 {
+    match judgement {
+        Judgement::Closest(closest) => closest.classes.tight.wrong(),
+        Judgement::Any(any) => any.occlusion.false_occluded + any.occlusion.false_free,
+    }
 }
 
 fn timed<T>(trace: &TraceRecord, value: T) -> Option<T> {

@@ -61,8 +61,10 @@ use crate::files::{self, OutputFolder};
 use crate::results::{FrontScene, PICTURES_FOLDER, Run, SCHEMA};
 use chart::Charts;
 use document::Document;
+use group::Group;
 use kept::Kept;
-use sheet::Table;
+use sheet::{Sheet, Table};
+use tables::Placed;
 
 /// The file that holds everything.
 pub const RUN_FILE: &str = "run.json";
@@ -87,17 +89,14 @@ pub struct Report {
 }
 
 impl Report {
-    /// A page and a table of one name.
-    pub(crate) fn of_table(stem: &str, page: Document, table: Table) -> Self {
-        Self {
-            pages: vec![(format!("{stem}.md"), page)],
-            tables: vec![(format!("{stem}.csv"), table)],
-            ..Self::default()
-        }
+    /// A page.
+    pub(crate) fn of_page(name: impl Into<String>, page: Document) -> Self {
+        Self { pages: vec![(name.into(), page)], ..Self::default() }
     }
 
-    /// With what another has.
+    /// With what another has, of which tables take the place of those of the same name.
     pub(crate) fn and(mut self, other: Self) -> Self {
+        self.tables.retain(|(name, _)| other.tables.iter().all(|(own, _)| own != name));
         self.pages.extend(other.pages);
         self.tables.extend(other.tables);
         self.charts.extend(other.charts);
@@ -195,8 +194,8 @@ impl Study {
 pub type Contents = Vec<(String, Vec<u8>)>;
 
 /// What the names of derived files begin with, up to a dot or an underscore.
-const BEGINNINGS: &str = "agreement_over_tolerance break_even claims error_vs explain figure need operating_points pareto stability \
-                          summary sweep table traces tune verdicts wrong_rays";
+const BEGINNINGS: &str = "agreement_over_tolerance break_even claims error_vs explain figure need operating_points pareto rows stability \
+                          summary sweep table tune verdicts wrong_rays";
 
 /// Whether a verb that measures may write a file of this name, or a folder, right into its folder of results.
 pub fn may_be_written(name: &str) -> bool {
@@ -276,12 +275,16 @@ pub(crate) fn write_all(contents: &Contents, folder: &OutputFolder) -> Result<Ve
     Ok(folder.write_all(contents.iter().map(|(name, contents)| (name.as_str(), contents.as_slice())))?)
 }
 
-/// Every trace, and every wrong ray that was kept.
-fn traces(run: &Run) -> Report {
-    let groups = group::groups(run);
+/// Every row with what a study tells of it, and every wrong ray that was kept.
+fn rows<'a, R: 'a>(
+    run: &'a Run,
+    groups: &'a [Group<'a>],
+    own: Sheet<'a, R>,
+    of: impl Fn(&Placed<'a>) -> Option<R>,
+) -> Report {
     let tables = vec![
-        ("traces.csv".to_owned(), tables::traces(run, &groups)),
-        ("wrong_rays.csv".to_owned(), tables::wrong_rays(&groups)),
+        ("rows.csv".to_owned(), tables::rows(run, groups, own, of)),
+        ("wrong_rays.csv".to_owned(), tables::wrong_rays(groups)),
     ];
     Report { tables, ..Report::default() }
 }
@@ -289,13 +292,12 @@ fn traces(run: &Run) -> Report {
 /// What is made of a plain run: summary, traces and charts; of one that was made for a table or a sweep that, too.
 fn of_run(run: &Run, of_table: Tables) -> Result<Report, ReportError> {
     let labelled = sweep::labelled(run);
-    let shown = group::groups(&labelled);
+    let (groups, shown) = (group::groups(run), group::groups(&labelled));
     let summary = Report {
         pages: vec![(SUMMARY.to_owned(), summary::summary(&labelled, &shown))],
         charts: chart::charts(&labelled, &shown),
-        ..traces(run)
+        ..rows(run, &groups, Sheet::new(), |_| None::<()>)
     };
-    let groups = group::groups(run);
     let sweep = run.sweep.as_ref().map(|record| sweep::report(run, record, &groups)).unwrap_or_default();
     Ok(summary.and(of_table(run)?).and(sweep))
 }

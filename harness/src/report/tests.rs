@@ -156,12 +156,12 @@ fn ambiguous_rays_count() {
     let mut run = fixture::typical();
     let page = |run: &Run| summary::summary(run, &group::groups(run)).markdown();
     let (beside, column) =
-        ("without ambiguous rays: hit_miss / tight / footprint ↑", "agreement_without_ambiguous_tight_share");
+        ("without ambiguous rays: hit_miss / tight / footprint ↑", "agreement_without_ambiguous_share_tight");
     let older = page(&run);
     assert!(older.contains("are left out of every share") && older.contains("wrong of 131,060"), "{older}");
     assert!(!older.contains(beside) && !older.contains("wrong of 131,072"));
     let (_folder, files) = write(&run);
-    assert!(!table(&files, "traces.csv").0.contains(&column.to_owned()));
+    assert!(!table(&files, "rows.csv").0.contains(&column.to_owned()));
     let Judgement::Closest(before) = run.runs[1].traces[0].judgement.clone() else { panic!("primary is closest-hit") };
     fixture::judge_ambiguous(&mut run);
     assert_eq!(verdict::controls(&run), verdict::Verdict::Sound);
@@ -169,7 +169,7 @@ fn ambiguous_rays_count() {
     assert!(page.contains("Ambiguous rays (ties)") && page.contains(beside), "{page}");
     assert!(page.contains("wrong of 131,072"));
     let (_folder, files) = write(&run);
-    let rows = table(&files, "traces.csv").1;
+    let rows = table(&files, "rows.csv").1;
     let row = rows.iter().find(|row| row["tracer"] == run.runs[1].tracer.name && row["rays"] == "primary").unwrap();
     assert_eq!(row[column].parse::<f64>().unwrap(), before.agreement.tight.unwrap());
     assert_ne!(row["agreement_tight_share"], row[column]);
@@ -225,7 +225,7 @@ fn failing_controls_are_told() {
 fn tables_hold_the_run() {
     let run = fixture::typical();
     let (_folder, files) = write(&run);
-    let (header, rows) = table(&files, "traces.csv");
+    let (header, rows) = table(&files, "rows.csv");
     assert_eq!(rows.len(), (2 + Control::ALL.len()) * 3);
     let unique: BTreeSet<_> = header.iter().collect();
     assert_eq!(unique.len(), header.len());
@@ -288,7 +288,7 @@ fn other_rays_are_another_set() {
 fn an_empty_run_is_reported() {
     let run = Run { runs: Vec::new(), controls: Vec::new(), ..fixture::typical() };
     let (_folder, files) = write(&run);
-    assert_eq!(files.keys().collect::<Vec<_>>(), ["run.json", "summary.md", "traces.csv", "wrong_rays.csv"]);
+    assert_eq!(files.keys().collect::<Vec<_>>(), ["rows.csv", "run.json", "summary.md", "wrong_rays.csv"]);
     assert!(text(&files, "summary.md").contains("Nothing ran."));
     let any = fixture::run(&[], &[("ao", Query::Any)]);
     let (_folder, files) = write(&any);
@@ -352,14 +352,14 @@ fn of_peers() -> Run {
 fn tables_set_peers_side_by_side() {
     let run = of_peers();
     let (_folder, files) = write(&run);
-    let (header, rows) = table(&files, "table_bvh.csv");
-    assert_eq!(rows.len(), 2 * fixture::SETS.len());
-    assert!(rows.iter().all(|row| row["tracer_name"] != "screen-dda"));
+    let (header, rows) = table(&files, "rows.csv");
+    let beside = |row: &&BTreeMap<String, String>| !row["speed_over_reference"].is_empty();
+    assert_eq!(rows.iter().filter(beside).count(), 2 * fixture::SETS.len());
+    assert!(rows.iter().filter(beside).all(|row| row["tracer_name"] != "screen-dda"));
     let value = |row: &BTreeMap<String, String>, name: &str| row[name].parse::<f64>().unwrap();
-    for (row, (one, trace)) in
-        rows.iter().zip(run.runs[..2].iter().flat_map(|one| one.traces.iter().map(move |trace| (one, trace))))
-    {
-        assert_eq!((&row["tracer"], &row["rays"]), (&one.tracer.name, &trace.rays));
+    for (one, trace) in run.runs[..2].iter().flat_map(|one| one.traces.iter().map(move |trace| (one, trace))) {
+        let is_of = |row: &&BTreeMap<String, String>| row["tracer"] == one.tracer.name && row["rays"] == trace.rays;
+        let row = rows.iter().find(is_of).unwrap();
         let close = |name: &str, expected: f64| assert!((value(row, name) / expected - 1.0).abs() < 1e-12, "{name}");
         close("build_mtriangles_per_s", 0.156034 / (one.build.times.median_ms / 1e3));
         close("bytes_per_triangle", f64::from(7 << 20) / 156_034.0);
@@ -478,7 +478,7 @@ fn builds_are_shown_as_they_were_timed() {
     let run = fixture::with_whole_builds(before.clone());
     for (run, whole) in [(&run, true), (&before, false)] {
         let (_folder, files) = write(run);
-        let (header, rows) = table(&files, "traces.csv");
+        let (header, rows) = table(&files, "rows.csv");
         let has = |name: &str| header.iter().any(|column| column == name);
         assert_eq!(
             ["first_build_median_ms", "steady_build_median_ms", "build_median_ms"].map(has),
@@ -492,7 +492,7 @@ fn builds_are_shown_as_they_were_timed() {
         if let (Some(first), Some(steady)) = (&one.first, &one.steady) {
             assert_eq!(row["first_build_median_ms"], first.median_ms.to_string());
             assert_eq!(
-                (&*row["steady_build_low_ms"], &*row["build_clock"]),
+                (&*row["steady_build_median_ms_low"], &*row["build_clock"]),
                 (&*steady.interval_ms[0].to_string(), "host")
             );
             assert!(
@@ -502,7 +502,7 @@ fn builds_are_shown_as_they_were_timed() {
             );
         }
         assert_eq!(summary.contains("clock of phases"), whole);
-        let (header, rows) = table(&files, "table_bvh.csv");
+        let (header, rows) = table(&files, "rows.csv");
         assert_eq!(header.iter().any(|column| column == "steady_build_median_ms"), whole);
         let rate = 0.156034 / (one.first().median_ms / 1e3);
         let told: f64 =

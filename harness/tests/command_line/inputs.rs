@@ -63,7 +63,7 @@ fn files_of_one_stem_are_distinguished() {
     let text = |name: &str| std::fs::read_to_string(bench.path("out").join(name)).unwrap();
     for name in found {
         assert_eq!(text("summary.md").matches(&format!("\n## {name} (")).count(), 1, "{name}");
-        assert!(text("traces.csv").lines().any(|line| line.split(',').any(|field| field == name)), "{name}");
+        assert!(text("rows.csv").lines().any(|line| line.split(',').any(|field| field == name)), "{name}");
     }
     assert!(names(&bench.path("out")).contains("error_vs_speed_a_box_glb.svg"), "{:?}", names(&bench.path("out")));
 }

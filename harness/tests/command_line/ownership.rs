@@ -250,7 +250,7 @@ fn a_record_vouches_for_what_derives_from_it() {
         std::fs::remove_file(out.join(page)).unwrap();
         whole(verb);
         std::fs::remove_file(out.join(LIST)).unwrap();
-        std::fs::remove_file(out.join("table_bvh.csv")).unwrap();
+        std::fs::remove_file(out.join("rows.csv")).unwrap();
         std::fs::write(out.join(page), "mine").unwrap();
         bench.fails(&[&["--quiet"], verb].concat(), 1, &[page, "not on the list"]);
         assert_eq!(std::fs::read_to_string(out.join(page)).unwrap(), "mine");
@@ -379,21 +379,21 @@ fn packed_results_stay_the_programs() {
     std::fs::create_dir(bench.path("theirs")).unwrap();
     theirs.iter().for_each(|name| plant(&bench.path("theirs"), name));
     plant(&out, "mine.png");
-    std::fs::write(out.join("traces.csv"), "mine").unwrap();
+    std::fs::write(out.join("rows.csv"), "mine").unwrap();
     let before = tree(&bench.path("theirs"));
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../results/pack.sh");
     let packed = Command::new("bash").arg(&script).args([&out, &bench.path("theirs")]).output().unwrap();
     assert!(packed.status.success(), "{packed:?}");
     assert!(tree(&bench.path("theirs")) == before, "files without a list were touched");
     let found = tree(&out);
-    assert!(found["mine.png"] == b"mine: mine.png" && found["traces.csv"] == b"mine");
+    assert!(found["mine.png"] == b"mine: mine.png" && found["rows.csv"] == b"mine");
     let left: Vec<&str> = found.keys().map(String::as_str).filter(|name| whole.contains_key(*name)).collect();
     assert_eq!(
         left,
-        ["figure_dirt_figure10_one.svg", "table_dirt_figure10.md", LIST, "traces.csv", "verdicts_dirt_figure10.json"]
+        ["figure_dirt_figure10_one.svg", "rows.csv", "table_dirt_figure10.md", LIST, "verdicts_dirt_figure10.json"]
     );
     assert!(found.contains_key("run.json.gz"));
-    std::fs::remove_file(out.join("traces.csv")).unwrap();
+    std::fs::remove_file(out.join("rows.csv")).unwrap();
     std::fs::remove_file(out.join("mine.png")).unwrap();
     // What was left out is made again, to the byte.
     let outcome = bench.call(&["--quiet", "report", "out"]);

@@ -185,7 +185,7 @@ fn a_smoke_run() {
     assert!(outcome.stdout.contains("bvh-cpu") && outcome.stdout.contains("summary.md"), "{outcome:?}");
     assert!(outcome.stdout.starts_with("room, viewpoint ") && outcome.stdout.contains("footprint"), "{outcome:?}");
     let files = names(&bench.path("out"));
-    for file in ["run.json", "summary.md", "traces.csv", "wrong_rays.csv"] {
+    for file in ["run.json", "summary.md", "rows.csv", "wrong_rays.csv"] {
         assert!(files.contains(file), "{files:?}");
     }
     for end in [".svg", ".png"] {

@@ -63,7 +63,7 @@ fn a_run_to_surfaces() {
         assert!(summary.contains(part), "{part}");
     }
     assert!(!text("hit/summary.md").contains("surfaces"));
-    let table = text("surface/traces.csv");
+    let table = text("surface/rows.csv");
     assert!(table.contains("surface_agreement_share") && table.contains(",surface,"));
     bench.fails(
         &["run", "--scene", "room", "--tracer", "dirt", "--rays", "primary", "--end", "shade"],

@@ -40,7 +40,7 @@ fn points_are_those_of_runs() {
     assert!(answers(&plain[0]) != answers(&plain[1]) && answers(&plain[0]) != answers(&plain[3]));
     let before = names(&bench.path("out"));
     for wanted in
-        ["sweep.csv", "sweep.md", "sweep_room_buckets_diffuse.svg", "sweep_room_resolution_ao.png", "summary.md"]
+        ["rows.csv", "sweep.md", "sweep_room_buckets_diffuse.svg", "sweep_room_resolution_ao.png", "summary.md"]
     {
         assert!(before.contains(wanted), "{before:?}");
     }

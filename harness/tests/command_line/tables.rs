@@ -9,12 +9,13 @@ fn table(bench: &Bench, name: &str, arguments: &[&str]) -> Outcome {
     bench.call(&[&["table", name][..], &SMALL, arguments].concat())
 }
 
-/// Rows of a CSV by column.
-fn rows(path: &Path) -> Vec<std::collections::BTreeMap<String, String>> {
-    let mut reader = csv::Reader::from_path(path).unwrap();
+/// Rows of contenders by column.
+fn rows(folder: &Path) -> Vec<std::collections::BTreeMap<String, String>> {
+    let mut reader = csv::Reader::from_path(folder.join("rows.csv")).unwrap();
     let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
     let row = |record: csv::StringRecord| header.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
-    reader.records().map(|record| row(record.unwrap())).collect()
+    let rows = reader.records().map(|record| row(record.unwrap()));
+    rows.filter(|row: &std::collections::BTreeMap<_, _>| row["role"] == "contender").collect()
 }
 
 /// Proves that the table has a row for every peer and variant in a catalogue scene and a file, that its figures are those of
@@ -35,7 +36,7 @@ fn a_table_of_hierarchies() {
     let wanted = listed[0]["tracers"].as_array().unwrap().len() - skipped;
     let runs = run["runs"].as_array().unwrap();
     assert!(wanted >= 8 && runs.len() == 2 * wanted, "{} of {wanted}", runs.len());
-    let found = rows(&bench.path("out/table_bvh.csv"));
+    let found = rows(&bench.path("out"));
     let number = |text: &str| text.parse::<f64>().unwrap();
     for row in found.iter().filter(|row| row["rays"] == "diffuse") {
         let parameters: Value = serde_json::from_str(&row["parameters_json"]).unwrap();
@@ -60,7 +61,7 @@ fn a_table_of_hierarchies() {
     }
     assert_eq!(found.iter().filter(|row| row["rays"] == "diffuse" && row["scene"] == "room").count(), wanted);
     assert_eq!(found.iter().filter(|row| row["tracer"] == "bvh-cpu").count(), 4);
-    let files = ["out/table_bvh.md", "out/table_bvh.csv"].map(|name| bench.path(name));
+    let files = ["out/table_bvh.md", "out/rows.csv"].map(|name| bench.path(name));
     let before = files.clone().map(|file| std::fs::read(file).unwrap());
     for again in [vec!["report", "out"], vec!["table", "bvh", "--from", "out"]] {
         files.iter().for_each(|file| std::fs::remove_file(file).unwrap());
@@ -73,7 +74,10 @@ fn a_table_of_hierarchies() {
     let outcome = bench.call(&["table", "bvh", "--from", "plain/run.json", "--out", "elsewhere"]);
     assert_eq!(outcome.status, 0, "{outcome:?}");
     assert!(outcome.page.contains("| bvh-cpu |") && !outcome.page.contains("| screen-dda |"));
-    assert_eq!(names(&bench.path("elsewhere")), ["table_bvh.csv", "table_bvh.md"].map(str::to_owned).into());
+    assert_eq!(
+        names(&bench.path("elsewhere")),
+        ["rows.csv", "table_bvh.md", "wrong_rays.csv"].map(str::to_owned).into()
+    );
 }
 
 /// Proves that a table of switches has a row for each of them beside a hierarchy, the improved form among them without a wrong ray; that
@@ -89,7 +93,7 @@ fn a_table_of_switches() {
     assert_eq!(outcome.status, 0, "{outcome:?}");
     let run = bench.result("out");
     assert_eq!((run["table"].as_str(), run["runs"].as_array().unwrap().len()), (Some("dirt-ablation"), wanted));
-    let found = rows(&bench.path("out/table_dirt_ablation.csv"));
+    let found = rows(&bench.path("out"));
     assert_eq!(found.len(), wanted);
     for row in &found {
         let number = |name: &str| row[name].parse::<f64>().unwrap();
@@ -99,7 +103,7 @@ fn a_table_of_switches() {
     let improved = found.iter().find(|row| row["tracer"] == "dirt:improved").unwrap();
     assert_eq!(improved["agreement_tight_share"].parse::<f64>().unwrap(), 1.0);
     assert!(outcome.page.contains("× bvh-gpu") && outcome.page.contains("| dirt:improved face_tiles=64 |"));
-    let files = ["out/table_dirt_ablation.md", "out/table_dirt_ablation.csv"].map(|name| bench.path(name));
+    let files = ["out/table_dirt_ablation.md", "out/rows.csv"].map(|name| bench.path(name));
     let before = files.clone().map(|file| std::fs::read(file).unwrap());
     for again in [vec!["report", "out"], vec!["table", "dirt-ablation", "--from", "out"]] {
         files.iter().for_each(|file| std::fs::remove_file(file).unwrap());
@@ -145,7 +149,7 @@ fn a_table_of_updates() {
         }
         assert_eq!(rebuild["traces"][0]["hits_sha256"], fresh["traces"][0]["hits_sha256"]);
     }
-    let file = bench.path("out/table_bvh_updates.csv");
+    let file = bench.path("out/table_bvh_updates.md");
     let before = std::fs::read(&file).unwrap();
     for again in [vec!["report", "out"], vec!["report", "out/run.json"], vec!["table", "bvh-updates", "--from", "out"]]
     {
@@ -245,11 +249,11 @@ fn a_table_of_wrong_rays() {
     let outcome = exact("bvh-cpu", "right");
     assert_eq!((outcome.status, outcome.stderr.as_str()), (0, ""), "{outcome:?}");
     assert!(outcome.stdout.contains("\n**0 of ") && outcome.stdout.ends_with("right/table_exact.md\n"), "{outcome:?}");
-    let found = rows(&bench.path("right/table_exact.csv"));
+    let found = rows(&bench.path("right"));
     assert_eq!(found.len(), 2 * 5);
     let views: BTreeSet<_> = found.iter().map(|row| (&row["scene"], &row["viewpoint"])).collect();
     assert_eq!(views.len(), 2 * 5);
-    assert!(found.iter().all(|row| row["wrong_tight"] == "0" && row["rays_sha256"].len() == 64), "{found:?}");
+    assert!(found.iter().all(|row| row["wrong_tight_rays"] == "0" && row["rays_sha256"].len() == 64), "{found:?}");
     let eyes: BTreeSet<String> = bench.result("right")["runs"]
         .as_array()
         .unwrap()
@@ -258,8 +262,7 @@ fn a_table_of_wrong_rays() {
         .collect();
     assert_eq!(eyes.len(), 2 * 5);
     let outcome = exact("screen-dda", "wrong");
-    let wrong: u64 =
-        rows(&bench.path("wrong/table_exact.csv")).iter().map(|row| row["wrong_tight"].parse::<u64>().unwrap()).sum();
+    let wrong: u64 = rows(&bench.path("wrong")).iter().map(|row| row["wrong_tight_rays"].parse::<u64>().unwrap()).sum();
     assert!(wrong > 0 && outcome.page.contains("Sets with wrong rays:"), "{outcome:?}");
     let again = bench.call(&["table", "exact", "--from", "wrong"]);
     for outcome in [outcome, again] {

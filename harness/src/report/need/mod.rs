@@ -1,17 +1,18 @@
-//! Needs: `need.md`, `need.csv` and a chart a scene and ray set.
+//! Needs: `need.md` and a chart a scene and ray set.
 
-mod csv;
 mod page;
 #[cfg(test)]
 mod tests;
 
 use super::chart::series::{Series, SeriesChart, SeriesPanel, series};
 use super::format::{self, significant, thousands};
-use super::group::stems;
-use super::{Report, ReportError, Tables, traces};
+use super::group::{groups, stems};
+use super::sheet::Sheet;
+use super::{Report, ReportError, Tables, rows};
 use crate::results::{NeedCurve, NeedRecord, Run, SceneRecord};
 use crate::studies::need::{Axis, Curve, Step, curves};
 use itertools::Itertools as _;
+use std::ptr;
 
 /// The page.
 pub const NEED_PAGE: &str = "need.md";
@@ -31,17 +32,20 @@ struct Shown<'a> {
     chart: String,
 }
 
-/// What is made of needs: page, table and charts.
+/// What is made of needs: page, charts, and what smaller structures lose by rows.
 pub(super) fn report(run: &Run, _: Tables) -> Result<Report, ReportError> {
     let Some(record) = &run.need else { return Ok(Report::default()) };
     let curves = curves(run, record);
     let shown = shown(run, &curves);
-    Ok(traces(run).and(Report {
+    let steps = || curves.iter().flat_map(page::structures);
+    let groups = groups(run);
+    Ok(Report {
         pages: vec![(NEED_PAGE.to_owned(), page::page(run, record, &curves, &shown))],
-        tables: vec![("need.csv".to_owned(), csv::table(run, &curves))],
         charts: shown.iter().filter_map(|each| Some(series(run, chart(record, each)?))).collect(),
-        ..Report::default()
-    }))
+        ..rows(run, &groups, page::of_steps(Sheet::new()), |(.., (.., trace))| {
+            steps().find(|row| row.step.trace.is_some_and(|own| ptr::eq(own, *trace)))
+        })
+    })
 }
 
 /// Curves by scene and ray set, in the order of first appearance.

@@ -1,13 +1,12 @@
 //! `need.md`.
 
-use super::csv::{self, Row};
-use super::{Shown, contender};
+use super::{Shown, contender, value_of};
 use crate::report::document::{Document, Of};
 use crate::report::format::{significant, thousands};
 use crate::report::markdown::literal;
-use crate::report::sheet::{Cell, Sheet, Table};
+use crate::report::sheet::{Cell, Column, Sheet, Table};
 use crate::report::{metrics, summary};
-use crate::results::{NeedCurve, NeedRecord, Run};
+use crate::results::{ChangedRays, NeedCurve, NeedRecord, Run};
 use crate::studies::need::{Curve, Need, Step, Transfer, transfers};
 
 /// The whole page.
@@ -42,7 +41,6 @@ pub(super) fn page(run: &Run, record: &NeedRecord, curves: &[Curve<'_>], shown: 
 
 /// A row a tracer and viewpoint.
 fn needs(shown: &Shown<'_>) -> Table {
-    let bytes = |step: &Step<'_>| step.bytes().map(|bytes| Cell::Bytes(bytes as f64));
     let sheet = Sheet::<&Curve<'_>>::new()
         .told("tracer", |curve| contender(curve.record))
         .told("from", |curve| curve.record.viewpoint.clone())
@@ -68,6 +66,10 @@ fn needs(shown: &Shown<'_>) -> Table {
     sheet.table(&shown.curves)
 }
 
+fn bytes(step: &Step<'_>) -> Option<Cell> {
+    step.bytes().map(|bytes| Cell::Bytes(bytes as f64))
+}
+
 /// What a structure has less of.
 fn by(step: &Step<'_>) -> String {
     if step.point.shrunk.is_empty() { "the whole".to_owned() } else { step.point.label() }
@@ -83,14 +85,57 @@ fn until(need: &Need<'_>) -> String {
     }
 }
 
+/// A structure beside the whole one.
+pub(super) struct Row<'a> {
+    pub curve: &'a Curve<'a>,
+    pub step: &'a Step<'a>,
+    /// What it has less of, for people.
+    pub less: String,
+}
+
+/// The structures of a curve that have less of something.
+fn smaller<'a>(curve: &'a Curve<'a>) -> impl Iterator<Item = Row<'a>> {
+    let single = curve
+        .axes
+        .iter()
+        .flat_map(|axis| axis.steps.iter().map(move |step| (format!("{}={}", axis.name, value_of(axis, step)), step)));
+    let all = single.chain(curve.joint.iter().map(|step| (step.point.label(), step)));
+    all.map(move |(less, step)| Row { curve, step, less })
+}
+
+/// All structures of a curve, the whole one first.
+pub(super) fn structures<'a>(curve: &'a Curve<'a>) -> impl Iterator<Item = Row<'a>> {
+    std::iter::once(Row { curve, step: &curve.whole, less: String::new() }).chain(smaller(curve))
+}
+
+/// What a smaller structure loses and takes.
+pub(super) fn of_steps<'a>(sheet: Sheet<'a, Row<'a>>) -> Sheet<'a, Row<'a>> {
+    let changed = |of: fn(ChangedRays) -> u64| move |row: &Row<'a>| row.step.changed.map(of);
+    let lost = |row: &Row<'a>| row.step.lost().map(|(value, interval)| Cell::Percent(value, interval));
+    let enough = |row: &Row<'a>| row.step.changed.map(|_| row.step.is_enough());
+    let enough_in_time = |row: &Row<'a>| row.step.changed.map(|_| row.step.is_enough_in_time());
+    sheet
+        .column("rule", |row| row.curve.record.rule.name())
+        .json("shrunk_json", |row| &row.step.point.shrunk)
+        .column("touched_bytes", |row| row.step.touched_bytes())
+        .column("compared_rays", changed(|changed| changed.rays))
+        .column("newly_wrong_rays", changed(|changed| changed.newly_wrong))
+        .column("newly_right_rays", changed(|changed| changed.newly_right))
+        .and(Column::new("lost_share", lost).headed("rays lost (%) ↓"))
+        .and(Column::new("is_enough", enough).headed("enough"))
+        .and(Column::new("times_as_long", |row: &Row<'a>| row.step.times_as_long).headed("times as long ↓"))
+        .and(Column::new("is_enough_in_time", enough_in_time).headed("enough in time"))
+}
+
 /// Every step.
 fn steps(shown: &Shown<'_>) -> Table {
-    let rows: Vec<Row<'_>> = shown.curves.iter().flat_map(|curve| csv::steps(curve)).collect();
+    let rows: Vec<Row<'_>> = shown.curves.iter().flat_map(|curve| smaller(curve)).collect();
     let sheet = Sheet::<Row<'_>>::new()
         .told("tracer", |row| contender(row.curve.record))
         .told("from", |row| row.curve.record.viewpoint.clone())
         .told("less of", |row| row.less.clone())
-        .then(csv::of_steps);
+        .told("MiB ↓", |row| bytes(row.step))
+        .then(of_steps);
     sheet.table(&rows)
 }
 

@@ -67,10 +67,8 @@ fn needs_have_their_files() {
     assert!(page.contains(first), "{page}");
     assert!(page.contains("buckets: not at all, 8 is too small"), "{page}");
     assert!(page.contains("0 of 1 serve") && page.contains("**no**"), "{page}");
-    let mut reader = ::csv::Reader::from_path(folder.path().join("need.csv")).unwrap();
-    let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
-    let column = header.iter().position(|name| name == "newly_wrong_rays").unwrap();
-    let told: Vec<String> = reader.records().map(|record| record.unwrap()[column].to_owned()).collect();
+    let told: Vec<String> =
+        fixture::contenders(folder.path()).iter().map(|row| row["newly_wrong_rays"].clone()).collect();
     assert_eq!(told, ["", "30", "900", "", "700", "900"]);
     let chart = |end: &str| written.iter().find(|path| path.ends_with(format!("need_room_diffuse.{end}"))).unwrap();
     let svg = std::fs::read_to_string(chart("svg")).unwrap();

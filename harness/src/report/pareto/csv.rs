@@ -1,11 +1,13 @@
-//! The tables of fronts: a row a point, an operating point, a pair of methods.
+//! The tables of fronts: what is told of points, a row an operating point, a row a pair of methods.
+
+use std::ptr;
 
 use tracebench_api::Query;
 
 use super::Shown;
 use crate::report::metrics::{self, COUNT};
-use crate::report::sheet::{Column, Columns, Sheet, Table};
-use crate::results::{CheckedRecord, ParetoRecord, Run};
+use crate::report::sheet::{Cell, Column, Columns, Sheet, Table};
+use crate::results::{CheckedRecord, ParetoRecord, TraceRecord};
 use crate::studies::pareto::{
     Aim, Amount, By, Check, Class, ClassCost, Cost, Entry, Field, LEVELS, Overtaking, Wrong, best, check, classes,
     overtaking,
@@ -44,46 +46,33 @@ fn standings(field: &Field<'_>, kinds: &[(By, Cost)]) -> Standings {
 }
 
 /// A point on a ray set.
-struct Point<'a> {
+pub(super) struct Point<'a> {
     field: &'a Field<'a>,
     entry: &'a Entry<'a>,
     standings: &'a Standings,
 }
 
-impl Point<'_> {
-    fn wrong(&self, by: By) -> Option<Wrong> {
-        Wrong::of(self.entry.trace, by).filter(|_| By::all(self.field.query).contains(&by))
-    }
+/// Every field with the standings of its points.
+pub(super) fn fields<'a>(record: &ParetoRecord, shown: &'a [Shown<'a>]) -> Vec<(&'a Field<'a>, Standings)> {
+    let kinds = kinds(record);
+    shown.iter().flat_map(|scene| &scene.fronts.fields).map(|field| (field, standings(field, &kinds))).collect()
 }
 
-/// A row a scene, ray set and point.
-pub(super) fn points(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> Table {
-    let kinds = kinds(record);
-    let fields = || shown.iter().flat_map(|scene| &scene.fronts.fields);
-    let of_fields: Vec<(&Field<'_>, Standings)> = fields().map(|field| (field, standings(field, &kinds))).collect();
-    let mut rows: Vec<Point<'_>> = Vec::new();
-    for (field, standings) in &of_fields {
-        rows.extend(field.entries.iter().map(|entry| Point { field, entry, standings }));
-    }
-    let sheet = Sheet::<Point<'_>>::new()
-        .scene_of(|row| (&row.field.scene.scene.name, &row.field.scene.scene.sha256))
-        .column("viewpoint", |row| row.field.viewpoint.name.clone())
-        .column("rays", |row| row.field.rays.to_owned())
-        .column("rays_sha256", |row| row.entry.trace.rays_sha256.clone())
-        .query(|row| Some(row.field.query))
-        .metric(COUNT, |row: &Point<'_>| Some(row.field.count.into()))
-        .column("tracer", |row| row.entry.point.tracer.clone())
-        .column("preset", |row| row.entry.point.preset.clone())
+/// The point of a row.
+pub(super) fn point<'a>(fields: &'a [(&'a Field<'a>, Standings)], trace: &TraceRecord) -> Option<Point<'a>> {
+    fields.iter().find_map(|(field, standings)| {
+        let entry = field.entries.iter().find(|entry| ptr::eq(entry.trace, trace))?;
+        Some(Point { field, entry, standings })
+    })
+}
+
+/// What is told of points: what they have on their axes, what they cost, and how they stand to fronts.
+pub(super) fn points<'a>(record: &ParetoRecord) -> Sheet<'a, Point<'a>> {
+    Sheet::<Point<'_>>::new()
         .column("order", |row| row.entry.point.order)
         .json("values_json", |row| &row.entry.point.values)
-        .json("parameters_json", |row| &row.entry.point.parameters)
-        .sizes(|row| (row.entry.point.frame, row.entry.point.face))
-        .hits(|row| Some(row.entry.trace))
         .with(Cost::all(&record.rays_per_pixel).into_iter().map(cost).collect())
-        .with(rules().into_iter().flat_map(wrong).collect())
-        .with(kinds.iter().enumerate().flat_map(|(place, kind)| fronts(place, *kind)).collect())
-        .provenance(&run.provenance, &run.preset);
-    sheet.table(&rows)
+        .with(kinds(record).into_iter().enumerate().flat_map(|(place, kind)| fronts(place, kind)).collect())
 }
 
 /// What a point costs.
@@ -94,19 +83,7 @@ fn cost<'a>(cost: Cost) -> Column<'a, Point<'a>> {
         Cost::Bytes => "bytes".to_owned(),
         Cost::Frame(_) => format!("{}_ms", cost.code()),
     };
-    Column::new(&*name, move |row: &Point<'a>| row.field.cost(row.entry, cost))
-        .beside(&[&format!("{name}_low"), &format!("{name}_high")])
-}
-
-/// How often a point is wrong by a rule, and the bound.
-fn wrong<'a>(by: By) -> Columns<'a, Point<'a>> {
-    let name = format!("wrong_{}", by.name());
-    let share = move |row: &Point<'a>| row.wrong(by).map(|wrong| wrong.share);
-    let ends = [&*format!("{name}_low_share"), &format!("{name}_high_share")];
-    vec![
-        Column::new(format!("{name}_share"), share).beside(&ends),
-        Column::new(format!("{name}_bound_share"), move |row: &Point<'a>| row.wrong(by).map(|wrong| wrong.bound)),
-    ]
+    Column::new(name, move |row: &Point<'a>| row.field.cost(row.entry, cost))
 }
 
 /// How a point stands to the front of all, and to its tracer's own.
@@ -198,15 +175,12 @@ pub(super) fn operating(shown: &[Shown<'_>]) -> Table {
         .column("trace_ms", |row| row.value(Cost::Trace))
         .column("build_ms", |row| row.value(Cost::Build))
         .column("bytes", |row| row.value(Cost::Bytes))
-        .metric(COUNT, |row: &Operating<'_>| Some(metrics::trials(row.found.trace).into()))
+        .column(COUNT.name, |row| metrics::trials(row.found.trace))
         .column("agreement_share", |row| Wrong::of(row.found.trace, row.by).map(|wrong| 1.0 - wrong.share.value))
         .column("checked_from", |row| row.there().map(|there| there.viewpoint.name.clone()))
         .column("checked_seed", |row| row.there().map(|there| there.seed))
         .column("checked", Operating::checked)
-        .ends(
-            ["checked_agreement_share", "checked_agreement_low_share", "checked_agreement_high_share"],
-            Operating::right_there,
-        );
+        .column("checked_agreement_share", Operating::right_there);
     sheet.table(&operating_points(shown))
 }
 
@@ -237,20 +211,11 @@ impl Pair<'_> {
         }
     }
 
-    /// From how many rays on, and whether so many were measured.
-    fn from(&self) -> Option<([f64; 3], bool)> {
+    /// From how many rays on, with its interval, and whether so many were measured.
+    fn at(&self) -> Option<(f64, [f64; 2], bool)> {
         match self.found {
-            Overtaking::At { rays, interval: [low, high], beyond_measured, .. } => {
-                Some(([rays, low, high], beyond_measured))
-            }
+            Overtaking::At { rays, interval, beyond_measured, .. } => Some((rays, interval, beyond_measured)),
             Overtaking::Always(_) | Overtaking::Undecided(_) => None,
-        }
-    }
-
-    fn why(&self) -> Option<String> {
-        match &self.found {
-            Overtaking::Undecided(why) => Some(why.clone()),
-            Overtaking::Always(_) | Overtaking::At { .. } => None,
         }
     }
 }
@@ -286,7 +251,6 @@ pub(super) fn break_even(shown: &[Shown<'_>]) -> Table {
             }));
         }
     }
-    let rays = |place: usize| move |row: &Pair<'_>| row.from().map(|(rays, _)| rays[place].to_string());
     let sheet = Sheet::<Pair<'_>>::new()
         .column("scene", |row| row.field.scene.scene.name.clone())
         .column("rays", |row| row.field.rays.to_owned())
@@ -297,10 +261,8 @@ pub(super) fn break_even(shown: &[Shown<'_>]) -> Table {
         .with(one_of(1, "other"))
         .column("verdict", Pair::verdict)
         .column("cheaper_below", Pair::cheaper)
-        .column("rays_a_frame", rays(0))
-        .column("rays_a_frame_low", rays(1))
-        .column("rays_a_frame_high", rays(2))
-        .column("beyond_measured", |row| row.from().map(|(_, beyond_measured)| beyond_measured))
-        .column("why", Pair::why);
+        .column("rays_a_frame", |row| row.at().map(|(rays, interval, _)| Cell::Measured(rays, Some(interval), 4)))
+        .column("beyond_measured", |row| row.at().map(|(.., beyond_measured)| beyond_measured))
+        .column("why", |row| if let Overtaking::Undecided(why) = &row.found { Some(why.clone()) } else { None });
     sheet.table(&rows)
 }

@@ -1,12 +1,12 @@
-//! Fronts: `pareto.md`, `pareto.csv`, `operating_points.csv`, `break_even.csv` and the charts.
+//! Fronts: `pareto.md`, `operating_points.csv`, `break_even.csv` and the charts.
 
 mod csv;
 pub(in crate::report) mod page;
 #[cfg(test)]
 pub(in crate::report) mod tests;
 
-use super::group::stems;
-use super::{Report, ReportError, Tables, chart, format, metrics, traces};
+use super::group::{groups, stems};
+use super::{Report, ReportError, Tables, chart, format, metrics, rows};
 use crate::results::{FrontScene, ParetoRecord, Run};
 use crate::studies::pareto::{Amount, Cost, Field, SceneFronts, scene_fronts};
 
@@ -33,10 +33,10 @@ impl Shown<'_> {
 pub(super) fn report(run: &Run, _: Tables) -> Result<Report, ReportError> {
     let Some(record) = &run.pareto else { return Ok(Report::default()) };
     let shown = shown(run, record);
-    Ok(traces(run).and(Report {
+    let (groups, fields) = (groups(run), csv::fields(record, &shown));
+    Ok(rows(run, &groups, csv::points(record), |(.., (.., trace))| csv::point(&fields, trace)).and(Report {
         pages: vec![(PARETO_PAGE.to_owned(), page::page(run, record, &shown))],
         tables: vec![
-            ("pareto.csv".to_owned(), csv::points(run, record, &shown)),
             ("operating_points.csv".to_owned(), csv::operating(&shown)),
             ("break_even.csv".to_owned(), csv::break_even(&shown)),
         ],

@@ -6,7 +6,7 @@ use tempfile::TempDir;
 use tracebench_api::{ClockKind, Query};
 
 use crate::report::chart::{check_png, check_svg};
-use crate::report::fixture::{self, FrontQuality, Quality, write_derived, write_run};
+use crate::report::fixture::{self, FrontQuality, Quality, contenders, rows, write_derived, write_run};
 use crate::report::read_run;
 use crate::results::{Judgement, Run};
 
@@ -28,11 +28,9 @@ fn several() -> Run {
     fixture::fronts(&points, &SETS, 30.0)
 }
 
-fn rows(folder: &TempDir, name: &str) -> Vec<BTreeMap<String, String>> {
-    let mut reader = ::csv::Reader::from_path(folder.path().join(name)).unwrap();
-    let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
-    let row = |record: ::csv::StringRecord| header.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
-    reader.records().map(|record| row(record.unwrap())).collect()
+/// Rows that are points of fronts.
+fn points(folder: &TempDir) -> Vec<BTreeMap<String, String>> {
+    contenders(folder.path()).into_iter().filter(|row| !row["order"].is_empty()).collect()
 }
 
 /// Proves that a record of fronts has its page, tables and charts, that they are made again the same from what was written, and that
@@ -46,10 +44,9 @@ fn fronts_have_their_files() {
         written.iter().map(|path| path.file_name().unwrap().to_string_lossy().into_owned()).collect();
     for wanted in [
         "pareto.md",
-        "pareto.csv",
         "operating_points.csv",
         "break_even.csv",
-        "traces.csv",
+        "rows.csv",
         "pareto_room_diffuse_footprint.svg",
         "pareto_room_diffuse_tight_matched.png",
         "pareto_room_diffuse_break_even.svg",
@@ -98,16 +95,16 @@ fn levels_that_few_rays_cannot_tell_are_named() {
 fn tables_tell_standings() {
     let folder = TempDir::new().unwrap();
     write_run(&several(), folder.path(), fixture::tables).unwrap();
-    let points = rows(&folder, "pareto.csv");
+    let points = points(&folder);
     let diffuse: Vec<_> = points.iter().filter(|row| row["rays"] == "diffuse").collect();
     assert_eq!((points.len(), diffuse.len()), (10, 5));
     let column = |name: &str| diffuse.iter().map(|row| row[name].as_str()).collect::<Vec<_>>();
-    assert_eq!(column("tracer"), ["exact", "exact", "rough", "rough", "fair"]);
+    assert_eq!(column("tracer_name"), ["exact", "exact", "rough", "rough", "fair"]);
     assert_eq!(column("front_hit_miss_speed"), ["behind", "front", "front", "behind", "front"]);
     assert_eq!(column("own_front_hit_miss_speed"), ["behind", "front", "front", "behind", "front"]);
     assert_eq!(column("front_hit_miss_bytes"), ["front", "behind", "front", "behind", "front"]);
     assert!(column("front_balanced_accuracy_speed").iter().all(|cell| cell.is_empty()));
-    let operating = rows(&folder, "operating_points.csv");
+    let operating = rows(folder.path(), "operating_points.csv");
     let of = |who: &str, level: &str| {
         let wanted = |row: &&BTreeMap<String, String>| {
             row["rays"] == "diffuse"
@@ -143,7 +140,7 @@ fn rays_that_tell_nothing_are_told() {
     let page_of = |run: &Run| {
         let folder = TempDir::new().unwrap();
         write_run(run, folder.path(), fixture::tables).unwrap();
-        (std::fs::read_to_string(folder.path().join("pareto.md")).unwrap(), rows(&folder, "pareto.csv").len())
+        (std::fs::read_to_string(folder.path().join("pareto.md")).unwrap(), points(&folder).len())
     };
     // The frames of the planted points are the ray image.
     let run = several();
@@ -182,13 +179,13 @@ fn what_is_missing_is_said() {
     write_run(&run, folder.path(), fixture::tables).unwrap();
     let page = std::fs::read_to_string(folder.path().join("pareto.md")).unwrap();
     assert!(page.contains("not checked elsewhere**: nothing is seen") && page.contains("there not checked"));
-    let points = rows(&folder, "pareto.csv");
-    assert!(points.iter().all(|row| row["build_ms"].is_empty() && row["front_tight_build"].is_empty()));
-    assert!(points.iter().any(|row| row["front_tight_speed"] == "front"));
+    let told = points(&folder);
+    assert!(told.iter().all(|row| row["build_ms"].is_empty() && row["front_tight_build"].is_empty()));
+    assert!(told.iter().any(|row| row["front_tight_speed"] == "front"));
     // Without a second number of rays there is no line.
-    assert_eq!(rows(&folder, "break_even.csv").len(), 0);
+    assert_eq!(rows(folder.path(), "break_even.csv").len(), 0);
     // A record in which nothing was measured.
     run.runs.clear();
     write_run(&run, folder.path(), fixture::tables).unwrap();
-    assert_eq!(rows(&folder, "pareto.csv").len(), 0);
+    assert_eq!(points(&folder).len(), 0);
 }

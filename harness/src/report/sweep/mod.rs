@@ -1,15 +1,15 @@
-//! A sweep: what its points measured, laid out along its axes. Files `sweep.md` and `sweep.csv`; the charts show the same.
+//! A sweep: what its points measured, laid out along its axes. File `sweep.md`; the charts show the same.
 
-mod csv;
 mod page;
 #[cfg(test)]
 pub(in crate::report) mod tests;
 
 use std::borrow::Cow;
 
-use super::Report;
 use super::chart::{self, Drawing};
 use super::group::{Group, RaySet};
+use super::sheet::Sheet;
+use super::{Report, rows};
 use crate::results::{AxisRecord, PointRecord, SweepRecord};
 use crate::results::{Run, TraceRecord, TracerRun};
 use crate::studies::sweep::RESOLUTION;
@@ -106,14 +106,15 @@ fn cells<'a>(
     axis.values.iter().filter_map(cell).collect()
 }
 
-/// What is made of a sweep beside what is made of its run: page, table and charts.
+/// What is made of a sweep beside what is made of its run: page, charts, and what each row has on the axes.
 pub(super) fn report(run: &Run, sweep: &SweepRecord, groups: &[Group<'_>]) -> Report {
+    let own = Sheet::<&PointRecord>::new().json("values_json", |point| &point.values);
+    let point = |run: &TracerRun| sweep.points.iter().find(|point| run.tracer.name == sweep.tracer && point.is_of(run));
     let views = views(sweep, groups);
     Report {
         pages: vec![(SWEEP_PAGE.to_owned(), page::page(run, sweep, &views))],
-        tables: vec![("sweep.csv".to_owned(), csv::table(run, sweep, &views))],
         charts: views.iter().map(|view| (view.stem(), Drawing::Panels(chart::sweep::chart(run, view)))).collect(),
-        ..Report::default()
+        ..rows(run, groups, own, |(.., (_, run, _))| point(run))
     }
 }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use tempfile::TempDir;
 use tracebench_api::{ClockKind, Query};
 
-use crate::report::fixture::{self, Quality, write_derived, write_run};
+use crate::report::fixture::{self, Quality, contenders, write_derived, write_run};
 use crate::report::format::percent_with_interval;
 use crate::report::read_run;
 use crate::results::{AxisRecord, PointRecord, SweepRecord};
@@ -79,16 +79,8 @@ pub(in crate::report) fn sweep_run(axes: &[Swept<'_>], sets: &[(&str, Query)], g
     run
 }
 
-fn rows(folder: &TempDir) -> Vec<BTreeMap<String, String>> {
-    let mut reader = ::csv::Reader::from_path(folder.path().join("sweep.csv")).unwrap();
-    let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
-    let row = |record: ::csv::StringRecord| header.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
-    reader.records().map(|record| row(record.unwrap())).collect()
-}
-
 /// Proves that every row has the figures of its own point: bytes that only that point has; that the own value stands on
-/// every axis with the same figures; that a run which is no point of the sweep is shown nowhere; that what is skipped has
-/// its reason and no figures.
+/// every axis with the same figures; that a run which is no point of the sweep has no values, and is not on its page; that what is skipped is said there.
 #[test]
 fn rows_are_those_of_their_points() {
     let mut run = sweep_run(&[BUCKETS, RESOLUTIONS], &SETS, false);
@@ -108,28 +100,23 @@ fn rows_are_those_of_their_points() {
         .insert("room".to_owned(), "too large".to_owned());
     let folder = TempDir::new().unwrap();
     write_run(&run, folder.path(), fixture::tables).unwrap();
-    let rows = rows(&folder);
+    let rows = contenders(folder.path());
     let found: Vec<_> = rows
         .iter()
         .filter(|row| row["rays"] == "diffuse")
-        .map(|row| {
-            let cell = |name: &str| row[name].as_str();
-            (cell("parameter"), cell("value"), cell("is_own"), cell("structure_bytes"), cell("skipped"))
-        })
+        .map(|row| (row["values_json"].as_str(), row["structure_bytes"].as_str()))
         .collect();
     let [first, second, fourth] = [1, 2, 4].map(|mib: u64| (mib << 20).to_string());
     assert_eq!(
         found,
         [
-            ("buckets", "1", "false", second.as_str(), ""),
-            ("buckets", "24", "true", &first, ""),
-            ("buckets", "40", "false", "", "too large"),
-            ("resolution", "1/2", "false", &fourth, ""),
-            ("resolution", "1", "true", &first, ""),
+            ("", "77"),
+            (r#"{"buckets":"24","resolution":"1"}"#, &first),
+            (r#"{"buckets":"1","resolution":"1"}"#, &second),
+            (r#"{"buckets":"24","resolution":"1/2"}"#, &fourth),
         ]
     );
-    assert!(rows.iter().filter(|row| row["rays"] == "ao").count() == 5);
-    assert!(rows.iter().all(|row| row["mrays_per_s"].is_empty() != row["skipped"].is_empty()));
+    assert!(rows.iter().filter(|row| row["rays"] == "ao").count() == 4);
     let page = std::fs::read_to_string(folder.path().join("sweep.md")).unwrap();
     assert!(page.contains("| 40 | skipped, see below |") && page.contains("| 24 * | 1.000 |"), "{page}");
     assert!(!page.contains(&crate::report::format::mib(77)));
@@ -182,7 +169,7 @@ fn agreements_have_their_intervals() {
     let folder = TempDir::new().unwrap();
     write_run(&run, folder.path(), fixture::tables).unwrap();
     let page = std::fs::read_to_string(folder.path().join("sweep.md")).unwrap();
-    let rows = rows(&folder);
+    let rows = contenders(folder.path());
     assert_eq!(rows.len(), 2);
     for row in &rows {
         for rule in ["hit_miss", "tight", "footprint"] {
@@ -190,14 +177,15 @@ fn agreements_have_their_intervals() {
             let share = number(format!("agreement_{rule}_share"));
             let trials = number("count_rays".to_owned()) - number("ties_rays".to_owned());
             let expected = wilson((share * trials).round() as u64, trials as u64).unwrap();
-            let ends = ["low", "high"].map(|end| number(format!("agreement_{rule}_{end}_share")));
+            let ends = ["low", "high"].map(|end| number(format!("agreement_{rule}_share_{end}")));
             assert_eq!(ends, expected, "{rule}");
             let text = percent_with_interval(share, Some(expected), trials as u64);
-            let line = format!("| {}", row["value"]);
+            let values: BTreeMap<String, String> = serde_json::from_str(&row["values_json"]).unwrap();
+            let line = format!("| {}", values[RESOLUTION]);
             assert!(page.lines().any(|each| each.starts_with(&line) && each.contains(&text)), "{text}: {page}");
         }
     }
-    let tight = |row: usize| rows[row]["agreement_tight_low_share"].clone();
+    let tight = |row: usize| rows[row]["agreement_tight_share_low"].clone();
     assert!(tight(0) != tight(1), "the points differ");
 }
 

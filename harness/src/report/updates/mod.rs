@@ -2,12 +2,15 @@
 
 mod walk;
 
+use std::ptr;
+
 use crate::report::document::{Document, set_heading};
 use crate::report::format;
-use crate::report::group::Role;
-use crate::report::metrics::{COUNT, SPEED, STRUCTURE};
-use crate::report::sheet::{Cell, Column, Sheet, Table};
-use crate::report::{Report, cells, metrics, summary};
+use crate::report::group::{Role, groups};
+use crate::report::metrics::{SPEED, STRUCTURE};
+use crate::report::sheet::{Cell, Sheet, Table};
+use crate::report::tables::Placed;
+use crate::report::{Report, cells, metrics, peers, rows, summary};
 use crate::results::{FRESH_BUILD, Run, SceneFollowed, Times, TraceRecord, TracerRun, UpdatesRecord, time_ratio};
 use itertools::Itertools as _;
 
@@ -17,11 +20,13 @@ const SAH_COST: &str = "sah_cost";
 /// The table.
 pub(super) fn report(run: &Run, updates: &UpdatesRecord) -> Report {
     // The name comes from a file.
-    let stem = format!("table_{}", format::file_stem(run.table.as_deref().unwrap_or("updates")).replace('-', "_"));
+    let name = format::file_stem(run.table.as_deref().unwrap_or("updates"));
+    let page_name = format!("{}.md", peers::stem(&name));
     if updates.scenes.iter().any(|scene| !scene.walked.is_empty()) {
-        Report::of_table(&stem, walk::page(run, updates), walk::csv(run, updates))
+        walk::rows(run, updates).and(Report::of_page(page_name, walk::page(run, updates)))
     } else {
-        Report::of_table(&stem, page(run, updates), csv(run, updates))
+        let (groups, scenes) = (groups(run), scenes(run, updates));
+        rows(run, &groups, own(), |row| row_of(&scenes, row)).and(Report::of_page(page_name, page(run, updates)))
     }
 }
 
@@ -107,30 +112,26 @@ impl Row<'_> {
     }
 }
 
-/// Columns of structures beside fresh builds.
-fn of_structures<'a, R>(
-    sheet: Sheet<'a, R>,
-    of: impl Fn(&R) -> &TracerRun + Copy + 'a,
-    fresh: impl Fn(&R) -> Option<&TracerRun> + Copy + 'a,
-) -> Sheet<'a, R> {
-    let time = move |row: &R| over_fresh(of(row).build.first(), fresh(row).map(|fresh| fresh.build.first()));
-    let time = move |row: &R| time(row).map(|ratio| Cell::Number(ratio, 3));
-    let cost = move |row: &R| Some(sah_cost(of(row))? / sah_cost(fresh(row)?)?);
-    sheet
-        .and(Column::new("way", move |row| way(of(row)).to_owned()).headed("way"))
-        .then(|sheet| updated(sheet, move |row| Some(of(row).build.first())))
-        .and(Column::new("update_time_over_fresh", time).headed(OVER_FRESH))
-        .and(Column::new("sah_cost", move |row| sah_cost(of(row))).headed("SAH cost ↓"))
-        .and(Column::new("sah_cost_over_fresh", cost).headed(OVER_FRESH))
-        .structure(STRUCTURE, move |row| Some(of(row)))
+/// What its last update took over the time of a fresh build.
+fn time_over_fresh(row: &TracerRun, fresh: Option<&TracerRun>) -> Option<Cell> {
+    over_fresh(row.build.first(), fresh.map(|fresh| fresh.build.first())).map(|ratio| Cell::Number(ratio, 3))
 }
 
-/// The clock and the time of updates.
-fn updated<'a, R>(sheet: Sheet<'a, R>, of: impl Fn(&R) -> Option<&Times> + Copy + 'a) -> Sheet<'a, R> {
-    let time = Column::new("update_median_ms", move |row| Cell::from(of(row)));
-    sheet
-        .clock_called("clock", "update_clock", of)
-        .and(time.beside(&["update_low_ms", "update_high_ms"]).headed("update time (ms) ↓"))
+fn cost_over_fresh(row: &TracerRun, fresh: Option<&TracerRun>) -> Option<f64> {
+    Some(sah_cost(row)? / sah_cost(fresh?)?)
+}
+
+fn row_of<'a>(scenes: &'a [Followed<'a>], (.., (_, row, trace)): &Placed<'a>) -> Option<Row<'a>> {
+    let scene = scenes.iter().find(|scene| scene.rows.iter().any(|own| ptr::eq(*own, *row)))?;
+    Some(Row { scene, row, trace })
+}
+
+/// What is told of rows beside fresh builds.
+fn own<'a>() -> Sheet<'a, Row<'a>> {
+    Sheet::<Row<'_>>::new()
+        .column("update_time_over_fresh", |row| time_over_fresh(row.row, fresh_of(row.scene, row.row)))
+        .column("sah_cost_over_fresh", |row| cost_over_fresh(row.row, fresh_of(row.scene, row.row)))
+        .column("speed_over_fresh", Row::speed_over_fresh)
 }
 
 const OVER_FRESH: &str = "× fresh";
@@ -139,7 +140,13 @@ fn structures(scene: &Followed<'_>) -> Table {
     let rows: Vec<_> = scene.rows.iter().map(|row| (*row, fresh_of(scene, row))).collect();
     let sheet = Sheet::<(&TracerRun, Option<&TracerRun>)>::new()
         .told("tracer", |(row, _)| row.label())
-        .then(|sheet| of_structures(sheet, |(row, _)| row, |(_, fresh)| *fresh));
+        .told("way", |(row, _)| way(row).to_owned())
+        .clock("clock", |(row, _)| Some(row.build.first()))
+        .told("update time (ms) ↓", |(row, _)| row.build.first())
+        .told(OVER_FRESH, |(row, fresh)| time_over_fresh(row, *fresh))
+        .told("SAH cost ↓", |(row, _)| sah_cost(row))
+        .told(OVER_FRESH, |(row, fresh)| cost_over_fresh(row, *fresh))
+        .structure(STRUCTURE, |(row, _)| Some(row));
     sheet.table(&rows)
 }
 
@@ -170,27 +177,4 @@ fn traces(scene: &Followed<'_>, rays: &str, sha256: &str) -> Document {
         // Those of a whole set are no cost of a ray.
         .counted_that(false, &found, Row::on_page);
     Document::default().rays(3, rays, set_heading(rays, first.query, first.count)).table(sheet.table(&rows))
-}
-
-/// One row a scene, tracer, way and ray set.
-fn csv(run: &Run, updates: &UpdatesRecord) -> Table {
-    let scenes = scenes(run, updates);
-    let rows = scenes.iter().flat_map(|scene| scene.rows.iter().map(move |row| (scene, *row)));
-    let rows =
-        rows.flat_map(|(scene, row)| row.traces.iter().map(move |trace| Row { scene, row, trace })).collect_vec();
-    let sheet = Sheet::<Row<'_>>::new()
-        .scene(|row| &row.row.scene)
-        .column("frames", |_| updates.frames)
-        .column("passes", |_| updates.passes)
-        .tracer(|row| row.row)
-        .then(|sheet| of_structures(sheet, |row| row.row, |row| fresh_of(row.scene, row.row)))
-        .rays(|row| Some(row.trace))
-        .query(|row| Some(row.trace.query))
-        .trace(COUNT, |row| Some(row.trace))
-        .clock("clock", |row| Some(&row.trace.times))
-        .whole_trace(SPEED, |row| Some(row.trace))
-        .column("speed_over_fresh", Row::speed_over_fresh)
-        .accuracy(|row| Some(row.trace))
-        .provenance(&run.provenance, &run.preset);
-    sheet.table(&rows)
 }

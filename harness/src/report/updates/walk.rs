@@ -1,15 +1,19 @@
 //! The table of frames along the camera's path: the time of all frames together, and the accuracy at each.
 
+use std::ptr;
+
 use itertools::Itertools as _;
 use tracebench_api::Query;
 
-use super::{head, updated, way};
+use super::head;
 use crate::report::document::{Document, set_heading};
 use crate::report::format::{self, NONE, clock_code, clock_of, percent};
-use crate::report::metrics::{Better, COUNT, FIRST_BUILD, SPEED, STRUCTURE, TRACE_TIME, headed};
+use crate::report::group::groups;
+use crate::report::metrics::{Better, FIRST_BUILD, TRACE_TIME, headed};
 use crate::report::sheet::{Cell, Column, Sheet, Table};
-use crate::report::{metrics, summary};
-use crate::results::{Run, SceneFollowed, TraceRecord, TracerRun, UpdatesRecord};
+use crate::report::tables::Placed;
+use crate::report::{self, Report, metrics, summary};
+use crate::results::{Run, SceneFollowed, TraceRecord, UpdatesRecord};
 use crate::studies::updates::{Total, Walker, walkers};
 
 /// The way that totals are set against.
@@ -169,55 +173,18 @@ fn accuracies(set: &Set<'_>) -> Table {
     sheet.table(&set.walkers)
 }
 
-/// A frame of a walk.
-struct Row<'a> {
-    set: &'a Set<'a>,
-    walker: &'a Walker<'a>,
-    frame: usize,
-    row: &'a TracerRun,
-    trace: &'a TraceRecord,
-}
-
-impl Row<'_> {
-    /// The first frame is a fresh build for every way that begins there.
-    fn way(&self) -> String {
-        if self.frame == 0 { format!("{}, {}", way(self.row), self.walker.way) } else { self.walker.way.to_owned() }
-    }
-}
-
-/// One row a scene, ray set, tracer, way and frame.
-pub(super) fn csv(run: &Run, updates: &UpdatesRecord) -> Table {
+/// What is told of later frames: the time of all frames on their way.
+pub(super) fn rows(run: &Run, updates: &UpdatesRecord) -> Report {
+    type Walk<'a> = (&'a Set<'a>, &'a Walker<'a>);
+    let groups = groups(run);
     let sets: Vec<Set<'_>> = updates.scenes.iter().flat_map(|scene| sets(run, scene)).collect();
-    let mut rows: Vec<Row<'_>> = Vec::new();
-    for (set, walker) in sets.iter().flat_map(|set| set.walkers.iter().map(move |walker| (set, walker))) {
-        let measured = |(frame, there): (usize, &Option<_>)| {
-            let (row, trace) = (*there)?;
-            Some(Row { set, walker, frame, row, trace })
-        };
-        rows.extend(walker.frames.iter().enumerate().filter_map(measured));
-    }
-    let sheet = Sheet::<Row<'_>>::new()
-        .scene(|row| &row.row.scene)
-        .column("frames", |_| updates.frames)
-        .column("passes", |_| updates.passes)
-        .column("frame", |row| row.frame as u64)
-        .column("animation_time_s", |row| row.row.viewpoint.time_s)
-        .column("viewpoint", |row| row.row.viewpoint.name.clone())
-        .tracer(|row| row.row)
-        .column("way", Row::way)
-        .column("stale_by", |row| row.row.way.as_ref().map(|way| way.stale_by.join(" ")))
-        .then(|sheet| updated(sheet, |row| row.walker.update(row.frame)))
-        .structure(STRUCTURE, |row| Some(row.row))
-        .rays(|row| Some(row.trace))
-        .query(|row| Some(row.trace.query))
-        .trace(COUNT, |row| Some(row.trace))
-        .clock("clock", |row| Some(&row.trace.times))
-        .ends(["trace_median_ms", "trace_low_ms", "trace_high_ms"], |row| Cell::from(&row.trace.times))
-        .trace(SPEED, |row| Some(row.trace))
-        .accuracy(|row| Some(row.trace))
-        .column("all_frames_clock", |row| row.walker.total().map(|total| clock_code(total.clock)))
-        .column("all_frames_ms", |row| row.walker.total().map(|total| total.ms))
-        .column("all_frames_over_rebuild", |row| over_rebuilt(row.set, row.walker))
-        .provenance(&run.provenance, &run.preset);
-    sheet.table(&rows)
+    let walk = |(.., (_, _, trace)): &Placed<'_>| {
+        let mut all = sets.iter().flat_map(|set| set.walkers.iter().map(move |walker| (set, walker)));
+        all.find(|(_, walker)| walker.frames.iter().skip(1).flatten().any(|(_, own)| ptr::eq(*own, *trace)))
+    };
+    let own = Sheet::<Walk<'_>>::new()
+        .column("all_frames_clock", |(_, walker)| walker.total().map(|total| clock_code(total.clock)))
+        .column("all_frames_ms", |(_, walker)| walker.total().map(|total| total.ms))
+        .column("all_frames_over_rebuild", |(set, walker)| over_rebuilt(set, walker));
+    report::rows(run, &groups, own, walk)
 }
