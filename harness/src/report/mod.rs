@@ -59,7 +59,6 @@ pub use tune::TUNE_PAGE;
 
 use crate::files::{self, OutputFolder};
 use crate::results::{FrontScene, PICTURES_FOLDER, Run, SCHEMA};
-use chart::Charts;
 use document::Document;
 use group::Group;
 use kept::Kept;
@@ -75,15 +74,13 @@ const PACKED: &str = "run.json.gz";
 /// The page of a run in full.
 const SUMMARY: &str = "summary.md";
 
-/// What is made of a record, each part with its name.
+/// What is made of a record, each part with its name; charts have theirs in documents.
 #[derive(Debug, Default)]
 pub struct Report {
     /// Documents.
     pub(crate) pages: Vec<(String, Document)>,
     /// Tables for other programs.
     pub(crate) tables: Vec<(String, Table)>,
-    /// Charts, without the ends of their files.
-    pub(crate) charts: Charts,
     /// Other files.
     pub(crate) data: Contents,
 }
@@ -99,7 +96,6 @@ impl Report {
         self.tables.retain(|(name, _)| other.tables.iter().all(|(own, _)| own != name));
         self.pages.extend(other.pages);
         self.tables.extend(other.tables);
-        self.charts.extend(other.charts);
         self.data.extend(other.data);
         self
     }
@@ -113,7 +109,7 @@ impl Report {
         let tables = self.tables.iter().map(|(name, table)| Ok((name.clone(), table.csv(name)?)));
         let mut contents = pages.chain(tables).collect::<Result<Contents, ReportError>>()?;
         contents.extend(self.data.iter().cloned());
-        contents.extend(chart::files(&self.charts)?);
+        contents.extend(chart::files(self.pages.iter().flat_map(|(_, page)| page.charts()))?);
         Ok(contents)
     }
 }
@@ -295,7 +291,6 @@ fn of_run(run: &Run, of_table: Tables) -> Result<Report, ReportError> {
     let (groups, shown) = (group::groups(run), group::groups(&labelled));
     let summary = Report {
         pages: vec![(SUMMARY.to_owned(), summary::summary(&labelled, &shown))],
-        charts: chart::charts(&labelled, &shown),
         ..rows(run, &groups, Sheet::new(), |_| None::<()>)
     };
     let sweep = run.sweep.as_ref().map(|record| sweep::report(run, record, &groups)).unwrap_or_default();

@@ -69,18 +69,15 @@ pub(super) fn knob_value(value: f64) -> String {
 /// What is made of a run of cases: page and chart.
 pub(super) fn report(run: &Run, _: Tables) -> Result<Report, ReportError> {
     let Some(stability) = &Stability::of(run) else { return Ok(Report::default()) };
-    Ok(Report {
-        pages: vec![(STABILITY_TABLE.to_owned(), page(stability))],
-        charts: vec![(CHART.to_owned(), Drawing::Panels(chart::strength::chart(stability)))],
-        ..Report::default()
-    })
+    Ok(Report::of_page(STABILITY_TABLE, page(stability)))
 }
 
 fn page(stability: &Stability) -> Document {
     let Provenance { machine, commit, dirty, started, rules_version, .. } = &stability.provenance;
     let (commit, machine) = (format::commit(commit, *dirty), machine.label());
     let head = format!("{started}, commit {commit}, rules version {rules_version}. Machine: {machine}.");
-    let head = Document::titled("Stability").words(head).chart(CHART, "Wrong rays over strength");
+    let chart = Drawing::Panels(chart::strength::chart(stability));
+    let head = Document::titled("Stability").words(head).chart(CHART, "Wrong rays over strength", chart);
     head.and(document(stability)).and(stability.cases.iter().map(section))
 }
 

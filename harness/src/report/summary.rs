@@ -6,6 +6,7 @@ use itertools::Itertools as _;
 use tracebench_api::{AdapterListing, Query, Rasterizer};
 
 use super::cells::{self, Row, coverage, label, touched};
+use super::chart::{self, Drawing};
 use super::distances;
 use super::document::Document;
 use super::format::{self, mib, significant, statistic, thousands};
@@ -33,7 +34,7 @@ pub(super) fn summary(run: &Run, groups: &[Group<'_>]) -> Document {
         page = page.words("Nothing ran.");
     }
     for group in groups {
-        page = page.and(scene(group)).and(builds(group)).and(group.ray_sets.iter().map(|set| ray_set(group, set)));
+        page = page.and(scene(run, group)).and(builds(group)).and(group.ray_sets.iter().map(|set| ray_set(group, set)));
     }
     page.and(skipped(&run.skipped))
 }
@@ -162,7 +163,7 @@ pub(super) fn head_of(from: &Provenance, preset: &str, seed: u64, controls: &Ver
     Document::titled(title).and(items)
 }
 
-fn scene(group: &Group<'_>) -> Document {
+fn scene(run: &Run, group: &Group<'_>) -> Document {
     let (scene, viewpoint) = (group.scene, group.viewpoint);
     let scale = scene.scale.map_or_else(String::new, |scale| format!(", scale {scale}"));
     let [x, y, z] = viewpoint.eye.map(|each| significant(f64::from(each), 4));
@@ -184,10 +185,12 @@ fn scene(group: &Group<'_>) -> Document {
             thousands(scene.duplicate_triangles_kept)
         ));
     }
-    let stem = &group.stem;
-    page = page.chart(format!("error_vs_speed_{stem}"), "Error against speed");
+    let [speed, tolerance] = [chart::STEMS[0], chart::STEMS[1]].map(|begin| format!("{begin}{}", group.stem));
+    if !group.ray_sets.is_empty() {
+        page = page.chart(speed, "Error against speed", Drawing::Panels(chart::speed::chart(run, group)));
+    }
     if group.ray_sets.iter().any(|set| set.query == Query::Closest) {
-        page = page.chart(format!("agreement_over_tolerance_{stem}"), "Agreement over tolerance");
+        page = page.chart(tolerance, "Agreement over tolerance", Drawing::Panels(chart::tolerance::chart(run, group)));
     }
     page
 }

@@ -72,14 +72,17 @@ pub(crate) fn report(paper: &Paper, experiment: &Experiment, run: &Run) -> Resul
         .and(notes(experiment, &rows))
         .and(published::section(&published.paper, &beside))
         .and(measured::sections(&page))
-        .and(charts.iter().map(|chart| Document::default().chart(&chart.stem, &chart.title)))
+        .and(
+            charts
+                .into_iter()
+                .map(|chart| Document::default().chart(chart.stem.clone(), chart.title.clone(), series(&run, chart))),
+        )
         .and(claims::section(&judged))
         .and(summary::skipped(&run.skipped));
     let verdicts = format!("verdicts_{}.json", experiment.name.replace('-', "_"));
     Ok(Report {
         pages: vec![(format!("{}.md", peers::stem(experiment.name)), document)],
         data: vec![(verdicts.clone(), claims::json(&verdicts, &judged)?)],
-        charts: charts.into_iter().map(|chart| series(&run, chart)).collect(),
         ..Report::default()
     })
 }

@@ -5,17 +5,17 @@ mod canvas;
 mod curves;
 mod frame;
 mod front;
-mod overtaking;
+pub(super) mod overtaking;
 mod palette;
 mod panel;
 mod scale;
 pub(crate) mod series;
-mod speed;
+pub(super) mod speed;
 pub(super) mod strength;
 pub(super) mod sweep;
 #[cfg(test)]
 mod tests;
-mod tolerance;
+pub(super) mod tolerance;
 pub(super) mod tune;
 
 use itertools::Itertools as _;
@@ -24,11 +24,11 @@ use tracebench_api::Query;
 use super::format;
 use super::group::{Group, RaySet};
 use super::metrics::BALANCED;
-use super::pareto::{Shown, as_read, rays_a_pixel};
+use super::pareto::{as_read, rays_a_pixel};
 use super::verdict::{self, Verdict};
 use super::{Contents, ReportError};
 use crate::results::{ParetoRecord, Provenance, Run, TracerRun};
-use crate::studies::pareto::{Amount, By, Class, Cost, Field, contested};
+use crate::studies::pareto::{Amount, By, Cost, Field};
 pub(super) use canvas::DrawError;
 pub use canvas::without_images;
 use front::{FrontFigure, PanelOf};
@@ -61,9 +61,6 @@ pub(crate) enum Drawing {
     Series(SeriesChart, String),
 }
 
-/// Charts by their names, which are those of their files without the ends.
-pub(crate) type Charts = Vec<(String, Drawing)>;
-
 impl Drawing {
     /// As SVG.
     pub(super) fn svg(&self) -> Result<String, DrawError> {
@@ -92,7 +89,7 @@ impl Drawing {
 }
 
 /// Charts as files, SVG and PNG.
-pub(super) fn files(charts: &Charts) -> Result<Contents, ReportError> {
+pub(super) fn files<'a>(charts: impl Iterator<Item = (&'a str, &'a Drawing)>) -> Result<Contents, ReportError> {
     let mut files = Vec::new();
     for (stem, drawing) in charts {
         let fail = |error: DrawError| made(stem, &error);
@@ -102,75 +99,20 @@ pub(super) fn files(charts: &Charts) -> Result<Contents, ReportError> {
     Ok(files)
 }
 
-/// Every chart of a run.
-pub(super) fn charts(run: &Run, groups: &[Group<'_>]) -> Charts {
-    let mut charts = Vec::new();
-    let styles = palette::Styles::of(run);
-    for group in groups.iter().filter(|group| !group.ray_sets.is_empty()) {
-        let mut add = |begin: &str, chart| charts.push((format!("{begin}{}", group.stem), Drawing::Panels(chart)));
-        add(STEMS[0], speed::chart(run, group, &styles));
-        if group.ray_sets.iter().any(|set| set.query == Query::Closest) {
-            add(STEMS[1], tolerance::chart(run, group, &styles));
-        }
-    }
-    charts
-}
-
-/// The charts of fronts: by ray set and rule the fronts of every cost and those at matched bytes and build time, by ray set who overtakes
-/// whom.
-pub(super) fn pareto_charts(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> Charts {
-    let styles = FrontStyles::of(record);
-    let mut charts = Vec::new();
-    for (scene, field) in shown.iter().flat_map(|scene| scene.fronts.fields.iter().map(move |field| (scene, field))) {
-        for by in By::all(field.query) {
-            let figure = fronts_of(run, record, field, *by, &styles);
-            charts.push((scene.chart(field.rays, by.name()), Drawing::Fronts(figure)));
-            let panels: Vec<PanelOf<'_>> =
-                [Cost::Bytes, Cost::Build].into_iter().flat_map(|cost| matched(field, cost)).collect();
-            if !panels.is_empty() {
-                let what = "Fronts at matched bytes and build time";
-                let figure = FrontFigure::new(run, field, *by, what, panels, &styles, 3);
-                charts.push((scene.chart(field.rays, &format!("{}_matched", by.name())), Drawing::Fronts(figure)));
-            }
-        }
-        // The last rule is the one by which charts show methods that sample.
-        let Some(by) = By::all(field.query).last() else { continue };
-        let classes = contested(&scene.fronts, field, *by);
-        if !classes.is_empty() {
-            let figure = overtaking::chart(run, field, &classes, &styles);
-            charts.push((scene.chart(field.rays, "break_even"), Drawing::Panels(figure)));
-        }
-    }
-    charts
-}
-
 /// The fronts of every cost over one ray set by one rule.
-fn fronts_of(run: &Run, record: &ParetoRecord, field: &Field<'_>, by: By, styles: &FrontStyles) -> FrontFigure {
+pub(super) fn fronts(run: &Run, record: &ParetoRecord, field: &Field<'_>, by: By) -> FrontFigure {
     let panel = |cost: Cost| PanelOf { title: front_title(cost), cost, entries: field.entries.clone() };
     let panels: Vec<PanelOf<'_>> = Cost::all(&record.rays_per_pixel).into_iter().map(panel).collect();
     let columns = if panels.len() > 4 { 3 } else { 2 };
-    FrontFigure::new(run, field, by, "Fronts", panels, styles, columns)
+    FrontFigure::new(run, field, by, "Fronts", panels, &FrontStyles::of(record), columns)
 }
 
-/// The fronts of a ray set in two layers, for a page.
-pub(super) fn front_layers(
-    run: &Run,
-    record: &ParetoRecord,
-    field: &Field<'_>,
-    by: By,
-) -> Result<FrontLayers, ReportError> {
-    fronts_of(run, record, field, by, &FrontStyles::of(record)).layers().map_err(|error| made("fronts", &error))
-}
-
-/// Who overtakes whom among points of classes, as SVG, for a page.
-pub(super) fn break_even_svg(
-    run: &Run,
-    record: &ParetoRecord,
-    field: &Field<'_>,
-    classes: &[Class<'_>],
-) -> Result<String, ReportError> {
-    let figure = overtaking::chart(run, field, classes, &FrontStyles::of(record));
-    canvas::to_svg(&figure).map_err(|error| made("break-even", &error))
+/// Those at matched bytes and build time, where there are any.
+pub(super) fn matched_fronts(run: &Run, record: &ParetoRecord, field: &Field<'_>, by: By) -> Option<FrontFigure> {
+    let panels: Vec<PanelOf<'_>> =
+        [Cost::Bytes, Cost::Build].into_iter().flat_map(|cost| matched(field, cost)).collect();
+    let what = "Fronts at matched bytes and build time";
+    (!panels.is_empty()).then(|| FrontFigure::new(run, field, by, what, panels, &FrontStyles::of(record), 3))
 }
 
 /// The colours that causes and the like take in turn.

@@ -10,7 +10,7 @@ use super::palette::{PLAIN, Style};
 use super::panel::{Aside, Axis, Chart, Mark, Panel, Place, Scale};
 use super::{LONGEST_NAME, LONGEST_SET, cut, untimed_caption};
 use crate::report::format::{self, percent, thousands};
-use crate::results::Run;
+use crate::results::{ParetoRecord, Run};
 use crate::studies::pareto::{BEYOND, Class, ClassCost, Entry, Field, Overtaking};
 
 const PLOT_HEIGHT: f64 = 240.0;
@@ -36,7 +36,8 @@ impl<'a> Numbers<'a> {
 }
 
 /// The chart of who overtakes whom: a panel a class.
-pub(super) fn chart(run: &Run, field: &Field<'_>, classes: &[Class<'_>], styles: &FrontStyles) -> Chart {
+pub(in crate::report) fn chart(run: &Run, record: &ParetoRecord, field: &Field<'_>, classes: &[Class<'_>]) -> Chart {
+    let styles = &FrontStyles::of(record);
     let numbers = Numbers::of(classes);
     let panels: Vec<Panel> = classes.iter().map(|class| panel(class, styles, &numbers)).collect();
     let key = vec![

@@ -52,9 +52,9 @@ pub(crate) struct SeriesChart {
     pub panels: Vec<SeriesPanel>,
 }
 
-/// A chart of a record with its name.
-pub(crate) fn series(run: &Run, chart: SeriesChart) -> (String, Drawing) {
-    (chart.stem.clone(), Drawing::Series(chart, untimed_caption(&run.provenance, &run.preset)))
+/// A chart of a record.
+pub(crate) fn series(run: &Run, chart: SeriesChart) -> Drawing {
+    Drawing::Series(chart, untimed_caption(&run.provenance, &run.preset))
 }
 
 impl SeriesChart {

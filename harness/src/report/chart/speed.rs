@@ -38,7 +38,8 @@ struct Point {
 type Shown = (Vec<Point>, Vec<(String, f64)>);
 
 /// The chart of a group.
-pub(super) fn chart(run: &Run, group: &Group<'_>, styles: &Styles) -> Chart {
+pub(in crate::report) fn chart(run: &Run, group: &Group<'_>) -> Chart {
+    let styles = &Styles::of(run);
     let shown: Vec<Shown> = group.ray_sets.iter().map(|set| shown(group, set, styles)).collect();
     let points = || shown.iter().flat_map(|(points, _)| points);
     let speeds = log_range(points().flat_map(|point| point.speed_interval.into_iter().chain([point.speed])));

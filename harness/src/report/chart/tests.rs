@@ -9,6 +9,7 @@ use super::series::{Series, SeriesChart, SeriesPanel, series};
 use super::*;
 use crate::report::fixture::{self, FrontQuality, Quality};
 use crate::report::group::groups;
+use crate::report::summary::summary;
 use crate::results::Judgement;
 
 /// A text of an SVG that lies level: its box and what it says.
@@ -51,20 +52,20 @@ fn labels(svg: &str) -> Vec<Label> {
 
 /// Draws every chart of a run and looks at each.
 fn check(run: &Run) -> Vec<String> {
-    let charts = charts(run, &groups(run));
-    check_charts(&charts);
-    files(&charts).unwrap().into_iter().map(|(name, _)| name).collect()
+    let summary = summary(run, &groups(run));
+    check_charts(summary.charts());
+    files(summary.charts()).unwrap().into_iter().map(|(name, _)| name).collect()
 }
 
 /// Draws charts, looks at each, and gives their SVGs.
-pub(in crate::report) fn check_charts(charts: &Charts) -> Vec<String> {
-    let check = |(stem, drawing): &(String, Drawing)| {
+pub(in crate::report) fn check_charts<'a>(charts: impl Iterator<Item = (&'a str, &'a Drawing)>) -> Vec<String> {
+    let check = |(stem, drawing): (&str, &Drawing)| {
         let svg = drawing.svg().unwrap();
         check_svg(stem, &svg);
         check_png(stem, &drawing.png().unwrap());
         svg
     };
-    charts.iter().map(check).collect()
+    charts.map(check).collect()
 }
 
 pub(in crate::report) fn check_svg(name: &str, svg: &str) {
@@ -171,7 +172,7 @@ fn odd_figures_and_long_texts() {
 #[test]
 fn clocks_are_named() {
     let run = fixture::typical();
-    let svg = charts(&run, &groups(&run))[0].1.svg().unwrap();
+    let svg = summary(&run, &groups(&run)).charts().next().unwrap().1.svg().unwrap();
     for wanted in ["bvh-cpu [host clock]", "screen-dda [submit to done, host clock]", "do not compare"] {
         assert!(svg.contains(wanted), "{wanted}");
     }
@@ -225,7 +226,7 @@ fn series_are_drawn_whatever_they_hold() {
             key: Some(["solid", "broken"]),
             panels: vec![panel(values.clone()), panel(values)],
         };
-        let drawn = files(&vec![series(&run, chart)]).unwrap();
+        let drawn = files([("figure_x", &series(&run, chart))].into_iter()).unwrap();
         assert_eq!(drawn.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["figure_x.svg", "figure_x.png"]);
         let svg = std::str::from_utf8(&drawn[0].1).unwrap();
         assert!(["tiles", "solid", "broken (dashed)", "24", "bytes (MiB)"].iter().all(|text| svg.contains(text)));
@@ -247,8 +248,8 @@ fn break_even_names_every_point() {
         [point("quick", 1.0, 1.0), point("fast", 9.0, 900.0), point("fast", 3.0, 300.0), point("other", 2.0, 500.0)];
     let run = fixture::fronts(&points, &[("diffuse", Query::Closest)], 30.0);
     let record = run.pareto.as_ref().unwrap();
-    let charts = pareto_charts(&run, record, &crate::report::pareto::shown(&run, record));
-    let svg = charts.iter().find(|(stem, _)| stem.ends_with("room_diffuse_break_even")).unwrap().1.svg().unwrap();
+    let page = crate::report::pareto::page::page(&run, record, &crate::report::pareto::shown(&run, record));
+    let svg = page.charts().find(|(stem, _)| stem.ends_with("room_diffuse_break_even")).unwrap().1.svg().unwrap();
     let lines: Vec<&str> = svg.lines().collect();
     // Labels of ticks do not begin at their place.
     let times = |text: &str| lines.windows(2).filter(|pair| pair[0].contains("\"start\"") && pair[1] == text).count();

@@ -18,7 +18,8 @@ type Curve = Vec<Place>;
 type Shown = (Vec<(Style, Curve)>, Vec<(String, Curve)>);
 
 /// The chart of a group.
-pub(super) fn chart(run: &Run, group: &Group<'_>, styles: &Styles) -> Chart {
+pub(in crate::report) fn chart(run: &Run, group: &Group<'_>) -> Chart {
+    let styles = &Styles::of(run);
     let sets: Vec<&RaySet<'_>> = group.ray_sets.iter().filter(|set| set.query == Query::Closest).collect();
     let shown: Vec<Shown> = sets.iter().map(|set| shown(group, set, styles)).collect();
     let contenders = shown.iter().flat_map(|(contenders, _)| contenders.iter().map(|(_, curve)| curve));

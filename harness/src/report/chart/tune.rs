@@ -223,7 +223,7 @@ mod tests {
 
     /// Draws every chart, looks at each, and gives the SVGs.
     fn check(tuning: &Tuning) -> Vec<String> {
-        check_charts(&crate::report::tune::of_tuning(tuning).charts)
+        check_charts(crate::report::tune::of_tuning(tuning).pages[0].1.charts())
     }
 
     /// Panels of both viewpoints and of the agreement, every class, every label, the parameter with its unit, the machine; a

@@ -13,13 +13,14 @@ use crate::report::format::with_interval;
 use crate::report::pareto::page;
 use crate::report::{ReportError, metrics};
 use crate::results::FrontPoint;
-use crate::studies::pareto::{By, Cost, Standing, Wrong, contested};
+use crate::studies::pareto::{By, Cost, Standing, Wrong};
 
 /// Charts of fronts, with who is on them.
 pub(super) fn fronts(places: &[Place<'_>], machines: &[String], names: &Names) -> Result<Vec<Piece>, ReportError> {
     let mut pieces = Vec::new();
     for place in places {
-        let layers = chart::front_layers(&place.read.run, place.record, place.field, place.by)?;
+        let figure = chart::fronts(&place.read.run, place.record, place.field, place.by);
+        let layers = figure.layers().map_err(|error| chart::made("fronts", &error))?;
         pieces.push(Piece::Heavy {
             rank: Rank::Front,
             what: format!("fronts of {}", place.title()),
@@ -50,12 +51,11 @@ pub(super) fn operating_points(places: &[Place<'_>], names: &Names) -> Vec<Piece
 pub(super) fn break_even(places: &[Place<'_>], machines: &[String], names: &Names) -> Result<Vec<Piece>, ReportError> {
     let mut pieces = Vec::new();
     for place in places {
-        let classes = contested(&place.shown.fronts, place.field, place.by);
-        if classes.is_empty() {
-            continue;
-        }
         let machine = &machines[place.read.machine - 1];
-        let svg = chart::break_even_svg(&place.read.run, place.record, place.field, &classes)?;
+        // The chart stands above.
+        let text = page::break_even(&place.read.run, place.record, place.shown, place.field, place.by);
+        let Some((_, drawing)) = text.charts().next() else { continue };
+        let svg = drawing.svg().map_err(|error| chart::made("break-even", &error))?;
         let alt = format!("Time of a frame over its number of rays, by tracer: {}", place.title());
         let caption = format!("{}. Time of a frame (ms) over rays a frame, of every tracer. {machine}.", place.title());
         pieces.push(Piece::Heavy {
@@ -64,8 +64,6 @@ pub(super) fn break_even(places: &[Place<'_>], machines: &[String], names: &Name
             html: figure(&svg, &alt, &caption, place.tags()),
             tags: place.tags().text(),
         });
-        // The chart stands above.
-        let text = page::break_even(place.shown, place.field, place.by);
         pieces.push(opened(Rank::Page, place, ["break-even", ""], &text, names));
     }
     Ok(pieces)

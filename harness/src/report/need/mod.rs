@@ -4,7 +4,7 @@ mod page;
 #[cfg(test)]
 mod tests;
 
-use super::chart::series::{Series, SeriesChart, SeriesPanel, series};
+use super::chart::series::{Series, SeriesChart, SeriesPanel};
 use super::format::{self, significant, thousands};
 use super::group::{groups, stems};
 use super::sheet::Sheet;
@@ -41,7 +41,6 @@ pub(super) fn report(run: &Run, _: Tables) -> Result<Report, ReportError> {
     let groups = groups(run);
     Ok(Report {
         pages: vec![(NEED_PAGE.to_owned(), page::page(run, record, &curves, &shown))],
-        charts: shown.iter().filter_map(|each| Some(series(run, chart(record, each)?))).collect(),
         ..rows(run, &groups, page::of_steps(Sheet::new()), |(.., (.., trace))| {
             steps().find(|row| row.step.trace.is_some_and(|own| ptr::eq(own, *trace)))
         })

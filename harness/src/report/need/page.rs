@@ -1,6 +1,7 @@
 //! `need.md`.
 
-use super::{Shown, contender, value_of};
+use super::{Shown, chart, contender, value_of};
+use crate::report::chart::series::series;
 use crate::report::document::{Document, Of};
 use crate::report::format::{significant, thousands};
 use crate::report::markdown::literal;
@@ -23,8 +24,8 @@ pub(super) fn page(run: &Run, record: &NeedRecord, curves: &[Curve<'_>], shown: 
         let (name, triangles) = (literal(&each.scene.name), thousands(each.scene.triangles));
         let of = Of { scene: Some(each.scene.name.clone()), rays: Some(each.rays.to_owned()) };
         let mut page = Document::default().headed(2, format!("{name} ({triangles} triangles), {}", each.rays), of);
-        if each.curves.iter().any(|curve| !curve.axes.is_empty()) {
-            page = page.chart(&each.chart, "rays lost over steps");
+        if let Some(chart) = chart(record, each) {
+            page = page.chart(&each.chart, "rays lost over steps", series(run, chart));
         }
         if let Some((rays, unseen)) = each.curves.iter().find_map(|curve| curve.unseen_loss()) {
             page = page.words(format!(

@@ -6,7 +6,7 @@ pub(in crate::report) mod page;
 pub(in crate::report) mod tests;
 
 use super::group::{groups, stems};
-use super::{Report, ReportError, Tables, chart, format, metrics, rows};
+use super::{Report, ReportError, Tables, format, metrics, rows};
 use crate::results::{FrontScene, ParetoRecord, Run};
 use crate::studies::pareto::{Amount, Cost, Field, SceneFronts, scene_fronts};
 
@@ -40,7 +40,6 @@ pub(super) fn report(run: &Run, _: Tables) -> Result<Report, ReportError> {
             ("operating_points.csv".to_owned(), csv::operating(&shown)),
             ("break_even.csv".to_owned(), csv::break_even(&shown)),
         ],
-        charts: chart::pareto_charts(run, record, &shown),
         ..Report::default()
     }))
 }

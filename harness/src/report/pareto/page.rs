@@ -6,6 +6,7 @@ use itertools::Itertools as _;
 
 use super::{Shown, as_read, cost_name, csv};
 use crate::rays::shared_centres;
+use crate::report::chart::{self, Drawing};
 use crate::report::document::{Document, set_heading};
 use crate::report::format::{percent, percent_with_interval, significant, thousands};
 use crate::report::markdown::literal;
@@ -21,7 +22,7 @@ use crate::studies::pareto::{
 const MOST_SHARED_CENTRES: f64 = 0.01;
 
 /// The whole page.
-pub(super) fn page(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> Document {
+pub(in crate::report) fn page(run: &Run, record: &ParetoRecord, shown: &[Shown<'_>]) -> Document {
     let tracers: BTreeSet<&str> = record.points.iter().map(|point| point.tracer.as_str()).collect();
     let head = summary::head(run, "Fronts of speed, build and bytes against error").words(format!(
         "{} points of {} tracers, at most {} each, published and improved together. All times are by the host's clock, of work on a \
@@ -130,16 +131,17 @@ pub(in crate::report) fn with_cost(field: &Field<'_>, aim: Aim, found: &Entry<'_
 /// Everything by one rule: operating points, how far tracers get, who is on a front, who overtakes whom.
 fn by_rule(run: &Run, record: &ParetoRecord, scene: &Shown<'_>, field: &Field<'_>, by: By) -> Document {
     let name = by.name();
-    let [fronts, matched] = ["", "_matched"].map(|what| scene.chart(field.rays, &format!("{name}{what}")));
-    let mut page = Document::default().heading(4, format!("By {name}")).chart(fronts, "fronts");
-    if [Cost::Bytes, Cost::Build].iter().any(|cost| !field.budgets(*cost).is_empty()) {
-        page = page.chart(matched, "fronts at matched bytes and build time");
+    let stem = |what: &str| scene.chart(field.rays, &format!("{name}{what}"));
+    let fronts = Drawing::Fronts(chart::fronts(run, record, field, by));
+    let mut page = Document::default().heading(4, format!("By {name}")).chart(stem(""), "fronts", fronts);
+    if let Some(matched) = chart::matched_fronts(run, record, field, by) {
+        page = page.chart(stem("_matched"), "fronts at matched bytes and build time", Drawing::Fronts(matched));
     }
     page.and([
         operating_points(scene, field, by),
         reach(field, by),
         front_points(run, record, field, by),
-        break_even(scene, field, by),
+        break_even(run, record, scene, field, by),
     ])
 }
 
@@ -267,7 +269,13 @@ fn cost_cell(field: &Field<'_>, entry: &Entry<'_>, cost: Cost) -> Cell {
 }
 
 /// Who is cheapest at how many rays a frame.
-pub(in crate::report) fn break_even(scene: &Shown<'_>, field: &Field<'_>, by: By) -> Document {
+pub(in crate::report) fn break_even(
+    run: &Run,
+    record: &ParetoRecord,
+    scene: &Shown<'_>,
+    field: &Field<'_>,
+    by: By,
+) -> Document {
     // A class, and a place among those who are cheapest there.
     type Cheapest<'a> = (&'a Class<'a>, usize);
     let classes: Vec<Class<'_>> = LEVELS.iter().flat_map(|level| classes(&scene.fronts, field, by, *level)).collect();
@@ -292,8 +300,14 @@ pub(in crate::report) fn break_even(scene: &Shown<'_>, field: &Field<'_>, by: By
         return Document::of(format!("{how}: no point is right so often."));
     }
     let page = Document::of(format!("{how}:")).table(sheet.table(&rows));
-    let is_drawn = By::all(field.query).last() == Some(&by) && !contested(&scene.fronts, field, by).is_empty();
-    if is_drawn { page.chart(scene.chart(field.rays, "break_even"), "break-even") } else { page }
+    // By the last rule, by which charts show methods that sample.
+    let contested =
+        if By::all(field.query).last() == Some(&by) { contested(&scene.fronts, field, by) } else { Vec::new() };
+    if contested.is_empty() {
+        return page;
+    }
+    let drawing = Drawing::Panels(chart::overtaking::chart(run, record, field, &contested));
+    page.chart(scene.chart(field.rays, "break_even"), "break-even", drawing)
 }
 
 fn label(class: &Class<'_>, who: usize) -> String {

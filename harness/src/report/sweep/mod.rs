@@ -6,7 +6,6 @@ pub(in crate::report) mod tests;
 
 use std::borrow::Cow;
 
-use super::chart::{self, Drawing};
 use super::group::{Group, RaySet};
 use super::sheet::Sheet;
 use super::{Report, rows};
@@ -113,7 +112,6 @@ pub(super) fn report(run: &Run, sweep: &SweepRecord, groups: &[Group<'_>]) -> Re
     let views = views(sweep, groups);
     Report {
         pages: vec![(SWEEP_PAGE.to_owned(), page::page(run, sweep, &views))],
-        charts: views.iter().map(|view| (view.stem(), Drawing::Panels(chart::sweep::chart(run, view)))).collect(),
         ..rows(run, groups, own, |(.., (_, run, _))| point(run))
     }
 }

@@ -1,6 +1,7 @@
 //! `sweep.md`.
 
 use super::{Cell, Curve, View};
+use crate::report::chart::{self, Drawing};
 use crate::report::document::Document;
 use crate::report::group::Role;
 use crate::report::metrics::{BUILD_TIME, SPEED, STRUCTURE, USED};
@@ -31,12 +32,12 @@ pub(super) fn page(run: &Run, sweep: &SweepRecord, views: &[View<'_>]) -> Docume
             page = page.heading(3, &view.axis.name).words(format!("{}.", view.axis.effect));
             axis = &view.axis.name;
         }
-        page = page.and(section(view));
+        page = page.and(section(run, view));
     }
     page.and(summary::skipped(&run.skipped))
 }
 
-fn section(view: &View<'_>) -> Document {
+fn section(run: &Run, view: &View<'_>) -> Document {
     let set = view.set;
     let all: Vec<_> = view.curves.iter().flat_map(|curve| &curve.cells).collect();
     let rows: Vec<_> =
@@ -70,8 +71,9 @@ fn section(view: &View<'_>) -> Document {
         .counted_that(true, &rows, measured);
     let places: Vec<Place<'_>> =
         view.curves.iter().flat_map(|curve| curve.cells.iter().map(move |cell| (curve, cell))).collect();
+    let drawing = Drawing::Panels(chart::sweep::chart(run, view));
     set.headed(4, "")
-        .chart(view.stem(), format!("{} over {}", set.title, view.axis.name))
+        .chart(view.stem(), format!("{} over {}", set.title, view.axis.name), drawing)
         .words(cells::coverage(&rows))
         .table(sheet.table(&places))
 }

@@ -4,7 +4,6 @@ mod page;
 #[cfg(test)]
 pub(in crate::report) mod tests;
 
-use super::chart::{self, Drawing};
 use super::group::{groups, stems};
 use super::sheet::{Column, Sheet};
 use super::tables::Placed;
@@ -54,12 +53,7 @@ fn code(label: Label) -> String {
 
 /// Page and a chart a scene.
 pub(in crate::report) fn of_tuning(tuning: &Tuning) -> Report {
-    let charts = tuning.scenes.iter().zip(chart_stems(tuning));
-    Report {
-        pages: vec![(TUNE_PAGE.to_owned(), page::page(tuning))],
-        charts: charts.map(|(scene, stem)| (stem, Drawing::Panels(chart::tune::chart(tuning, scene)))).collect(),
-        ..Report::default()
-    }
+    Report::of_page(TUNE_PAGE, page::page(tuning))
 }
 
 /// What the charts of the scenes are called, without their ends.

@@ -4,6 +4,7 @@ use itertools::Itertools as _;
 use tracebench_api::Query;
 
 use super::{Errors, chart_stems, labels_of, score_at, score_name, trials};
+use crate::report::chart::{self, Drawing};
 use crate::report::document::Document;
 use crate::report::format::{self, points, significant, thousands};
 use crate::report::markdown::literal;
@@ -22,7 +23,8 @@ pub(super) fn page(tuning: &Tuning) -> Document {
             .zip(["own"].into_iter().chain(std::iter::repeat("other")))
             .flat_map(|(view, whose)| view.sets.iter().map(move |set| one_set(tuning, whose, view, set)));
         let page = Document::default().scene(2, &scene.scene, "");
-        page.chart(stem, format!("{name}: errors over {}", tuning.axis.name)).and(sets)
+        let drawing = Drawing::Panels(chart::tune::chart(tuning, scene));
+        page.chart(stem, format!("{name}: errors over {}", tuning.axis.name), drawing).and(sets)
     };
     let sections = tuning.scenes.iter().zip(chart_stems(tuning)).map(section);
     head(tuning).and(sections).and(summary::skipped(&tuning.skipped))

@@ -84,7 +84,7 @@ impl Figure for Ground<'_> {
 
 impl FrontFigure {
     /// The chart in two layers.
-    pub(in crate::report::chart) fn layers(&self) -> Result<FrontLayers, DrawError> {
+    pub(in crate::report) fn layers(&self) -> Result<FrontLayers, DrawError> {
         let panels = self.panels.iter().enumerate().map(|(index, panel)| self.points_of(index, panel)).collect();
         Ok(FrontLayers {
             ground: to_svg(&Ground(self))?,

@@ -15,9 +15,9 @@ use crate::results::Judgement;
 fn check(run: &Run) -> Vec<(String, String)> {
     let groups = groups(run);
     let record = run.sweep.as_ref().unwrap();
-    let charts = crate::report::sweep::report(run, record, &groups).charts;
-    let svgs = check_charts(&charts);
-    charts.into_iter().map(|(stem, _)| format!("{stem}.svg")).zip(svgs).collect()
+    let report = crate::report::sweep::report(run, record, &groups);
+    let charts = || report.pages[0].1.charts();
+    charts().map(|(stem, _)| format!("{stem}.svg")).zip(check_charts(charts())).collect()
 }
 
 const SETS: [(&str, Query); 2] = [("diffuse", Query::Closest), ("ao", Query::Any)];
