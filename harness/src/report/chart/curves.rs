@@ -5,6 +5,7 @@ use super::axis::log_range;
 use super::palette::Style;
 use super::panel::{Aside, Axis, Control, Mark, Panel, Place, Scale};
 use super::{LONGEST_VALUE, cut};
+use crate::report::sheet::Accuracy;
 use crate::studies::sweep::Multiple;
 
 const FILLED: f64 = 4.0;
@@ -27,6 +28,12 @@ impl Measured {
     /// A value that is known exactly.
     pub(super) fn exact(value: f64) -> Self {
         Self { value, interval: [value; 2] }
+    }
+
+    /// How often answers are wrong, of how often they are right.
+    pub(super) fn wrong(right: &Accuracy) -> Option<Self> {
+        let [low, high] = right.interval.unwrap_or([right.share?; 2]);
+        Some(Self { value: (1.0 - right.share?).max(0.0), interval: [(1.0 - high).max(0.0), (1.0 - low).max(0.0)] })
     }
 
     /// Whether it is a number with an interval of numbers.

@@ -26,9 +26,7 @@ pub(super) fn rules(query: Query) -> Vec<Rule> {
 
 /// How often answers are wrong by a rule.
 fn wrong(trace: &TraceRecord, (_, place): Rule) -> Option<Measured> {
-    let right = metrics::right_of(trace).get(place).copied()?;
-    let [low, high] = right.interval.unwrap_or([right.share?; 2]);
-    Some(Measured { value: (1.0 - right.share?).max(0.0), interval: [(1.0 - high).max(0.0), (1.0 - low).max(0.0)] })
+    Measured::wrong(metrics::right_of(trace).get(place)?)
 }
 
 /// A figure of each of a view's curves, which have so many styles, in the order of the axis.
