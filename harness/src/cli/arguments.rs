@@ -48,7 +48,7 @@ pub(super) struct TableArguments {
     /// (all that move, for a table over animations; for a paper's table those that stand for the paper's).
     #[arg(long)]
     pub scene: Option<OsString>,
-    #[arg(long, help = exact_tracer_help())]
+    #[arg(long, help = tables::tracer_help())]
     pub tracer: Option<String>,
     /// Ray sets: names from `list rays` with commas, or all; the table's own if not given.
     #[arg(long)]
@@ -284,10 +284,6 @@ impl RunArguments {
     }
 }
 
-fn exact_tracer_help() -> String {
-    format!("Of table {} the tracers, as `run` takes them; {} if not given", tables::EXACT, tables::exact_tracer())
-}
-
 impl TableArguments {
     /// What a table is about: its own scenes, tracers and ray sets where nothing else is said.
     pub(super) fn matter(&self, table: Table) -> Result<Matter, CliError> {
@@ -301,13 +297,13 @@ impl TableArguments {
                 .map(|entry| listed(entry.name))
                 .collect(),
             (None, Table::Claims(_)) => Vec::new(),
-            (None, Table::Exact) => names::scenes(OsStr::new("all"))?,
+            (None, Table::Study(_)) => names::scenes(OsStr::new("all"))?,
             (None, Table::Paper(_, experiment)) => experiment.scenes.iter().map(|each| listed(each.scene)).collect(),
         };
         let tracers = match table {
             Table::Settings(peers) => names::peers(peers, settings)?,
             Table::Claims(_) => Vec::new(),
-            Table::Exact => names::tracers(self.tracer.as_deref().unwrap_or(&tables::exact_tracer()), settings)?,
+            Table::Study(study) => names::tracers(self.tracer.as_deref().unwrap_or(&(study.tracers)()), settings)?,
             Table::Paper(_, experiment) => {
                 let mut steps = names::steps(experiment, settings)?;
                 names::only(&mut steps, &self.only)?;
@@ -348,10 +344,10 @@ impl WorkArguments {
             None => RunPreset::for_adapter(hardware()),
         };
         let preset = table.and_then(papers::find).map_or(preset, |(paper, _)| paper.resolved(preset));
-        let is_exact = table == Some(tables::EXACT);
-        // Nobody asks that table for times, and no set of it is to outweigh the others.
-        let preset = if is_exact { RunPreset { sampling: Sampling::rounds(1), ..preset } } else { preset };
-        let own = is_exact.then(|| "rays.pixel_random_count=2".to_owned()).into_iter();
+        let study = table.and_then(tables::study);
+        let is_timed = study.is_none_or(|study| study.is_timed);
+        let preset = if is_timed { preset } else { RunPreset { sampling: Sampling::rounds(1), ..preset } };
+        let own = study.iter().flat_map(|study| study.settings).map(|setting| (*setting).to_owned());
         let settings: Vec<String> = own.chain(self.common.settings.iter().cloned()).collect();
         let frame = self.frame.unwrap_or(preset.frame);
         let own_image = match between_samples {

@@ -12,7 +12,7 @@ use crate::cases::{CASES, Case};
 use crate::plan::TracerRequest;
 use crate::rays::{RAY_SETS, RaySet, ray_parameters};
 use crate::registry::TRACERS;
-use crate::tables::{self, Table};
+use crate::tables::Table;
 
 #[derive(Args)]
 pub(super) struct ListArguments {
@@ -176,7 +176,7 @@ fn rows(table: Table) -> Vec<String> {
         Table::Settings(peers) => peers.contenders(),
         Table::Paper(_, experiment) => experiment.requests().concat(),
         Table::Claims(_) => Vec::new(),
-        Table::Exact => return vec![tables::exact_tracer()],
+        Table::Study(study) => return vec![(study.tracers)()],
     };
     requests.iter().map(row).unique().collect()
 }
@@ -190,7 +190,7 @@ fn tables() -> Vec<Value> {
         match table {
             Table::Settings(peers) if peers.reference().is_empty() => {}
             Table::Settings(peers) => item["reference"] = json!(peers.reference()),
-            Table::Exact => {}
+            Table::Study(_) => {}
             Table::Claims(paper) => item["paper"] = json!(paper.name),
             Table::Paper(paper, experiment) => {
                 item["paper"] = json!(paper.name);

@@ -18,7 +18,6 @@ use crate::plan::{Plan, SceneSource, TracerRequest};
 use crate::progress::Progress;
 use crate::report;
 use crate::results::Run;
-use crate::studies::exact;
 use crate::studies::tune::{Label, Tuning};
 use crate::studies::updates::{self, DEFAULT_FRAMES};
 use crate::tables::{self, Table};
@@ -36,12 +35,12 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
         return Err(CliError::Argument(format!("--time: table {} is over whole animations", table.name())));
     }
     let walked = matches!(table, Table::Settings(peers) if peers.subject == Subject::Walked);
-    let is_exact = matches!(table, Table::Exact);
-    if (walked || is_exact) && arguments.work.common.view.is_some() {
+    let is_study = matches!(table, Table::Study(_));
+    if (walked || is_study) && arguments.work.common.view.is_some() {
         let whence = if walked { "is along the camera's path" } else { "has viewpoints of its own" };
         return Err(CliError::Argument(format!("--view: table {} {whence}", table.name())));
     }
-    if !is_exact && arguments.tracer.is_some() {
+    if !is_study && arguments.tracer.is_some() {
         return Err(CliError::Argument(format!("--tracer: table {} has its own", table.name())));
     }
     let of_papers =
@@ -72,13 +71,13 @@ pub(super) fn table(arguments: &TableArguments, progress: &Progress) -> Result<(
             work.measure("table", progress)?;
         }
         Table::Paper(paper, experiment) => measure(paper, experiment, arguments, &mut work, progress)?,
-        Table::Exact => {
-            let plans = exact::plans(&work.plan);
+        Table::Study(study) => {
+            let plans = (study.plans)(&work.plan);
             let words = described("table", &plans, Value::Null);
             let run = work.bench.measure(&words, progress, |context| measure::execute_all(&plans, context))?;
             print_table(table, work.bench.out.path())?;
             all_measured(&work.plan, &run)?;
-            return all_right(&run);
+            return all_right(table, &run);
         }
         Table::Claims(_) => {}
     }
@@ -173,15 +172,13 @@ fn again(table: Table, path: &PathBuf, out: Option<&Path>) -> Result<(), CliErro
     refuse_others(folder.path(), std::iter::once(path))?;
     tables::write(table, &run, &folder)?;
     print_table(table, folder.path())?;
-    if matches!(table, Table::Exact) { all_right(&run) } else { Ok(()) }
+    all_right(table, &run)
 }
 
-/// That no ray is wrong.
-fn all_right(run: &Run) -> Result<(), CliError> {
-    match report::exact::wrong_rays(run) {
-        0 => Ok(()),
-        wrong => Err(CliError::Other(format!("{wrong} rays are wrong under `tight`"))),
-    }
+/// That nothing speaks against what a study measured.
+fn all_right(table: Table, run: &Run) -> Result<(), CliError> {
+    let fault = if let Table::Study(study) = table { (study.fault)(run) } else { None };
+    fault.map_or(Ok(()), |fault| Err(CliError::Other(fault)))
 }
 
 /// Of a paper's table the verdicts are the answer.

@@ -261,7 +261,7 @@ pub(super) fn per_triangle(run: &TracerRun) -> [f64; 2] {
 
 /// Wrong rays under `tight`. Ambiguous rays of closest hits are among them where they are wrong; of any hit they are in no class, since either
 /// answer is right.
-pub(super) fn wrong_tight(judgement: &Judgement) -> u64 {
+pub(crate) fn wrong_tight(judgement: &Judgement) -> u64 {
     match judgement {
         Judgement::Closest(closest) => closest.classes.tight.wrong(),
         Judgement::Any(any) => any.occlusion.false_occluded + any.occlusion.false_free,

@@ -10,7 +10,6 @@ mod compare;
 mod distances;
 pub(crate) mod document;
 mod error;
-pub mod exact;
 mod explain;
 #[cfg(test)]
 pub(crate) mod fixture;

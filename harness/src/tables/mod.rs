@@ -1,14 +1,15 @@
-//! Every table that `tracebench table` makes: of tracers at settings, of whether any ray is wrong, of the papers' tables
-//! and figures, and of their claims.
+//! Every table that `tracebench table` makes: of tracers at settings, of studies, of the papers' tables and figures, and of
+//! their claims.
+
+mod exact;
 
 use std::path::PathBuf;
-
-use tracebench_api::Preset;
 
 use crate::files::OutputFolder;
 use crate::papers::{self, Experiment, PAPERS, Paper};
 use crate::peers::{self, Subject};
-use crate::registry;
+use crate::plan::Plan;
+use crate::report::document::Document;
 use crate::report::{self, Report, ReportError};
 use crate::results::Run;
 
@@ -17,22 +18,51 @@ use crate::results::Run;
 pub enum Table {
     /// Tracers at settings, a row each.
     Settings(&'static peers::Table),
-    /// Whether a tracer has any wrong ray, from five viewpoints of every scene.
-    Exact,
+    /// A study.
+    Study(&'static Study),
     /// A paper's table or figure.
     Paper(&'static Paper, &'static Experiment),
     /// All that a paper claims, by runs of its tables.
     Claims(&'static Paper),
 }
 
-/// The name of the table of wrong rays.
-pub const EXACT: &str = "exact";
+/// A study that is a table: what it measures, and what it tells of that.
+#[derive(Debug)]
+pub struct Study {
+    /// Its stable name.
+    pub name: &'static str,
+    /// What it shows, in one line.
+    pub summary: &'static str,
+    /// Ray sets where nothing else is said, as `--rays` takes them.
+    pub rays: &'static str,
+    /// Tracers where none is named, as `--tracer` takes them.
+    pub tracers: fn() -> String,
+    /// What is set where nothing else is said.
+    pub settings: &'static [&'static str],
+    /// Whether it is asked for times; else everything is sampled once.
+    pub is_timed: bool,
+    /// What is measured, of a plan over its scenes.
+    pub plans: fn(&Plan) -> Vec<Plan>,
+    /// Its page below a title.
+    pub(crate) page: fn(&Run, &str) -> Document,
+    /// What speaks against the tracers: `table` fails with it.
+    pub fault: fn(&Run) -> Option<String>,
+}
 
-/// The tracer of which that is asked where none is named, as `--tracer` takes it: the first with analytic hits whose weaknesses a ladder takes
-/// away, as improved.
-pub fn exact_tracer() -> String {
-    let first = registry::first(|each| each.is_analytic() && !each.ladder.is_empty());
-    first.map_or_else(String::new, |first| format!("{}:{}", first.name(), Preset::Improved.name()))
+/// Every study that is a table, a line each.
+const STUDIES: &[&Study] = &[&exact::STUDY];
+
+/// The study of a table.
+pub fn study(table: &str) -> Option<&'static Study> {
+    STUDIES.iter().find(|study| study.name == table).copied()
+}
+
+/// What is said of the option by which studies take tracers.
+pub fn tracer_help() -> String {
+    let each = |study: &&Study| {
+        format!("Of table {} the tracers, as `run` takes them; {} if not given", study.name, (study.tracers)())
+    };
+    STUDIES.iter().map(each).collect::<Vec<_>>().join(". ")
 }
 
 impl Table {
@@ -43,7 +73,10 @@ impl Table {
             let experiments = paper.experiments.iter().map(move |experiment| Self::Paper(paper, experiment));
             experiments.chain([Self::Claims(paper)])
         };
-        peers::all().map(Self::Settings).chain([Self::Exact]).chain(PAPERS.iter().flat_map(of))
+        peers::all()
+            .map(Self::Settings)
+            .chain(STUDIES.iter().map(|study| Self::Study(study)))
+            .chain(PAPERS.iter().flat_map(of))
     }
 
     /// Finds a table by name.
@@ -55,7 +88,7 @@ impl Table {
     pub fn name(self) -> &'static str {
         match self {
             Self::Settings(table) => table.name,
-            Self::Exact => EXACT,
+            Self::Study(study) => study.name,
             Self::Paper(_, experiment) => experiment.name,
             Self::Claims(paper) => paper.claims_table,
         }
@@ -65,9 +98,7 @@ impl Table {
     pub fn summary(self) -> &'static str {
         match self {
             Self::Settings(table) => table.summary,
-            Self::Exact => {
-                "whether a tracer has any wrong ray: every ray set from five viewpoints of every scene, with status 1 if it has"
-            }
+            Self::Study(study) => study.summary,
             Self::Paper(_, experiment) => experiment.summary,
             Self::Claims(_) => {
                 "all that the paper claims, with a verdict on every claim by the runs of its tables that --from names"
@@ -79,7 +110,7 @@ impl Table {
     pub fn rays(self) -> &'static str {
         match self {
             Self::Settings(table) => table.rays,
-            Self::Exact => "all",
+            Self::Study(study) => study.rays,
             Self::Paper(_, experiment) => experiment.rays,
             Self::Claims(_) => "",
         }
@@ -94,7 +125,7 @@ impl Table {
     pub fn holds(self, tracer: &str) -> bool {
         match self {
             Self::Settings(table) => table.holds(tracer),
-            Self::Exact => true,
+            Self::Study(_) => true,
             Self::Paper(_, experiment) => experiment.holds(tracer),
             Self::Claims(_) => false,
         }
@@ -104,7 +135,10 @@ impl Table {
     fn report(self, run: &Run) -> Result<Report, ReportError> {
         Ok(match self {
             Self::Settings(table) => report::peers::report(table, run),
-            Self::Exact => report::exact::report(EXACT, &format!("Table {EXACT}: {}", self.summary()), run),
+            Self::Study(study) => {
+                let page = (study.page)(run, &format!("Table {}: {}", study.name, study.summary));
+                Report::of_page(format!("{}.md", report::peers::stem(study.name)), page)
+            }
             Self::Paper(paper, experiment) => papers::report(paper, experiment, run)?,
             Self::Claims(paper) => papers::claims_report(paper, std::slice::from_ref(run))?,
         })

@@ -1,12 +1,50 @@
-//! Whether any ray is wrong: `table_exact.md`.
+//! Whether a tracer has any wrong ray: every ray set from five viewpoints of every scene.
 
 use itertools::Itertools as _;
 
-use super::document::Document;
-use super::metrics::wrong_tight;
-use super::sheet::{Cell, Sheet};
-use super::{Report, peers, summary};
+use tracebench_api::Preset;
+
+use super::Study;
+use crate::plan::{Plan, ViewRequest};
+use crate::registry;
+use crate::report::document::Document;
+use crate::report::metrics::wrong_tight;
+use crate::report::sheet::{Cell, Sheet};
+use crate::report::summary;
 use crate::results::{Run, TraceRecord, TracerRun};
+
+/// From so many viewpoints a scene is seen.
+const VIEWPOINTS: usize = 5;
+
+/// The table. Nobody asks it for times, and no set of it is to outweigh the others.
+pub(super) const STUDY: Study = Study {
+    name: "exact",
+    summary: "whether a tracer has any wrong ray: every ray set from five viewpoints of every scene, with status 1 if it has",
+    rays: "all",
+    tracers: tracer,
+    settings: &["rays.pixel_random_count=2"],
+    is_timed: false,
+    plans,
+    page,
+    fault,
+};
+
+/// The first tracer with analytic hits whose weaknesses a ladder takes away, as improved.
+fn tracer() -> String {
+    let first = registry::first(|each| each.is_analytic() && !each.ladder.is_empty());
+    first.map_or_else(String::new, |first| format!("{}:{}", first.name(), Preset::Improved.name()))
+}
+
+/// A plan from each viewpoint: the scene's own cameras first, then others on the circle through its default one.
+fn plans(plan: &Plan) -> Vec<Plan> {
+    (0..VIEWPOINTS).map(|place| Plan { view: ViewRequest::Nth(place, VIEWPOINTS), ..plan.clone() }).collect()
+}
+
+/// That rays are wrong.
+fn fault(run: &Run) -> Option<String> {
+    let wrong = counts(run.runs.iter().flat_map(|row| &row.traces))[1];
+    (wrong > 0).then(|| format!("{wrong} rays are wrong under `tight`"))
+}
 
 /// A tracer with one of its traces.
 type Row<'a> = (&'a TracerRun, &'a TraceRecord);
@@ -19,18 +57,8 @@ fn counts<'a>(traces: impl IntoIterator<Item = &'a TraceRecord>) -> [u64; 3] {
     traces.into_iter().map(of).fold([0; 3], add)
 }
 
-/// Wrong rays of a whole run.
-pub fn wrong_rays(run: &Run) -> u64 {
-    counts(run.runs.iter().flat_map(|row| &row.traces))[1]
-}
-
-/// The table.
-pub(crate) fn report(name: &str, title: &str, run: &Run) -> Report {
+fn page(run: &Run, title: &str) -> Document {
     let rows: Vec<Row<'_>> = run.runs.iter().flat_map(|row| row.traces.iter().map(move |trace| (row, trace))).collect();
-    Report::of_page(format!("{}.md", peers::stem(name)), page(title, run, &rows))
-}
-
-fn page(title: &str, run: &Run, rows: &[Row<'_>]) -> Document {
     let [count, wrong, ties] = counts(rows.iter().map(|(_, trace)| *trace));
     let told = |count: u64| Cell::Count(count).told();
     let by_view = Sheet::<&TracerRun>::new()
